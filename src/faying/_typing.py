@@ -1,0 +1,44 @@
+"""Array types and the frozen-array rule shared by every value of faying.
+
+Dimensions used in shapes throughout the package:
+
+====================  ==========================================================
+``n_node``            nodes of the mesh
+``n_dof``             free degrees of freedom of a system (full or reduced)
+``n_point``           contact points (quadrature points of all interfaces)
+``n_pair``            node pairs of an interface
+``n_boundary``        boundary degrees of freedom, where loads enter
+``n_bolt``            bolts
+``n_mode``            columns of a basis
+``n_time``            instants of a transient solution
+``n_case``            load cases
+====================  ==========================================================
+"""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+Vector = npt.NDArray[np.float64]
+Matrix = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+SparseMatrix = sp.csr_array[np.float64]
+
+
+def frozen(array: npt.ArrayLike, dtype: Any = np.float64) -> Any:
+    """Return ``array`` as a read-only contiguous NumPy array (copied only if it is writable)."""
+    result = np.ascontiguousarray(array, dtype=dtype)
+    if result.flags.writeable:
+        result = result.copy() if result is array else result
+        result.setflags(write=False)
+    return result
+
+
+def read_only(matrix: SparseMatrix) -> SparseMatrix:
+    """Mark the arrays of a sparse matrix read-only and return it."""
+    for part in (matrix.data, matrix.indices, matrix.indptr):
+        part.setflags(write=False)
+    return matrix

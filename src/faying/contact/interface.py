@@ -1,0 +1,170 @@
+"""The contact interface: a linear gap operator, quadrature weights, and a local law.
+
+Signs and units: ``docs/conventions.md``. In short, the normal points out of the *minus* side,
+gap g = g₀ + n·(u⁺ − u⁻) ≥ 0 is open, and pressure p ≥ 0 is compression.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.exceptions import ModelError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FacePairs:
+    """Matched facets of one kind on the two sides of an interface.
+
+    Attributes
+    ----------
+    kind
+        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+    minus, plus : (n_face, n_node_per_face)
+        Node indices; column j of ``plus`` touches column j of ``minus``. Columns run
+        counter-clockwise seen from outside the minus body.
+    """
+
+    kind: str
+    minus: Indices
+    plus: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "minus", frozen(self.minus, np.int64))
+        object.__setattr__(self, "plus", frozen(self.plus, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Interface:
+    """Zero-thickness elements between two matched surfaces, Eq. (15.11), with a penalty law.
+
+    Attributes
+    ----------
+    faces
+        The matched facets, one entry per kind.
+    pairs : (n_pair, 2)
+        Node indices (minus, plus) of the touching nodes.
+    pair_normals : (n_pair, 3)
+        Unit normals out of the minus side at the pairs (area-weighted mean of the facets).
+    relative_operator : (n_relative, n_dof) sparse
+        Relative displacement u⁺ − u⁻ of the pairs: along the one normal of a flat interface
+        (n_relative = n_pair), or all three components of a curved one (3 n_pair).
+    interpolation : (n_point, n_relative) sparse
+        Shape functions, times the normal where the interface is curved.
+    point_shape : (n_point, n_pair) sparse
+        Plain shape functions of the pairs at the contact points.
+    initial_gap : (n_point,) [length]
+    weights : (n_point,) [length²]
+        Area each contact point stands for.
+    points, normals : (n_point, 3)
+    face_of_point : (n_point,)
+        Running number of the facet (through all entries of ``faces``) a point lies on.
+    penalty : [force/length³]
+        Contact stiffness c_n of Eq. (15.12); ``inf`` is hard contact, Eq. (15.7).
+    quadrature
+        Name of the rule, e.g. ``"gauss-2"`` or ``"nodal"``.
+    """
+
+    name: str
+    faces: tuple[FacePairs, ...]
+    pairs: Indices
+    pair_normals: Matrix
+    relative_operator: SparseMatrix
+    interpolation: SparseMatrix
+    point_shape: SparseMatrix
+    initial_gap: Vector
+    weights: Vector
+    points: Matrix
+    normals: Matrix
+    face_of_point: Indices
+    penalty: float
+    quadrature: str
+
+    def __post_init__(self) -> None:
+        for name in ("pair_normals", "initial_gap", "weights", "points", "normals"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in ("pairs", "face_of_point"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+        if not self.penalty > 0:
+            message = (
+                f"interface '{self.name}': the penalty is {self.penalty:g}; give a positive "
+                "number, 'auto' or 'hard'"
+            )
+            raise ModelError(message)
+
+    @cached_property
+    def gap_operator(self) -> SparseMatrix:
+        """G (n_point, n_dof): gap per displacement, Eq. (15.3); Gᵀλ are the forces of (15.11)."""
+        return read_only((self.interpolation @ self.relative_operator).tocsr())
+
+    @property
+    def n_points(self) -> int:
+        """Number of contact points."""
+        return len(self.weights)
+
+    @property
+    def area(self) -> float:
+        """Area of the interface [length²]."""
+        return float(self.weights.sum())
+
+    def nodal_average(self, values: Matrix) -> Matrix:
+        """Average a quantity at the contact points to the node pairs.
+
+        Weights are w N², which stay positive for quadratic facets where ∫N may not.
+
+        Parameters
+        ----------
+        values : (..., n_point)
+
+        Returns
+        -------
+        ndarray (..., n_pair)
+        """
+        weight = self.point_shape.power(2).multiply(self.weights[:, None]).tocsr()
+        total = np.asarray(weight.sum(axis=0)).ravel()
+        weighted: Matrix = (weight.T @ np.asarray(values).T).T
+        return weighted / np.where(total > 0, total, 1.0)
+
+    def with_penalty(self, penalty: float) -> "Interface":
+        """Return a copy with another contact stiffness (``inf`` for hard contact)."""
+        return replace(self, penalty=float(penalty))
+
+    def with_initial_gap(self, initial_gap: Vector) -> "Interface":
+        """Return a copy with another initial gap at every contact point."""
+        gap = np.broadcast_to(np.asarray(initial_gap, dtype=float), self.initial_gap.shape)
+        return replace(self, initial_gap=gap)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Contact:
+    """All interfaces of a system stacked: what a solver needs to know of contact, nothing more.
+
+    Attributes
+    ----------
+    gap_operator : (n_point, n_dof)
+        Sparse for a full model, dense (GΦ) for a reduced one.
+    initial_gap, weights, penalty : (n_point,)
+    slices
+        Interface name to its contact points.
+    residual_compliance : (n_point, n_point) or None
+        R of the reduced model: gap per contact force that the basis cannot express.
+    """
+
+    gap_operator: SparseMatrix | Matrix
+    initial_gap: Vector
+    weights: Vector
+    penalty: Vector
+    slices: Mapping[str, slice] = field(default_factory=dict)
+    residual_compliance: Matrix | None = None
+
+    @property
+    def flexibility(self) -> Vector:
+        """Diagonal of D = diag(1 / (c_n w)) [length/force]; zero where contact is hard."""
+        return np.asarray(1.0 / (self.penalty * self.weights))
+
+    @property
+    def n_points(self) -> int:
+        """Number of contact points of all interfaces."""
+        return len(self.weights)

@@ -1,0 +1,21 @@
+"""Errors meant for people: one message that names the culprit and the remedy."""
+
+
+class FayingError(Exception):
+    """Base of all errors faying raises on purpose; the command line prints them without traceback."""
+
+
+class ModelError(FayingError):
+    """The model cannot be used as described: an unconstrained body, an unknown set, a bad element."""
+
+
+class FormatError(FayingError):
+    """A file cannot be read: it is missing, malformed, or asks for something unsupported."""
+
+
+class StudyError(FayingError):
+    """A study file asks for something that does not exist or does not fit together."""
+
+
+class ConvergenceError(FayingError):
+    """An iteration ended without a solution; the message says how far it got and what to try."""

@@ -1,0 +1,308 @@
+"""What a deck says: mesh, materials, beams, couplings, supports, nodal loads. Plain values.
+
+An :class:`Assembly` is the common meeting point of every source (generator, deck, matrices) and of
+every writer. :func:`faying.model.build.build_model` turns it into a :class:`faying.Model`.
+
+Each node has six degrees of freedom, translations 0, 1, 2 and rotations 3, 4, 5, in the basic
+frame; those that nothing touches are dropped when the model is built.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.exceptions import ModelError
+from faying.model.mesh import Mesh
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Isotropic linear elastic material.
+
+    Attributes
+    ----------
+    youngs_modulus : [force/length²]
+    poissons_ratio : [-]
+    density : [mass/length³]
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+    density: float
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        label = f"material '{self.name}'" if self.name else "material"
+        if not self.youngs_modulus > 0:
+            message = f"{label}: Young's modulus is {self.youngs_modulus:g}; it must be positive"
+            raise ModelError(message)
+        if not -1 < self.poissons_ratio < 0.5:
+            message = (
+                f"{label}: Poisson's ratio is {self.poissons_ratio:g}; "
+                "it must lie strictly between -1 and 0.5"
+            )
+            raise ModelError(message)
+        if not self.density >= 0:
+            message = f"{label}: density is {self.density:g}; it must not be negative"
+            raise ModelError(message)
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + ν)) [force/length²]."""
+        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BeamSection:
+    """Cross-section of a beam.
+
+    Attributes
+    ----------
+    area : [length²]
+    inertia_y, inertia_z : [length⁴]
+        Second moments for bending in the local x-z plane and in the local x-y plane.
+    torsion : [length⁴]
+        Torsion constant J.
+    shear_factor_y, shear_factor_z : [-]
+        Shear area divided by area in local y and z; ``inf`` is a beam rigid in shear
+        (Euler-Bernoulli).
+    """
+
+    area: float
+    inertia_y: float
+    inertia_z: float
+    torsion: float
+    shear_factor_y: float = np.inf
+    shear_factor_z: float = np.inf
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beam:
+    """A straight two-node beam.
+
+    Attributes
+    ----------
+    id
+        Element id.
+    nodes
+        Indices of its two nodes.
+    orientation : (3,)
+        A vector in the local x-y plane.
+    """
+
+    id: int
+    nodes: tuple[int, int]
+    section: BeamSection
+    material: Material
+    orientation: tuple[float, float, float]
+    property: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spring:
+    """A scalar spring between two degrees of freedom, or from one to ground.
+
+    Attributes
+    ----------
+    ends
+        One or two pairs (node index, component 0..5).
+    stiffness : [force/length] or [moment/rad]
+    """
+
+    id: int
+    ends: tuple[tuple[int, int], ...]
+    stiffness: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointMass:
+    """A concentrated mass at a node.
+
+    Attributes
+    ----------
+    mass : [mass]
+    inertia : (3, 3) [mass·length²]
+    """
+
+    id: int
+    node: int
+    mass: float
+    inertia: tuple[tuple[float, float, float], ...] = ((0.0,) * 3,) * 3
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RigidCoupling:
+    """RBE2: the named components of ``nodes`` follow ``reference`` as one rigid body.
+
+    Attributes
+    ----------
+    reference
+        Index of the independent node, which carries six degrees of freedom.
+    nodes : (n,)
+        Indices of the dependent nodes.
+    components
+        Components 0..5 of the dependent nodes that are tied.
+    """
+
+    id: int
+    reference: int
+    nodes: Indices
+    components: tuple[int, ...] = (0, 1, 2)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AverageCoupling:
+    """RBE3: ``reference`` moves as the weighted least-squares rigid motion of ``nodes``.
+
+    Attributes
+    ----------
+    reference
+        Index of the dependent node.
+    nodes : (n,)
+        Indices of the averaged nodes.
+    weights : (n,)
+    components
+        Components 0..5 of ``nodes`` that enter the average.
+    reference_components
+        Components of the reference node that are tied.
+    """
+
+    id: int
+    reference: int
+    nodes: Indices
+    weights: Vector
+    components: tuple[int, ...] = (0, 1, 2)
+    reference_components: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+        object.__setattr__(self, "weights", frozen(self.weights))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equation:
+    """MPC: Σ coefficient · u[node, component] = 0; the first term is the dependent one."""
+
+    id: int
+    terms: tuple[tuple[int, int, float], ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Support:
+    """SPC: the named components of ``nodes`` are held at zero.
+
+    Attributes
+    ----------
+    axes : (3, 3)
+        Rows are the directions the components refer to; the basic frame if None.
+    """
+
+    id: int
+    nodes: Indices
+    components: tuple[int, ...]
+    axes: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NodalLoads:
+    """Forces and moments on nodes.
+
+    Attributes
+    ----------
+    nodes : (n,)
+    forces : (n, 6) [force], [force·length]
+    """
+
+    nodes: Indices
+    forces: Matrix
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+        object.__setattr__(self, "forces", frozen(self.forces))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MatrixBlock:
+    """Mass, damping and stiffness from another program, added to whatever else the assembly holds.
+
+    Attributes
+    ----------
+    M, C, K : (n, n)
+        Sparse; ``C`` may be None.
+    nodes, components : (n,)
+        Node index and component 0..5 of each row.
+    """
+
+    M: SparseMatrix
+    K: SparseMatrix
+    nodes: Indices
+    components: Indices
+    C: SparseMatrix | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+        object.__setattr__(self, "components", frozen(self.components, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FaceSet:
+    """Named surface facets.
+
+    Attributes
+    ----------
+    kind
+        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+    nodes : (n_face, n_node_per_face)
+        Node indices, corners first, counter-clockwise seen from outside the body.
+    """
+
+    kind: str
+    nodes: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Assembly:
+    """Everything a deck says about the structure, before any equation is formed.
+
+    Attributes
+    ----------
+    mesh
+        Nodes and solid elements; without solids where matrices are given.
+    materials
+        Property id of solids to material.
+    element
+        Formulation of hex8: ``"incompatible"`` or ``"standard"``.
+    face_sets
+        Facets for models whose matrices come from elsewhere, and facets a deck names.
+    loads
+        Load set id (or name) to nodal loads.
+    ignored
+        What the reader understood to be harmless and left out, for ``faying check``.
+    """
+
+    mesh: Mesh
+    materials: Mapping[int, Material] = field(default_factory=dict)
+    element: str = "incompatible"
+    beams: tuple[Beam, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    masses: tuple[PointMass, ...] = ()
+    rigid_couplings: tuple[RigidCoupling, ...] = ()
+    average_couplings: tuple[AverageCoupling, ...] = ()
+    equations: tuple[Equation, ...] = ()
+    supports: tuple[Support, ...] = ()
+    matrices: MatrixBlock | None = None
+    face_sets: Mapping[str, FaceSet] = field(default_factory=dict)
+    loads: Mapping[str, NodalLoads] = field(default_factory=dict)
+    name: str = "assembly"
+    ignored: tuple[str, ...] = ()

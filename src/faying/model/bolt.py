@@ -1,0 +1,44 @@
+"""Bolt: an axial spring with an initial force that pretension sets and then locks."""
+
+from dataclasses import dataclass, replace
+
+from faying._typing import Matrix, Vector, frozen
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Bolt:
+    """Axial behaviour of a bolt: force N = k e + N₀ with elongation e = elongation · u.
+
+    Its stiffness k is part of the system's K; N₀ (Young's modulus × area × initial strain) acts as
+    the load −elongationᵀ N₀, which pulls head and nut together.
+
+    Attributes
+    ----------
+    elongation : (n_dof,)
+        Row that takes displacements to the elongation of the bolt.
+    stiffness : [force/length]
+        EA/L of the element that is tightened.
+    initial_force : [force]
+        N₀; zero for a bolt not yet tightened.
+    """
+
+    name: str
+    elongation: Vector
+    stiffness: float
+    initial_force: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "elongation", frozen(self.elongation))
+
+    def force(self, displacement: Matrix) -> Matrix:
+        """Axial force for displacements of shape (..., n_dof); tension is positive."""
+        elongation: Matrix = displacement @ self.elongation
+        return self.stiffness * elongation + self.initial_force
+
+    def locked(self, initial_force: float) -> "Bolt":
+        """Return the bolt with another initial force."""
+        return replace(self, initial_force=float(initial_force))
+
+    def projected(self, vectors: Matrix) -> "Bolt":
+        """Return the bolt as seen by coordinates q of u = vectors q."""
+        return replace(self, elongation=self.elongation @ vectors)

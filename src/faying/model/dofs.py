@@ -1,0 +1,55 @@
+"""The map from the six degrees of freedom of every node to the free ones of the model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, frozen
+from faying.exceptions import ModelError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DofMap:
+    """Linear constraints in the form u_node = T u_free.
+
+    Attributes
+    ----------
+    transformation : (6 n_node, n_dof) sparse
+        T; row 6 i + c belongs to component c of node index i. Rows of supported and of unused
+        components are empty.
+    free : (n_dof,)
+        Row of T in which each free degree of freedom appears with factor one.
+    """
+
+    transformation: SparseMatrix
+    free: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "free", frozen(self.free, np.int64))
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return self.transformation.shape[0] // 6
+
+    def nodal(self, displacement: Matrix) -> Matrix:
+        """Expand free displacements (n_dof,) or (n_time, n_dof) to (..., n_node, 6)."""
+        rows = (self.transformation @ np.asarray(displacement).T).T
+        return np.asarray(rows).reshape(*np.shape(displacement)[:-1], self.n_nodes, 6)
+
+    def index(self, nodes: Indices, components: Indices) -> Indices:
+        """Return the free indices of (node index, component) pairs.
+
+        Raises
+        ------
+        ModelError
+            If one of them is supported, dependent or unused.
+        """
+        wanted = 6 * np.asarray(nodes, dtype=np.int64) + np.asarray(components, dtype=np.int64)
+        position = np.full(6 * self.n_nodes, -1, dtype=np.int64)
+        position[self.free] = np.arange(len(self.free))
+        found: Indices = position[wanted]
+        if np.any(found < 0):
+            message = "a degree of freedom is supported, dependent or unused"
+            raise ModelError(message)
+        return found

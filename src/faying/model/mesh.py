@@ -1,0 +1,93 @@
+"""The mesh of solid elements: nodes, blocks of cells of one kind, named sets."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, frozen
+from faying.exceptions import ModelError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CellBlock:
+    """Solid elements of one kind.
+
+    Attributes
+    ----------
+    kind
+        ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"`` or ``"wedge6"``.
+    nodes : (n_cell, n_node_per_cell)
+        Indices into ``Mesh.nodes``, in the Nastran (and Abaqus) order of the element.
+    ids : (n_cell,)
+        Element ids as the user knows them; unique over all blocks of a mesh.
+    properties : (n_cell,)
+        Property ids; they name the material through ``Assembly.materials``.
+    """
+
+    kind: str
+    nodes: Indices
+    ids: Indices
+    properties: Indices
+
+    def __post_init__(self) -> None:
+        for name in ("nodes", "ids", "properties"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mesh:
+    """Nodes and solid elements.
+
+    Attributes
+    ----------
+    nodes : (n_node, 3) [length]
+        Coordinates in the basic frame.
+    node_ids : (n_node,)
+        Node ids as the user knows them.
+    blocks
+        Solid elements, one block per kind (several blocks of one kind are allowed).
+    node_sets, element_sets
+        Names to node *indices* and to element *ids*.
+    """
+
+    nodes: Matrix
+    node_ids: Indices
+    blocks: tuple[CellBlock, ...] = ()
+    node_sets: Mapping[str, Indices] = field(default_factory=dict)
+    element_sets: Mapping[str, Indices] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes))
+        object.__setattr__(self, "node_ids", frozen(self.node_ids, np.int64))
+        if self.nodes.shape != (len(self.node_ids), 3):
+            message = f"{len(self.node_ids)} node ids but coordinates of shape {self.nodes.shape}"
+            raise ModelError(message)
+
+    @property
+    def n_elements(self) -> int:
+        """Number of solid elements."""
+        return sum(len(block.ids) for block in self.blocks)
+
+    def node_index(self, node_ids: Indices) -> Indices:
+        """Return the indices of nodes given by id.
+
+        Raises
+        ------
+        ModelError
+            If an id does not exist; the message names it.
+        """
+        wanted = np.atleast_1d(np.asarray(node_ids, dtype=np.int64))
+        order = np.argsort(self.node_ids, kind="stable")
+        position = np.searchsorted(self.node_ids, wanted, sorter=order)
+        index: Indices = order[np.minimum(position, len(order) - 1)]
+        missing = wanted[self.node_ids[index] != wanted]
+        if missing.size:
+            shown = ", ".join(map(str, missing[:5]))
+            message = f"the model has no node with id {shown}; check the id in the study or deck"
+            raise ModelError(message)
+        return index
+
+    def with_node_set(self, name: str, nodes: Indices) -> "Mesh":
+        """Return a copy with the named set of node indices added."""
+        return replace(self, node_sets={**self.node_sets, name: frozen(nodes, np.int64)})

@@ -1,0 +1,86 @@
+"""What a user says about a model beyond its deck: interfaces, bolts, boundaries, damping."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+Selection = str | int | Sequence[int]
+"""A set name (node, element, face or property set), an element or property id, or several ids."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class InterfaceSpec:
+    """Where two bodies touch.
+
+    Attributes
+    ----------
+    minus, plus
+        The two sides; ``"auto"`` on both finds all coincident facets of different bodies.
+    quadrature
+        ``"gauss"`` or ``"nodal"``; None is Gauss for penalty contact and nodal for hard contact.
+    order
+        Gauss points per direction (quadrilaterals) or degree of exactness (triangles); None is
+        the rule that integrates the pressure of the facet's own shape functions.
+    penalty
+        Contact stiffness [force/length³], ``"auto"`` (10 E/h of the adjoining elements) or
+        ``"hard"``.
+    tolerance
+        Largest distance [length] between nodes that touch; None is 1 % of the smallest facet edge.
+    """
+
+    name: str
+    minus: Selection = "auto"
+    plus: Selection = "auto"
+    quadrature: Literal["gauss", "nodal"] | None = None
+    order: int | None = None
+    penalty: float | Literal["auto", "hard"] = "auto"
+    tolerance: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltSpec:
+    """A bolt to be tightened: beam elements of the deck, or a beam faying generates.
+
+    Attributes
+    ----------
+    elements
+        Ids of the deck's beam (or axial spring) elements that form the bolt.
+    axis
+        Centres ((x, y, z), (x, y, z)) of the two bearing surfaces of a generated bolt.
+    diameter, washer_radius : [length]
+    washer
+        ``"rbe2"`` (rigid) or ``"rbe3"`` (average) coupling of the nodes under the washer.
+    material
+        Property id or material name of a generated bolt; None is the solids' first material.
+    shear_flexible
+        Timoshenko (True) or Euler-Bernoulli beam.
+    mass
+        Whether the generated beam has mass.
+    """
+
+    name: str
+    elements: Sequence[int] | None = None
+    axis: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
+    diameter: float | None = None
+    washer_radius: float | None = None
+    washer: Literal["rbe2", "rbe3"] = "rbe2"
+    material: int | str | None = None
+    shear_flexible: bool = True
+    mass: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundarySpec:
+    """Where loads enter: one node id or a node set."""
+
+    name: str
+    node: int | None = None
+    set: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rayleigh:
+    """C = alpha M + beta K, alpha [1/time], beta [time]."""
+
+    alpha: float = 0.0
+    beta: float = 0.0
