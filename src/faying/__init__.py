@@ -1,0 +1,1 @@
+"""faying: contact pressure in bolted joints at the cost of a reduced model."""

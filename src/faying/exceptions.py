@@ -2,11 +2,11 @@
 
 
 class FayingError(Exception):
-    """Base of all errors faying raises on purpose; the command line prints them without traceback."""
+    """Base of all errors faying raises on purpose; the command line shows no traceback."""
 
 
 class ModelError(FayingError):
-    """The model cannot be used as described: an unconstrained body, an unknown set, a bad element."""
+    """The model cannot be used as described: an unconstrained body, a set that is not there."""
 
 
 class FormatError(FayingError):

@@ -1,0 +1,1 @@
+"""Factorizations and what is computed with them."""

@@ -1,0 +1,1 @@
+"""Stage 1: from a deck, a generator or matrices to M, C, K."""

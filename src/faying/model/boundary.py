@@ -54,13 +54,11 @@ class Boundary:
         """
         present = [FORCE_NAMES[c] for c in sorted(set(self.components.tolist()))]
         if force not in present:
-            message = (
-                f"boundary '{self.name}' takes no load '{force}'; "
-                f"it has {', '.join(present)}"
-            )
+            message = f"boundary '{self.name}' takes no load '{force}'; it has {', '.join(present)}"
             raise ModelError(message)
         chosen = self.components == FORCE_NAMES.index(force)
-        return chosen / chosen.sum()
+        unit: Vector = chosen / chosen.sum()
+        return unit
 
     def with_dofs(self, dofs: Indices) -> "Boundary":
         """Return the same boundary in a system with other indices."""

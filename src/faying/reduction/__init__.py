@@ -1,0 +1,1 @@
+"""Stage 3: bases and reduced models."""
