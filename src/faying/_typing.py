@@ -15,7 +15,7 @@ Dimensions used in shapes throughout the package:
 ====================  ==========================================================
 """
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +25,7 @@ Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
-SparseMatrix = sp.csr_array
+SparseMatrix: TypeAlias = sp.csr_array  # noqa: UP040  a plain alias stays usable at run time
 
 
 def frozen(array: npt.ArrayLike, dtype: Any = np.float64) -> Any:

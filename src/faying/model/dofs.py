@@ -30,7 +30,7 @@ class DofMap:
     @property
     def n_nodes(self) -> int:
         """Number of nodes."""
-        return self.transformation.shape[0] // 6
+        return int(self.transformation.shape[0]) // 6
 
     def nodal(self, displacement: Matrix) -> Matrix:
         """Expand free displacements (n_dof,) or (n_time, n_dof) to (..., n_node, 6)."""
