@@ -5,10 +5,11 @@ gap g = g₀ + n·(u⁺ − u⁻) ≥ 0 is open, and pressure p ≥ 0 is compres
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.exceptions import ModelError
@@ -143,21 +144,30 @@ class Contact:
 
     Attributes
     ----------
-    gap_operator : (n_point, n_dof)
-        Sparse for a full model, dense (GΦ) for a reduced one.
+    relative_operator : (n_relative, n_dof)
+        P, relative displacements of the node pairs; sparse for a full model, dense (PΦ) for a
+        reduced one. Reduction changes nothing else.
+    interpolation : (n_point, n_relative) sparse
+        N, gaps at the contact points from relative displacements.
     initial_gap, weights, penalty : (n_point,)
     slices
         Interface name to its contact points.
-    residual_compliance : (n_point, n_point) or None
-        R of the reduced model: gap per contact force that the basis cannot express.
+    residual_compliance : (n_relative, n_relative) or None
+        Relative displacement per contact force that the basis of a reduced model cannot express.
     """
 
-    gap_operator: SparseMatrix | Matrix
+    relative_operator: SparseMatrix | Matrix
+    interpolation: SparseMatrix
     initial_gap: Vector
     weights: Vector
     penalty: Vector
-    slices: Mapping[str, slice] = field(default_factory=dict)
+    slices: Mapping[str, slice]
     residual_compliance: Matrix | None = None
+
+    @property
+    def gap_operator(self) -> SparseMatrix | Matrix:
+        """G = N P (n_point, n_dof), Eq. (15.3)."""
+        return self.interpolation @ self.relative_operator
 
     @property
     def flexibility(self) -> Vector:
@@ -168,3 +178,26 @@ class Contact:
     def n_points(self) -> int:
         """Number of contact points of all interfaces."""
         return len(self.weights)
+
+    def at_points(self, compliance: Matrix) -> Matrix:
+        """Take a compliance between node pairs to one between contact points, N S Nᵀ."""
+        half = self.interpolation @ compliance
+        full: Matrix = self.interpolation @ half.T
+        return full
+
+
+def stack(interfaces: Mapping[str, Interface]) -> Contact:
+    """Stack the interfaces of a model in their order."""
+    members = list(interfaces.values())
+    ends = np.cumsum([0, *(member.n_points for member in members)])
+    return Contact(
+        relative_operator=read_only(sp.vstack([m.relative_operator for m in members]).tocsr()),
+        interpolation=read_only(sp.block_diag([m.interpolation for m in members]).tocsr()),
+        initial_gap=frozen(np.concatenate([m.initial_gap for m in members])),
+        weights=frozen(np.concatenate([m.weights for m in members])),
+        penalty=frozen(np.concatenate([np.full(m.n_points, m.penalty) for m in members])),
+        slices={
+            name: slice(int(start), int(stop))
+            for name, start, stop in zip(interfaces, ends[:-1], ends[1:], strict=True)
+        },
+    )
