@@ -22,7 +22,10 @@ mechanism comes out at the round-off of the product, 1e-16.
 class Factorization(Protocol):
     """A factorized matrix that solves for many right-hand sides."""
 
-    backend: str
+    @property
+    def backend(self) -> str:
+        """Name of the library that made the factors."""
+        ...
 
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return A⁻¹ B for B of shape (n,) or (n, k)."""
@@ -88,9 +91,14 @@ def factorize(A: SparseMatrix | Matrix) -> Factorization:
 
 def _factorize_dense(A: Matrix) -> Factorization:
     scale = _jacobi_scale(np.diag(A))
-    if np.linalg.eigvalsh(A * scale[:, None] * scale)[0] < MECHANISM * len(A):
-        values, vectors = np.linalg.eigh(A * scale[:, None] * scale)
-        raise SingularMatrixError(vectors[:, int(values.argmin())] * scale)
+    scaled = A * scale[:, None] * scale
+    try:
+        smallest_pivot = float(np.diag(la.cholesky(scaled)).min(initial=1.0)) ** 2
+    except la.LinAlgError:
+        smallest_pivot = 0.0
+    if smallest_pivot < MECHANISM:
+        vectors = np.linalg.eigh(scaled)[1]
+        raise SingularMatrixError(vectors[:, 0] * scale)
     return DenseFactorization(factor=la.cholesky(A, lower=True))
 
 

@@ -1,0 +1,137 @@
+"""The full finite element model of a joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.interface import Contact, Interface, stack
+from faying.exceptions import ModelError
+from faying.linalg.factorization import Factorization
+from faying.model.assembly import Assembly
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.model.dofs import DofMap
+from faying.model.specs import Rayleigh
+from faying.model.structure import Structure
+from faying.model.system import PortCompliance
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Model:
+    """A structure with interfaces, bolts and boundaries.
+
+    Copies made by the ``with_…`` methods share the structure, hence everything that was computed
+    from its factorization.
+
+    Attributes
+    ----------
+    structure
+        M, C, K and what is computed from their factorization.
+    interfaces, bolts, boundaries
+        By name.
+    dofs
+        From the six degrees of freedom of every node to the free ones.
+    assembly
+        The description the model was built from.
+    damping
+        Rayleigh factors of C.
+    units
+        Label of the consistent unit set, carried into every output.
+    """
+
+    structure: Structure
+    interfaces: Mapping[str, Interface]
+    bolts: Mapping[str, Bolt]
+    boundaries: Mapping[str, Boundary]
+    dofs: DofMap
+    assembly: Assembly
+    damping: Rayleigh = field(default_factory=Rayleigh)
+    name: str = "model"
+    units: str = "mm-t-s"
+
+    @property
+    def M(self) -> SparseMatrix:
+        """Mass matrix (n_dof, n_dof)."""
+        return self.structure.M
+
+    @property
+    def C(self) -> SparseMatrix:
+        """Damping matrix (n_dof, n_dof)."""
+        return self.structure.C
+
+    @property
+    def K(self) -> SparseMatrix:
+        """Stiffness matrix (n_dof, n_dof), bolts and sticking areas included."""
+        return self.structure.K
+
+    @cached_property
+    def contact(self) -> Contact:
+        """All interfaces stacked."""
+        return stack(self.interfaces)
+
+    @property
+    def port_compliance(self) -> PortCompliance:
+        """Static compliance between contact pairs, boundary and bolts."""
+        return self.structure.port_compliance
+
+    def factorize_static(self) -> Factorization:
+        """Return the factorization of K that the structure already holds."""
+        return _StaticFactorization(structure=self.structure)
+
+    def expand(self, states: Matrix) -> Matrix:
+        """Return the states themselves: they are the free displacements."""
+        return states
+
+    def with_penalty(self, penalty: float) -> "Model":
+        """Return a copy with another contact stiffness on all interfaces (``inf`` is hard)."""
+        return self.with_interfaces(
+            {name: interface.with_penalty(penalty) for name, interface in self.interfaces.items()}
+        )
+
+    def with_initial_gap(self, name: str, initial_gap: Vector) -> "Model":
+        """Return a copy with other initial gaps (n_point,) on one interface."""
+        return self.with_interfaces({name: self._interface(name).with_initial_gap(initial_gap)})
+
+    def with_interfaces(self, interfaces: Mapping[str, Interface]) -> "Model":
+        """Return a copy with interfaces of the same geometry but another law or gap."""
+        for name in interfaces:
+            self._interface(name)
+        return replace(self, interfaces={**self.interfaces, **interfaces})
+
+    def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "Model":
+        """Return a copy with bolts locked at other initial forces N₀."""
+        unknown = set(initial_forces) - set(self.bolts)
+        if unknown:
+            message = (
+                f"the model has no bolt '{min(unknown)}'; its bolts are "
+                f"{', '.join(self.bolts) or 'none'}"
+            )
+            raise ModelError(message)
+        locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
+        return replace(self, bolts={**self.bolts, **locked})
+
+    def _interface(self, name: str) -> Interface:
+        if name not in self.interfaces:
+            message = (
+                f"the model has no interface '{name}'; its interfaces are "
+                f"{', '.join(self.interfaces) or 'none'}"
+            )
+            raise ModelError(message)
+        return self.interfaces[name]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _StaticFactorization:
+    """K of a structure, through its interior factorization and constraint modes."""
+
+    structure: Structure
+
+    @property
+    def backend(self) -> str:
+        """Backend of the interior factorization."""
+        return self.structure.interior_factor.backend
+
+    def solve(self, right_hand_side: Matrix) -> Matrix:
+        """Return K⁻¹ B."""
+        return self.structure.solve(right_hand_side)

@@ -1,0 +1,155 @@
+"""The linear part of a model, and the one factorization everything else is computed from."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix, frozen
+from faying.linalg.factorization import Factorization, SingularMatrixError, factorize
+from faying.model.system import PortCompliance
+
+COLUMN_BLOCK = 256
+"""Right-hand sides solved at once; bounds the memory of dense intermediates."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Structure:
+    """Mass, damping and stiffness with ports; everything that contact does not touch.
+
+    The interior (all but the boundary) is factorized once. With the constraint modes Ψ of Craig &
+    Bampton that factorization also gives the structure with a free boundary,
+
+        K⁻¹ = [K_ii⁻¹ 0; 0 0] + Ψ (ΨᵀKΨ)⁻¹ Ψᵀ,
+
+    so bases, compliances and static solutions share it.
+
+    Attributes
+    ----------
+    M, C, K : (n_dof, n_dof) sparse
+    relative_operator : (n_relative, n_dof) sparse
+        P of all interfaces.
+    boundary : (n_boundary,)
+        Indices of the boundary degrees of freedom, boundary by boundary, none twice.
+    elongations : (n_bolt, n_dof)
+    """
+
+    M: SparseMatrix
+    C: SparseMatrix
+    K: SparseMatrix
+    relative_operator: SparseMatrix
+    boundary: Indices
+    elongations: Matrix
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "boundary", frozen(self.boundary, np.int64))
+        object.__setattr__(self, "elongations", frozen(self.elongations))
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom."""
+        return int(self.K.shape[0])
+
+    @cached_property
+    def interior(self) -> Indices:
+        """Indices of the degrees of freedom off the boundary, u_i of Eq. (15.17)."""
+        inner = np.ones(self.n_dof, dtype=bool)
+        inner[self.boundary] = False
+        return np.flatnonzero(inner)
+
+    @cached_property
+    def interior_factor(self) -> Factorization:
+        """Factorization of K_ii."""
+        try:
+            return factorize(self.K[self.interior][:, self.interior])
+        except SingularMatrixError as error:
+            motion = np.zeros(self.n_dof)
+            motion[self.interior] = error.motion
+            raise SingularMatrixError(motion) from None
+
+    @cached_property
+    def constraint_modes(self) -> Matrix:
+        """Ψ_c (n_dof, n_boundary): unit displacement of one boundary dof, the others held."""
+        modes = np.zeros((self.n_dof, len(self.boundary)))
+        coupling = self.K[self.interior][:, self.boundary].toarray()
+        modes[self.interior] = -self.interior_factor.solve(coupling)
+        modes[self.boundary] = np.eye(len(self.boundary))
+        return modes
+
+    @cached_property
+    def boundary_stiffness(self) -> Matrix:
+        """ΨᵀKΨ (n_boundary, n_boundary): stiffness condensed to the boundary."""
+        condensed: Matrix = self.K[self.boundary] @ self.constraint_modes
+        return (condensed + condensed.T) / 2
+
+    @cached_property
+    def boundary_factor(self) -> Factorization:
+        """Factorization of the condensed stiffness."""
+        try:
+            return factorize(self.boundary_stiffness)
+        except SingularMatrixError as error:
+            raise SingularMatrixError(self.constraint_modes @ error.motion) from None
+
+    def solve_held(self, forces: Matrix) -> Matrix:
+        """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary held."""
+        displacement = np.zeros(np.shape(forces))
+        displacement[self.interior] = self.interior_factor.solve(forces[self.interior])
+        return displacement
+
+    def solve(self, forces: Matrix) -> Matrix:
+        """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary free.
+
+        Raises
+        ------
+        SingularMatrixError
+            If the structure is not held without its boundary.
+        """
+        at_boundary = self.constraint_modes.T @ forces
+        return self.solve_held(forces) + self.constraint_modes @ self.boundary_factor.solve(
+            at_boundary
+        )
+
+    @cached_property
+    def _inner_ports(self) -> SparseMatrix:
+        """Relative displacements and bolt elongations stacked; their ports when held."""
+        return sp.vstack([self.relative_operator, sp.csr_array(self.elongations)]).tocsr()
+
+    @cached_property
+    def held_compliance(self) -> Matrix:
+        """Q K_ii⁻¹ Qᵀ of relative displacements and bolt elongations, boundary held.
+
+        Notes
+        -----
+        One back-substitution per pair (three where curved) and bolt, in blocks.
+        """
+        ports = self._inner_ports
+        compliance = np.empty((ports.shape[0], ports.shape[0]))
+        for start in range(0, ports.shape[0], COLUMN_BLOCK):
+            columns = slice(start, start + COLUMN_BLOCK)
+            compliance[:, columns] = ports @ self.solve_held(ports[columns].T.toarray())
+        return (compliance + compliance.T) / 2
+
+    @cached_property
+    def bolt_shapes(self) -> Matrix:
+        """Displacements (n_dof, n_bolt) under a unit initial force of each bolt, boundary held."""
+        return self.solve_held(-self.elongations.T)
+
+    @cached_property
+    def port_compliance(self) -> PortCompliance:
+        """Compliance between relative displacements, boundary and bolts, boundary free.
+
+        Raises
+        ------
+        SingularMatrixError
+            If the structure is not held without its boundary.
+        """
+        n_relative, n_boundary = self.relative_operator.shape[0], len(self.boundary)
+        inner_rows = self._inner_ports @ self.constraint_modes
+        rows = np.vstack([inner_rows[:n_relative], np.eye(n_boundary), inner_rows[n_relative:]])
+        matrix = rows @ self.boundary_factor.solve(rows.T)
+        inner = np.r_[0:n_relative, n_relative + n_boundary : len(rows)]
+        matrix[np.ix_(inner, inner)] += self.held_compliance
+        return PortCompliance(
+            matrix=(matrix + matrix.T) / 2, n_relative=n_relative, n_boundary=n_boundary
+        )

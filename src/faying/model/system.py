@@ -1,0 +1,138 @@
+"""What full and reduced models have in common; every solver is written against this.
+
+A system obeys M ü + C u̇ + K u = f + Pᵀ Nᵀ λ (15.13, 15.16). Forces enter and quantities of interest
+leave through its *ports*: relative displacements of the contact pairs, boundary displacements and
+bolt elongations. All static contact problems live in the compliance between ports.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.interface import Contact
+from faying.linalg.factorization import Factorization
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PortCompliance:
+    """Displacement at the ports per force at the ports, Q K⁻¹ Qᵀ.
+
+    Attributes
+    ----------
+    matrix : (n_port, n_port)
+        Symmetric; ports in the order relative displacements, boundary, bolts.
+    n_relative, n_boundary
+        Number of relative displacements and of boundary degrees of freedom.
+    """
+
+    matrix: Matrix
+    n_relative: int
+    n_boundary: int
+
+    @property
+    def relative(self) -> Matrix:
+        """Relative displacement per contact force (n_relative, n_relative)."""
+        return self.matrix[: self.n_relative, : self.n_relative]
+
+    @property
+    def contact_columns(self) -> Matrix:
+        """Boundary and bolt ports per contact force (n_boundary + n_bolt, n_relative)."""
+        return self.matrix[self.n_relative :, : self.n_relative]
+
+    @property
+    def input_rows(self) -> Matrix:
+        """Boundary and bolt ports per force at them."""
+        return self.matrix[self.n_relative :, self.n_relative :]
+
+
+class System(Protocol):
+    """A full or reduced model, as solvers see it."""
+
+    @property
+    def M(self) -> SparseMatrix | Matrix:
+        """Mass matrix (n_dof, n_dof) [mass]."""
+        ...
+
+    @property
+    def C(self) -> SparseMatrix | Matrix:
+        """Damping matrix (n_dof, n_dof) [force·time/length]."""
+        ...
+
+    @property
+    def K(self) -> SparseMatrix | Matrix:
+        """Stiffness matrix (n_dof, n_dof) [force/length]."""
+        ...
+
+    @property
+    def contact(self) -> Contact:
+        """All contact points."""
+        ...
+
+    @property
+    def boundaries(self) -> Mapping[str, Boundary]:
+        """Where loads enter."""
+        ...
+
+    @property
+    def bolts(self) -> Mapping[str, Bolt]:
+        """Bolts, with the initial forces they are locked at."""
+        ...
+
+    @property
+    def port_compliance(self) -> PortCompliance:
+        """Static compliance between the ports, without any residual compliance."""
+        ...
+
+    def factorize_static(self) -> Factorization:
+        """Return a factorization of K."""
+        ...
+
+    def expand(self, states: Matrix) -> Matrix:
+        """Return displacements at the free degrees of freedom of the full model."""
+        ...
+
+
+def boundary_dofs(boundaries: Mapping[str, Boundary]) -> Indices:
+    """Return the indices of all boundary degrees of freedom, boundary by boundary."""
+    empty = np.empty(0, dtype=np.int64)
+    return np.concatenate([empty, *(boundary.dofs for boundary in boundaries.values())])
+
+
+def boundary_slices(boundaries: Mapping[str, Boundary]) -> dict[str, slice]:
+    """Return the place of each boundary among all boundary degrees of freedom."""
+    slices, start = {}, 0
+    for name, boundary in boundaries.items():
+        slices[name] = slice(start, start + len(boundary.dofs))
+        start += len(boundary.dofs)
+    return slices
+
+
+def elongations(bolts: Mapping[str, Bolt], n_dof: int) -> Matrix:
+    """Return the elongation rows of all bolts (n_bolt, n_dof)."""
+    rows = [bolt.elongation for bolt in bolts.values()]
+    return np.array(rows, dtype=float).reshape(len(rows), n_dof)
+
+
+def input_forces(system: System, inputs: Matrix) -> Matrix:
+    """Return external forces f_e (..., n_dof) of inputs (..., n_boundary + n_bolt).
+
+    Inputs are boundary forces followed by initial bolt forces N₀; the latter pull head and nut
+    together, −elongationᵀ N₀.
+    """
+    inputs = np.asarray(inputs, dtype=float)
+    dofs = boundary_dofs(system.boundaries)
+    n_dof = system.K.shape[0]
+    forces = -(inputs[..., len(dofs) :] @ elongations(system.bolts, n_dof))
+    forces[..., dofs] += inputs[..., : len(dofs)]
+    result: Matrix = forces
+    return result
+
+
+def initial_bolt_forces(system: System) -> Vector:
+    """Return the initial forces the bolts are locked at (n_bolt,) [force]."""
+    return np.array([bolt.initial_force for bolt in system.bolts.values()], dtype=float)
