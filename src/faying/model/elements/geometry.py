@@ -1,0 +1,89 @@
+"""Jacobians of isoparametric elements, in batches, and the check that elements are not inverted."""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.model.elements.solid_element import (
+    SolidElement,
+    mass_tables,
+    shape_gradients,
+    stiffness_gradients,
+)
+
+# A determinant this much smaller than the element's largest is a collapsed corner: rounding of
+# the coordinates leaves about 1e-15, while a usable corner has far more than a millionth.
+COLLAPSED = 1e-10
+
+
+def jacobians(gradients: Matrix, coordinates: Matrix) -> Matrix:
+    """Return J[e, q, k, c] = ∂x_c/∂ξ_k.
+
+    Parameters
+    ----------
+    gradients : (n_quad, 3, n_node)
+        Reference gradients of the shape functions.
+    coordinates : (n_cell, n_node, 3)
+
+    Returns
+    -------
+    ndarray (n_cell, n_quad, 3, 3)
+    """
+    n_quad, _, n_node = gradients.shape
+    flat = gradients.reshape(3 * n_quad, n_node) @ coordinates
+    return np.asarray(flat.reshape(len(coordinates), n_quad, 3, 3))
+
+
+def cofactors(jacobian: Matrix) -> Matrix:
+    """Return det(J) J⁻ᵀ of matrices (..., 3, 3); rows are cross products of the rows of J."""
+    first, second, third = jacobian[..., 0, :], jacobian[..., 1, :], jacobian[..., 2, :]
+    rows = (np.cross(second, third), np.cross(third, first), np.cross(first, second))
+    return np.stack(rows, axis=-2)
+
+
+def determinants(jacobian: Matrix, cofactor: Matrix) -> Matrix:
+    """Return det(J) of matrices (..., 3, 3), given their cofactors."""
+    return np.einsum("...c,...c->...", jacobian[..., 0, :], cofactor[..., 0, :])
+
+
+def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> None:
+    """Refuse elements whose mapping is singular or inverted.
+
+    Looked at: the quadrature points of stiffness and mass, and the corners.
+
+    Parameters
+    ----------
+    coordinates : (n_cell, n_node, 3) [length]
+    ids : (n_cell,)
+        Element ids for the message.
+
+    Raises
+    ------
+    ModelError
+        Naming the first offending element, the determinant found and the remedy.
+    """
+    corners = element.reference_nodes[: element.n_corners]
+    places = {
+        "a corner": shape_gradients(element, corners),
+        "a stiffness quadrature point": stiffness_gradients(element),
+        "a mass quadrature point": mass_tables(element)[1],
+    }
+    for place, gradients in places.items():
+        jacobian = jacobians(gradients, coordinates)
+        _check_positive(element, determinants(jacobian, cofactors(jacobian)), ids, place)
+
+
+def _check_positive(element: SolidElement, determinant: Matrix, ids: Indices, place: str) -> None:
+    smallest: Vector = determinant.min(axis=1)
+    bad = ~(smallest > COLLAPSED * np.abs(determinant).max(axis=1))
+    if not bad.any():
+        return
+    first = int(np.argmax(bad))
+    others = f" (and {bad.sum() - 1} more elements)" if bad.sum() > 1 else ""
+    message = (
+        f"element {ids[first]} ({element.kind}){others}: the Jacobian determinant is "
+        f"{smallest[first]:.3g} at {place} where it must be positive; if it is negative list the "
+        "nodes in the order of the Nastran manual (the element is inside out or too distorted), "
+        "if it is zero replace collapsed nodes by a wedge or tetrahedron, or merge the layer"
+    )
+    raise ModelError(message)

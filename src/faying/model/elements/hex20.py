@@ -1,0 +1,44 @@
+"""Twenty-node serendipity brick, fully integrated (CHEXA with 3 x 3 x 3 points, C3D20).
+
+Mid-side nodes in Nastran order: bottom edges 8-11, upright edges 12-15, top edges 16-19. Abaqus
+numbers the top edges before the upright ones; its reader reorders.
+"""
+
+from functools import partial
+
+from faying.model.elements.hex8 import CORNERS
+from faying.model.elements.quadrature import hexahedron
+from faying.model.elements.solid_element import SolidElement
+
+MIDSIDES = (
+    (0.5, 0.0, 0.0),
+    (1.0, 0.5, 0.0),
+    (0.5, 1.0, 0.0),
+    (0.0, 0.5, 0.0),
+    (0.0, 0.0, 0.5),
+    (1.0, 0.0, 0.5),
+    (1.0, 1.0, 0.5),
+    (0.0, 1.0, 0.5),
+    (0.5, 0.0, 1.0),
+    (1.0, 0.5, 1.0),
+    (0.5, 1.0, 1.0),
+    (0.0, 0.5, 1.0),
+)
+
+HEX20 = SolidElement(
+    kind="hex20",
+    reference_nodes=CORNERS + MIDSIDES,  # type: ignore[arg-type]  # frozen into an array
+    n_corners=8,
+    shape_functions="ElementHexS2",
+    stiffness_quadrature=partial(hexahedron, 5),
+    # Degree 2 + 2 from N Nᵀ and 2 from det J of straight edges, in each coordinate.
+    mass_quadrature=partial(hexahedron, 7),
+    faces=(
+        ("quad8", (0, 3, 2, 1, 11, 10, 9, 8)),
+        ("quad8", (4, 5, 6, 7, 16, 17, 18, 19)),
+        ("quad8", (0, 1, 5, 4, 8, 13, 16, 12)),
+        ("quad8", (1, 2, 6, 5, 9, 14, 17, 13)),
+        ("quad8", (2, 3, 7, 6, 10, 15, 18, 14)),
+        ("quad8", (3, 0, 4, 7, 11, 12, 19, 15)),
+    ),
+)

@@ -1,0 +1,36 @@
+"""Eight-node brick, fully integrated (CHEXA with 2 x 2 x 2 points, C3D8)."""
+
+from functools import partial
+
+from faying.model.elements.quadrature import hexahedron
+from faying.model.elements.solid_element import SolidElement
+
+CORNERS = (
+    (0.0, 0.0, 0.0),
+    (1.0, 0.0, 0.0),
+    (1.0, 1.0, 0.0),
+    (0.0, 1.0, 0.0),
+    (0.0, 0.0, 1.0),
+    (1.0, 0.0, 1.0),
+    (1.0, 1.0, 1.0),
+    (0.0, 1.0, 1.0),
+)
+FACES = (
+    ("quad4", (0, 3, 2, 1)),
+    ("quad4", (4, 5, 6, 7)),
+    ("quad4", (0, 1, 5, 4)),
+    ("quad4", (1, 2, 6, 5)),
+    ("quad4", (2, 3, 7, 6)),
+    ("quad4", (3, 0, 4, 7)),
+)
+
+HEX8 = SolidElement(
+    kind="hex8",
+    reference_nodes=CORNERS,  # type: ignore[arg-type]  # frozen into an array
+    n_corners=8,
+    shape_functions="ElementHex1",
+    stiffness_quadrature=partial(hexahedron, 3),
+    # N Nᵀ det J is of degree 4 in each coordinate of a trilinearly distorted brick.
+    mass_quadrature=partial(hexahedron, 5),
+    faces=FACES,
+)

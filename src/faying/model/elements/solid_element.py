@@ -1,0 +1,104 @@
+"""What distinguishes one solid element from another: nodes, shape functions, rules, faces."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from faying._typing import Matrix, frozen
+from faying.model.elements.quadrature import Quadrature
+
+Face = tuple[str, tuple[int, ...]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolidElement:
+    """An isoparametric solid element with three displacements per node.
+
+    Attributes
+    ----------
+    kind
+        Kind of the mesh cell: ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"`` or ``"wedge6"``.
+    formulation
+        ``"standard"``, or the name of the enhancement.
+    reference_nodes : (n_node, 3)
+        Reference coordinates of the nodes in Nastran order, corners first.
+    n_corners
+        Number of corner nodes.
+    shape_functions
+        Name of the scikit-fem element whose shape functions are used.
+    stiffness_quadrature, mass_quadrature
+        The rules, as functions so that scikit-fem is imported only when needed.
+    faces
+        (face kind, local node indices) with corners first, then mid-sides in the same cyclic
+        order (mid-side k between corners k and k + 1), counter-clockwise seen from outside.
+    internal_gradients
+        Reference gradients of internal displacement modes that are condensed out of the
+        stiffness: points (n_quad, 3) to (n_quad, 3, n_mode); None if there are none.
+    """
+
+    kind: str
+    reference_nodes: Matrix
+    n_corners: int
+    shape_functions: str
+    stiffness_quadrature: Callable[[], Quadrature]
+    mass_quadrature: Callable[[], Quadrature]
+    faces: tuple[Face, ...]
+    formulation: str = "standard"
+    internal_gradients: Callable[[Matrix], Matrix] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "reference_nodes", frozen(self.reference_nodes))
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes."""
+        return len(self.reference_nodes)
+
+
+def shape_values(element: SolidElement, points: Matrix) -> Matrix:
+    """Return shape functions at reference points: (n_point, 3) to (n_point, n_node), Nastran order."""
+    return np.stack([value for value, _ in _local_basis(element, points)], axis=-1)
+
+
+def shape_gradients(element: SolidElement, points: Matrix) -> Matrix:
+    """Return reference gradients of the shape functions: (n_point, 3) to (n_point, 3, n_node)."""
+    return np.stack([gradient.T for _, gradient in _local_basis(element, points)], axis=-1)
+
+
+@cache
+def stiffness_gradients(element: SolidElement) -> Matrix:
+    """Return reference gradients at the stiffness points (n_quad, 3, n_node)."""
+    table: Matrix = frozen(shape_gradients(element, element.stiffness_quadrature().points))
+    return table
+
+
+@cache
+def mass_tables(element: SolidElement) -> tuple[Matrix, Matrix]:
+    """Return shape functions (n_quad, n_node) and their reference gradients at the mass points."""
+    points = element.mass_quadrature().points
+    return frozen(shape_values(element, points)), frozen(shape_gradients(element, points))
+
+
+def _local_basis(element: SolidElement, points: Matrix) -> list[tuple[Matrix, Matrix]]:
+    basis = _skfem_element(element)
+    transposed = np.asarray(points, dtype=float).T
+    pairs = [basis.lbasis(transposed, int(i)) for i in _nastran_order(element)]
+    shape = (transposed.shape[1],)
+    return [(np.broadcast_to(v, shape), np.asarray(g, dtype=float)) for v, g in pairs]
+
+
+@cache
+def _nastran_order(element: SolidElement) -> tuple[int, ...]:
+    """Position of each Nastran node among scikit-fem's nodes, found by reference coordinates."""
+    theirs = np.asarray(_skfem_element(element).doflocs)
+    distance = np.abs(element.reference_nodes[:, None, :] - theirs[None, :, :]).max(axis=2)
+    return tuple(distance.argmin(axis=1).tolist())
+
+
+@cache
+def _skfem_element(element: SolidElement):  # type: ignore[no-untyped-def]  # skfem ships no types
+    import skfem
+
+    return getattr(skfem, element.shape_functions)()

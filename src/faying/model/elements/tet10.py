@@ -1,0 +1,36 @@
+"""Ten-node tetrahedron (CTETRA with ten nodes, C3D10).
+
+Mid-side nodes 4-9 lie on the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
+"""
+
+from functools import partial
+
+from faying.model.elements.quadrature import tetrahedron
+from faying.model.elements.solid_element import SolidElement
+from faying.model.elements.tet4 import CORNERS
+
+MIDSIDES = (
+    (0.5, 0.0, 0.0),
+    (0.5, 0.5, 0.0),
+    (0.0, 0.5, 0.0),
+    (0.0, 0.0, 0.5),
+    (0.5, 0.0, 0.5),
+    (0.0, 0.5, 0.5),
+)
+
+TET10 = SolidElement(
+    kind="tet10",
+    reference_nodes=CORNERS + MIDSIDES,  # type: ignore[arg-type]  # frozen into an array
+    n_corners=4,
+    shape_functions="ElementTetP2",
+    stiffness_quadrature=partial(tetrahedron, 2),
+    # Order 4 would do for straight edges, but that rule has a negative weight, and the mass of a
+    # curved element must stay positive definite.
+    mass_quadrature=partial(tetrahedron, 5),
+    faces=(
+        ("tri6", (0, 2, 1, 6, 5, 4)),
+        ("tri6", (0, 1, 3, 4, 8, 7)),
+        ("tri6", (1, 2, 3, 5, 9, 8)),
+        ("tri6", (2, 0, 3, 6, 7, 9)),
+    ),
+)

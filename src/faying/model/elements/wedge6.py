@@ -1,0 +1,33 @@
+"""Six-node wedge (CPENTA with six nodes, C3D6), integrated with 3 x 2 points."""
+
+from functools import partial
+
+from faying.model.elements.quadrature import wedge
+from faying.model.elements.solid_element import SolidElement
+
+CORNERS = (
+    (0.0, 0.0, 0.0),
+    (1.0, 0.0, 0.0),
+    (0.0, 1.0, 0.0),
+    (0.0, 0.0, 1.0),
+    (1.0, 0.0, 1.0),
+    (0.0, 1.0, 1.0),
+)
+
+WEDGE6 = SolidElement(
+    kind="wedge6",
+    reference_nodes=CORNERS,  # type: ignore[arg-type]  # frozen into an array
+    n_corners=6,
+    shape_functions="ElementWedge1",
+    stiffness_quadrature=partial(wedge, 2, 3),
+    # Degree 3 in the triangle and 4 along the axis; the triangle rule of order 3 has a negative
+    # weight, that of order 4 has not.
+    mass_quadrature=partial(wedge, 4, 5),
+    faces=(
+        ("tri3", (0, 2, 1)),
+        ("tri3", (3, 4, 5)),
+        ("quad4", (0, 1, 4, 3)),
+        ("quad4", (1, 2, 5, 4)),
+        ("quad4", (2, 0, 3, 5)),
+    ),
+)

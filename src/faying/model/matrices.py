@@ -1,0 +1,346 @@
+"""Mass, damping and stiffness of an assembly on all 6 n_node degrees of freedom."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Material, MatrixBlock
+from faying.model.elements import SolidElement, solid_element
+from faying.model.elements.beam import beam_matrices
+from faying.model.elements.geometry import check_shapes
+from faying.model.elements.mass import mass_coefficients
+from faying.model.elements.stiffness import stiffness_blocks
+from faying.model.mesh import CellBlock
+
+# Numbers in one temporary array of a batch: small enough for the processor's cache.
+_BATCH_NUMBERS = 2**18
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NodalMatrices:
+    """Mass, damping and stiffness before any constraint.
+
+    Attributes
+    ----------
+    M, C, K : (6 n_node, 6 n_node) sparse
+        Row 6 i + c is component c of node index i. ``C`` is None unless a matrix source gave one.
+    """
+
+    M: SparseMatrix
+    K: SparseMatrix
+    C: SparseMatrix | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MassProperties:
+    """Rigid-body mass of a structure.
+
+    Attributes
+    ----------
+    mass : [mass]
+    centre : (3,) [length]
+        Centre of mass in the basic frame; zero for a massless structure.
+    inertia : (3, 3) [mass·length²]
+        Inertia tensor about the centre of mass, basic directions.
+    """
+
+    mass: float
+    centre: Vector
+    inertia: Matrix
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", frozen(self.centre))
+        object.__setattr__(self, "inertia", frozen(self.inertia))
+
+
+def assemble_matrices(assembly: Assembly) -> NodalMatrices:
+    """Form M, C and K of solids, beams, springs, point masses and given matrices.
+
+    Returns
+    -------
+    NodalMatrices
+        Couplings, equations and supports are not applied.
+
+    Raises
+    ------
+    ModelError
+        If an element is inverted or collapsed, has the wrong number of nodes, or its property has
+        no material; the message names it.
+
+    Notes
+    -----
+    Node pairs are found once per block and serve M and K; elements are integrated in batches, so
+    memory is that of the matrices plus a few megabytes.
+    """
+    n_node = len(assembly.mesh.nodes)
+    M, K = _discrete_matrices(assembly)
+    C = None
+    if assembly.matrices is not None:
+        M = M + _placed(assembly.matrices, assembly.matrices.M, "M", n_node)
+        K = K + _placed(assembly.matrices, assembly.matrices.K, "K", n_node)
+        if assembly.matrices.C is not None:
+            C = read_only(_placed(assembly.matrices, assembly.matrices.C, "C", n_node))
+    for block in assembly.mesh.blocks:
+        mass, stiffness = _solid_matrices(assembly, block)
+        M, K = M + mass, K + stiffness
+    return NodalMatrices(M=read_only(M), C=C, K=read_only(K))
+
+
+def used_components(assembly: Assembly) -> Mask:
+    """Tell which of the 6 n_node degrees of freedom carry any stiffness or mass.
+
+    Returns
+    -------
+    ndarray of bool (6 n_node,)
+
+    Notes
+    -----
+    Solids are not integrated for this: they use the translations of their nodes.
+    """
+    n_node = len(assembly.mesh.nodes)
+    M, K = _discrete_matrices(assembly)
+    used = _nonzero_rows(M) | _nonzero_rows(K)
+    if assembly.matrices is not None:
+        for name in ("M", "C", "K"):
+            matrix = getattr(assembly.matrices, name)
+            if matrix is not None:
+                used |= _nonzero_rows(_placed(assembly.matrices, matrix, name, n_node))
+    for block in assembly.mesh.blocks:
+        used[(6 * block.nodes.ravel()[:, None] + np.arange(3)).ravel()] = True
+    return used
+
+
+def mass_properties(assembly: Assembly) -> MassProperties:
+    """Return mass, centre of mass and inertia of an assembly, from its mass matrix by rᵀ M r.
+
+    Raises
+    ------
+    ModelError
+        As :func:`assemble_matrices`.
+    """
+    return rigid_body_mass(assemble_matrices(assembly).M, assembly.mesh.nodes)
+
+
+def rigid_body_mass(M: SparseMatrix, nodes: Matrix) -> MassProperties:
+    """Return the rigid-body mass rᵀ M r of a nodal mass matrix, about its centre.
+
+    Parameters
+    ----------
+    M : (6 n_node, 6 n_node) sparse
+    nodes : (n_node, 3) [length]
+    """
+    # About the mean of the nodes, because far from the origin the centre's share m r² would bury
+    # the inertia in rounding.
+    origin = nodes.mean(axis=0) if len(nodes) else np.zeros(3)
+    motion = rigid_body_motions(nodes, origin)
+    rigid = np.asarray(motion.T @ (M @ motion))
+    rigid = 0.5 * (rigid + rigid.T)
+    mass = float(np.trace(rigid[:3, :3])) / 3
+    if mass <= 0:
+        return MassProperties(mass=mass, centre=np.zeros(3), inertia=rigid[3:, 3:])
+    moment = rigid[3:, :3]  # m [c]x
+    offset = np.array([moment[2, 1], moment[0, 2], moment[1, 0]]) / mass
+    steiner = mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+    return MassProperties(mass=mass, centre=origin + offset, inertia=rigid[3:, 3:] - steiner)
+
+
+def rigid_body_motions(nodes: Matrix, origin: Vector) -> Matrix:
+    """Return the six rigid motions about ``origin`` at all degrees of freedom: (6 n_node, 6)."""
+    motion = np.zeros((len(nodes), 6, 6))
+    motion[:, np.arange(6), np.arange(6)] = 1.0
+    x, y, z = (nodes - origin).T
+    # u = θ x r
+    motion[:, 0, 4], motion[:, 0, 5] = z, -y
+    motion[:, 1, 3], motion[:, 1, 5] = -z, x
+    motion[:, 2, 3], motion[:, 2, 4] = y, -x
+    return motion.reshape(-1, 6)
+
+
+def _solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, SparseMatrix]:
+    element = solid_element(block.kind, assembly.element)
+    n_node = len(assembly.mesh.nodes)
+    _check_nodes(block, element, n_node)
+    materials, which = _materials(assembly, block)
+    youngs = np.array([m.youngs_modulus for m in materials])[which]
+    poisson = np.array([m.poissons_ratio for m in materials])[which]
+    density = np.array([m.density for m in materials])[which]
+    shear = youngs / (2 * (1 + poisson))
+    lame = 2 * shear * poisson / (1 - 2 * poisson)
+    pattern = _NodePairs.of(block.nodes, n_node)
+    stiffness = np.zeros((pattern.n_pairs, 9))
+    mass = np.zeros((pattern.n_pairs, 1))
+    for part in _batches(len(block.ids), 3 * element.n_nodes):
+        coordinates = assembly.mesh.nodes[block.nodes[part]]
+        check_shapes(element, coordinates, block.ids[part])
+        blocks = stiffness_blocks(element, coordinates, lame[part], shear[part])
+        pattern.add(stiffness, part, blocks.reshape(-1, 9))
+        coefficients = mass_coefficients(element, coordinates, density[part])
+        pattern.add(mass, part, coefficients.reshape(-1, 1))
+    return pattern.expanded_diagonal(mass[:, 0]), pattern.expanded(stiffness)
+
+
+def _batches(n_cell: int, n_dof: int) -> Iterator[slice]:
+    size = max(1, _BATCH_NUMBERS // n_dof**2)
+    return (slice(start, min(start + size, n_cell)) for start in range(0, n_cell, size))
+
+
+def _check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
+    if block.nodes.ndim != 2 or block.nodes.shape[1] != element.n_nodes:
+        message = (
+            f"a block of {block.kind} elements has nodes of shape {block.nodes.shape}; "
+            f"each element needs {element.n_nodes} nodes"
+        )
+        raise ModelError(message)
+    outside = (block.nodes < 0) | (block.nodes >= n_node)
+    if outside.any():
+        cell, position = np.argwhere(outside)[0]
+        message = (
+            f"element {block.ids[cell]} ({block.kind}) uses node index "
+            f"{block.nodes[cell, position]}; the mesh has {n_node} nodes, counted from 0"
+        )
+        raise ModelError(message)
+
+
+def _materials(assembly: Assembly, block: CellBlock) -> tuple[list[Material], Indices]:
+    """Return the materials of a block and which of them each element has."""
+    properties, which = np.unique(block.properties, return_inverse=True)
+    for position, number in enumerate(properties.tolist()):
+        if number not in assembly.materials:
+            culprit = block.ids[int(np.argmax(which == position))]
+            message = (
+                f"property {number} (of element {culprit}, {block.kind}) has no material; give "
+                "E, nu and rho in the deck or in a [material] table of the study"
+            )
+            raise ModelError(message)
+    return [assembly.materials[number] for number in properties.tolist()], which
+
+
+@dataclass(frozen=True, eq=False)
+class _NodePairs:
+    """The pairs of nodes that share an element: the sparsity of a block of elements.
+
+    Attributes
+    ----------
+    rows_start : (n_node + 1,)
+    columns : (n_pair,)
+        Compressed rows of the pairs.
+    slots : (n_cell, n_node_per_cell²)
+        Which pair each pair of an element's nodes is.
+    """
+
+    rows_start: Indices
+    columns: Indices
+    slots: Indices
+
+    @staticmethod
+    def of(cells: Indices, n_node: int) -> "_NodePairs":
+        keys = (cells[:, :, None] * n_node + cells[:, None, :]).reshape(len(cells), -1)
+        unique, slots = np.unique(keys, return_inverse=True)
+        start = np.searchsorted(unique, np.arange(n_node + 1, dtype=np.int64) * n_node)
+        return _NodePairs(start, unique % max(n_node, 1), slots.reshape(keys.shape))
+
+    @property
+    def n_pairs(self) -> int:
+        return len(self.columns)
+
+    def add(self, total: Matrix, part: slice, values: Matrix) -> None:
+        """Add values (n_cell_of_part · n_node_per_cell², n) of a batch to their pairs."""
+        slots = self.slots[part].ravel()
+        low, high = int(slots.min()), int(slots.max()) + 1
+        shape = (high - low, len(slots))
+        scatter = sp.csc_array((np.ones(len(slots)), slots - low, np.arange(len(slots) + 1)), shape)
+        total[low:high] += scatter @ values
+
+    def expanded(self, blocks: Matrix) -> SparseMatrix:
+        """Return the matrix with a 3 x 3 block (n_pair, 9) per pair, on six dofs per node."""
+        n_node = len(self.rows_start) - 1
+        matrix = sp.bsr_array(
+            (blocks.reshape(-1, 3, 3), self.columns, self.rows_start),
+            shape=(3 * n_node, 3 * n_node),
+        ).tocsr()
+        return _on_six(matrix, n_node)
+
+    def expanded_diagonal(self, coefficients: Vector) -> SparseMatrix:
+        """Return the matrix with coefficient · I₃ (n_pair,) per pair, on six dofs per node."""
+        n_node = len(self.rows_start) - 1
+        nodal = sp.csr_array((coefficients, self.columns, self.rows_start), shape=(n_node, n_node))
+        return _on_six(sp.kron(nodal, sp.eye_array(3), format="csr"), n_node)
+
+
+def _on_six(matrix: SparseMatrix, n_node: int) -> SparseMatrix:
+    """Spread a matrix of three dofs per node over six."""
+    index_type = matrix.indices.dtype
+    columns = (matrix.indices + 3 * (matrix.indices // 3)).astype(index_type)
+    counts = np.zeros((n_node, 6), dtype=np.int64)
+    counts[:, :3] = np.diff(matrix.indptr).reshape(n_node, 3)
+    start = np.concatenate([[0], np.cumsum(counts)]).astype(index_type)
+    return sp.csr_array((matrix.data, columns, start), shape=(6 * n_node, 6 * n_node))
+
+
+def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:
+    """Mass and stiffness of beams, springs and point masses."""
+    size = 6 * len(assembly.mesh.nodes)
+    shape = (size, size)
+    M, K = sp.csr_array(shape), sp.csr_array(shape)
+    if assembly.beams:
+        beam_mass, beam_stiffness = beam_matrices(assembly.beams, assembly.mesh.nodes)
+        ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64)
+        dofs = (6 * ends[:, :, None] + np.arange(6)).reshape(-1, 12)
+        M, K = M + _scattered(beam_mass, dofs, size), K + _scattered(beam_stiffness, dofs, size)
+    if assembly.masses:
+        dofs = 6 * np.array([m.node for m in assembly.masses])[:, None] + np.arange(6)
+        M = M + _scattered(_point_masses(assembly), dofs, size)
+    for spring in assembly.springs:
+        if len(spring.ends) not in (1, 2):
+            message = f"spring {spring.id} has {len(spring.ends)} ends; give one or two"
+            raise ModelError(message)
+    for n_end in (1, 2):
+        springs = [s for s in assembly.springs if len(s.ends) == n_end]
+        if springs:
+            sign = np.array([1.0, -1.0])[:n_end]
+            values = np.array([s.stiffness for s in springs])[:, None, None] * np.outer(sign, sign)
+            dofs = np.array([[6 * node + c for node, c in s.ends] for s in springs])
+            K = K + _scattered(values, dofs, size)
+    return M, K
+
+
+def _point_masses(assembly: Assembly) -> Matrix:
+    result = np.zeros((len(assembly.masses), 6, 6))
+    for matrix, point in zip(result, assembly.masses, strict=True):
+        matrix[:3, :3] = point.mass * np.eye(3)
+        matrix[3:, 3:] = point.inertia
+    return result
+
+
+def _scattered(values: Matrix, dofs: Indices, size: int) -> SparseMatrix:
+    """Sum dense matrices (n, k, k) at their dofs (n, k); zeros are not stored."""
+    rows = np.broadcast_to(dofs[:, :, None], values.shape)
+    columns = np.broadcast_to(dofs[:, None, :], values.shape)
+    entry = values != 0
+    place = (rows[entry], columns[entry])
+    return sp.coo_array((values[entry], place), shape=(size, size)).tocsr()
+
+
+def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) -> SparseMatrix:
+    """Put a matrix of another program on the six dofs of every node."""
+    n_row = len(block.nodes)
+    if matrix.shape != (n_row, n_row) or len(block.components) != n_row:
+        message = (
+            f"matrix {name} has shape {matrix.shape} but {n_row} nodes and "
+            f"{len(block.components)} components name its rows; the numbers must agree"
+        )
+        raise ModelError(message)
+    dofs = 6 * block.nodes + block.components
+    given = sp.coo_array(matrix)
+    place = (dofs[given.row], dofs[given.col])
+    return sp.coo_array((given.data, place), shape=(6 * n_node, 6 * n_node)).tocsr()
+
+
+def _nonzero_rows(matrix: SparseMatrix) -> Mask:
+    filled: Mask = np.zeros(matrix.shape[0], dtype=bool)
+    filled[matrix.tocoo().row[matrix.data != 0]] = True
+    return filled
