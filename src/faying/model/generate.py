@@ -1,0 +1,112 @@
+"""Structured meshes: grids of bricks, split to other shapes, with mid-side nodes added."""
+
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.model.elements import SOLIDS
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cells:
+    """Nodes (n_node, 3) and the cells (n_cell, n_node_per_cell) of one kind between them."""
+
+    kind: str
+    nodes: Matrix
+    cells: Indices
+
+    def centroids(self) -> Matrix:
+        """Mean of the nodes of each cell (n_cell, 3)."""
+        mean: Matrix = self.nodes[self.cells].mean(axis=1)
+        return mean
+
+    def restricted(self, keep: Mask) -> "Cells":
+        """Return the cells where ``keep`` (n_cell,) holds, without the nodes nobody uses then."""
+        used, cells = np.unique(self.cells[keep], return_inverse=True)
+        shape = (int(np.count_nonzero(keep)), self.cells.shape[1])
+        return Cells(kind=self.kind, nodes=self.nodes[used], cells=cells.reshape(shape))
+
+
+def brick_grid(x: Vector, y: Vector, z: Vector) -> Cells:
+    """Fill the box between increasing grid lines with hex8; z runs fastest."""
+    nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(len(nodes)).reshape(len(x), len(y), len(z))
+    corners = [(a, b, c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    n = (len(x) - 1, len(y) - 1, len(z) - 1)
+    cells = [number[a : a + n[0], b : b + n[1], c : c + n[2]].ravel() for a, b, c in corners]
+    return Cells(kind="hex8", nodes=nodes, cells=np.stack(cells, axis=1))
+
+
+def shaped(bricks: Cells, shape: str) -> Cells:
+    """Turn hex8 bricks into another kind of solid.
+
+    Wedges halve a brick along the diagonal of its bottom. Tetrahedra are the six of Kuhn's
+    simplicial division (H. W. Kuhn, IBM J. Res. Dev. 4 (1960) 518-524), one for each way from
+    corner 0 to corner 6 along edges; opposite faces are cut along parallel diagonals, so
+    neighbours and bodies that touch match. Mid-side nodes of quadratic kinds are shared by neighbours.
+
+    Raises
+    ------
+    ModelError
+        If the shape is not known.
+    """
+    if shape not in _SHAPES:
+        message = f"there is no solid shape '{shape}'; choose one of {', '.join(_SHAPES)}"
+        raise ModelError(message)
+    linear, local = _SHAPES[shape]
+    cells = bricks.cells[:, np.asarray(local)].reshape(-1, len(local[0]))
+    result = Cells(kind=linear, nodes=bricks.nodes, cells=cells)
+    return result if linear == shape else with_midsides(result, shape)
+
+
+def with_midsides(linear: Cells, kind: str) -> Cells:
+    """Add the mid-side nodes of a quadratic kind, one for each edge of the mesh."""
+    element = SOLIDS[kind]
+    ends = np.array(_edge_ends(kind))
+    edges = np.sort(linear.cells[:, ends], axis=2).reshape(-1, 2)
+    unique, inverse = np.unique(edges, axis=0, return_inverse=True)
+    midsides = inverse.reshape(len(linear.cells), element.n_nodes - element.n_corners)
+    return Cells(
+        kind=kind,
+        nodes=np.vstack([linear.nodes, linear.nodes[unique].mean(axis=1)]),
+        cells=np.hstack([linear.cells, midsides + len(linear.nodes)]),
+    )
+
+
+def _edge_ends(kind: str) -> list[tuple[int, int]]:
+    """Corners on either side of each mid-side node, found by reference coordinates."""
+    element = SOLIDS[kind]
+    corners = element.reference_nodes[: element.n_corners]
+    first, second = np.triu_indices(element.n_corners, k=1)
+    middles = (corners[first] + corners[second]) / 2
+    midsides = element.reference_nodes[element.n_corners :]
+    nearest = np.abs(midsides[:, None] - middles).sum(axis=2).argmin(axis=1)
+    return list(zip(first[nearest].tolist(), second[nearest].tolist(), strict=True))
+
+
+def _kuhn() -> tuple[tuple[int, ...], ...]:
+    """Corners of the six tetrahedra, oriented to positive volume."""
+    corner = {
+        tuple(round(v) for v in point): i
+        for i, point in enumerate(SOLIDS["hex8"].reference_nodes.tolist())
+    }
+    tets = []
+    for order in permutations(range(3)):
+        path = np.vstack([np.zeros(3, dtype=int), np.cumsum(np.eye(3, dtype=int)[list(order)], 0)])
+        a, b, c, d = (corner[tuple(point)] for point in path.tolist())
+        tets.append((a, b, c, d) if np.linalg.det(np.eye(3)[list(order)]) > 0 else (a, c, b, d))
+    return tuple(tets)
+
+
+_BRICK = (tuple(range(8)),)
+_WEDGES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))
+_SHAPES: dict[str, tuple[str, tuple[tuple[int, ...], ...]]] = {
+    "hex8": ("hex8", _BRICK),
+    "hex20": ("hex8", _BRICK),
+    "tet4": ("tet4", _kuhn()),
+    "tet10": ("tet4", _kuhn()),
+    "wedge6": ("wedge6", _WEDGES),
+}

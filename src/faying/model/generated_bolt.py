@@ -1,0 +1,323 @@
+"""Bolts: a generated beam with washers, and the element of a deck's bolt that is tightened."""
+
+from collections import defaultdict
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.model.assembly import (
+    Assembly,
+    AverageCoupling,
+    Beam,
+    BeamSection,
+    Material,
+    RigidCoupling,
+    Spring,
+)
+from faying.model.bodies import bodies
+from faying.model.mesh import Mesh
+from faying.model.specs import BoltSpec
+from faying.model.surface import exterior_faces, face_normals
+
+# A facet bears the washer if it faces along the axis within 25° and lies off the bearing plane by
+# at most a fifth of the washer's radius: slightly curved or inclined seats are seats, hole walls
+# are not.
+_SMALLEST_COSINE = 0.9
+_LARGEST_OFFSET = 0.2
+# A seat of another body (the next sheet of a thin stack) is farther away than rounding.
+_SAME_PLANE = 1e-3
+
+
+def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
+    """Add a bolt: a beam along the axis, tied to the surface under its head and its nut.
+
+    The beam is a round bar of the given diameter between the centres of the two bearing surfaces.
+    Each washer couples the nodes of the outward-facing facets within the washer radius, rigidly
+    (RBE2) or on average with equal weights (RBE3).
+
+    Parameters
+    ----------
+    assembly
+        Solids to be clamped.
+    spec
+        With ``axis``, ``diameter`` and ``washer_radius``.
+
+    Returns
+    -------
+    Assembly
+        With two more nodes, one beam and two couplings; ids follow the largest ones in use.
+
+    Raises
+    ------
+    ModelError
+        If a measure is missing or not positive, no node lies under a washer, or nothing is
+        clamped because both washers hold one body with no other between them.
+
+    Notes
+    -----
+    Cost: one pass over the facets of the mesh.
+    """
+    ends = _ends(spec)
+    material = _material(assembly, spec)
+    seats = _seats(assembly.mesh, spec, ends)
+    _check_clamping(assembly.mesh, spec, ends, seats)
+    n_node = len(assembly.mesh.nodes)
+    mesh = _with_nodes(assembly.mesh, ends)
+    first_id = _largest_id(assembly) + 1
+    beam = Beam(
+        id=first_id,
+        nodes=(n_node, n_node + 1),
+        section=round_section(spec, material),
+        material=material if spec.mass else replace(material, density=0.0),
+        orientation=_perpendicular(ends[1] - ends[0]),
+    )
+    result = replace(assembly, mesh=mesh, beams=(*assembly.beams, beam))
+    for i, seat in enumerate(seats):
+        result = _with_washer(result, spec, first_id + 1 + i, n_node + i, seat)
+    return result
+
+
+def round_section(spec: BoltSpec, material: Material) -> BeamSection:
+    """Return the section of a solid round bolt.
+
+    The shear factor is 6 (1 + ν) / (7 + 6 ν): G. R. Cowper, "The shear coefficient in Timoshenko's
+    beam theory", J. Appl. Mech. 33 (1966) 335-340.
+    """
+    diameter = spec.diameter or 0.0
+    inertia = np.pi * diameter**4 / 64
+    nu = material.poissons_ratio
+    shear = 6 * (1 + nu) / (7 + 6 * nu) if spec.shear_flexible else np.inf
+    return BeamSection(
+        area=np.pi * diameter**2 / 4,
+        inertia_y=inertia,
+        inertia_z=inertia,
+        torsion=2 * inertia,
+        shear_factor_y=shear,
+        shear_factor_z=shear,
+    )
+
+
+def _ends(spec: BoltSpec) -> Matrix:
+    """Return the ends of the axis (2, 3), with all measures checked."""
+    measures = {"diameter": spec.diameter, "washer_radius": spec.washer_radius}
+    for name, value in measures.items():
+        if value is None or not value > 0:
+            message = f"bolt '{spec.name}': {name} is {value}; give a positive length"
+            raise ModelError(message)
+    if spec.washer not in ("rbe2", "rbe3"):
+        message = f"bolt '{spec.name}': washer is '{spec.washer}'; give 'rbe2' or 'rbe3'"
+        raise ModelError(message)
+    ends = np.asarray(spec.axis if spec.axis is not None else [], dtype=float)
+    if ends.shape != (2, 3) or not np.linalg.norm(ends[1] - ends[0]) > 0:
+        message = (
+            f"bolt '{spec.name}': axis is {spec.axis}; give two different points "
+            "((x, y, z), (x, y, z)), the centres of the bearing surfaces"
+        )
+        raise ModelError(message)
+    return ends
+
+
+def _material(assembly: Assembly, spec: BoltSpec) -> Material:
+    """Look the bolt's material up by property id or name; default the first solid's."""
+    wanted = spec.material
+    if wanted is None and assembly.mesh.n_elements:
+        wanted = next(int(b.properties[0]) for b in assembly.mesh.blocks if len(b.ids))
+    by_name = {material.name: material for material in assembly.materials.values()}
+    found = by_name.get(wanted) if isinstance(wanted, str) else None
+    if isinstance(wanted, int):
+        found = assembly.materials.get(wanted)
+    if found is None:
+        known = ", ".join(f"{i} ('{m.name}')" for i, m in assembly.materials.items()) or "none"
+        message = (
+            f"bolt '{spec.name}': there is no material '{wanted}'; give a property id or a "
+            f"material name; known: {known}"
+        )
+        raise ModelError(message)
+    return found
+
+
+def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
+    """Find the nodes under the two washers."""
+    axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    faces = [(face.nodes, face_normals(mesh, face)) for face in exterior_faces(mesh)]
+    labels = bodies(mesh)
+    first, second = (
+        _seat(mesh, spec, labels, _facing(faces, outward), end, outward)
+        for end, outward in ((ends[0], -axis), (ends[1], axis))
+    )
+    return first, second
+
+
+def _facing(faces: list[tuple[Indices, Matrix]], outward: Vector) -> Indices:
+    """Nodes of the facets that face along ``outward``."""
+    chosen = [nodes[normals @ outward >= _SMALLEST_COSINE].ravel() for nodes, normals in faces]
+    return np.unique(np.concatenate(chosen)) if chosen else np.empty(0, dtype=np.int64)
+
+
+def _seat(
+    mesh: Mesh, spec: BoltSpec, labels: Indices, nodes: Indices, end: Vector, outward: Vector
+) -> Indices:
+    """Nodes within the washer radius of the axis, near the bearing plane at ``end``."""
+    radius = spec.washer_radius or 0.0
+    from_end = mesh.nodes[nodes] - end
+    offset = np.abs(from_end @ outward)
+    radial = np.linalg.norm(from_end - np.outer(from_end @ outward, outward), axis=1)
+    near = offset <= _LARGEST_OFFSET * radius
+    under = near & (radial <= radius * (1 + 1e-9))
+    if not under.any():
+        place = "({:g}, {:g}, {:g})".format(*end)
+        hint = (
+            f"the nearest node of that surface is {radial[near].min():.4g} from the axis; "
+            "enlarge the washer or refine the mesh"
+            if near.any()
+            else "no surface lies there; move the end of the axis to the centre of the surface"
+        )
+        message = (
+            f"bolt '{spec.name}': no node lies under the washer of radius {radius:g} at {place}; "
+            f"{hint}"
+        )
+        raise ModelError(message)
+    nodes, offset = nodes[under], offset[under]
+    closest = np.full(labels.max() + 1, np.inf)
+    np.minimum.at(closest, labels[nodes], offset)
+    held: Mask = closest <= closest.min() + _SAME_PLANE * radius
+    return nodes[held[labels[nodes]]]
+
+
+def _check_clamping(
+    mesh: Mesh, spec: BoltSpec, ends: Matrix, seats: tuple[Indices, Indices]
+) -> None:
+    """Refuse a bolt through one body only; a fork with another part between its arms is fine."""
+    labels = bodies(mesh)
+    held = np.union1d(labels[seats[0]], labels[seats[1]])
+    if not np.array_equal(np.unique(labels[seats[0]]), np.unique(labels[seats[1]])):
+        return
+    length = np.linalg.norm(ends[1] - ends[0])
+    axis = (ends[1] - ends[0]) / length
+    from_end = mesh.nodes - ends[0]
+    along = from_end @ axis
+    radial = np.linalg.norm(from_end - np.outer(along, axis), axis=1)
+    between = (along >= 0) & (along <= length) & (radial <= (spec.washer_radius or 0.0))
+    if np.any(between & (labels >= 0) & ~np.isin(labels, held)):
+        return
+    message = (
+        f"bolt '{spec.name}' clamps nothing: both washers hold the same body, with no interface "
+        "between them; check that the parts have nodes of their own where they touch"
+    )
+    raise ModelError(message)
+
+
+def _with_nodes(mesh: Mesh, points: Matrix) -> Mesh:
+    """Append nodes with ids after the largest one."""
+    new_ids = mesh.node_ids.max() + 1 + np.arange(len(points))
+    return replace(
+        mesh,
+        nodes=np.vstack([mesh.nodes, points]),
+        node_ids=np.concatenate([mesh.node_ids, new_ids]),
+    )
+
+
+def _with_washer(
+    assembly: Assembly, spec: BoltSpec, coupling_id: int, reference: int, seat: Indices
+) -> Assembly:
+    """Couple the end of a bolt to its seat."""
+    if spec.washer == "rbe2":
+        rigid = RigidCoupling(id=coupling_id, reference=reference, nodes=seat)
+        return replace(assembly, rigid_couplings=(*assembly.rigid_couplings, rigid))
+    average = AverageCoupling(
+        id=coupling_id, reference=reference, nodes=seat, weights=np.ones(len(seat))
+    )
+    return replace(assembly, average_couplings=(*assembly.average_couplings, average))
+
+
+def _perpendicular(axis: Vector) -> tuple[float, float, float]:
+    """Return the coordinate direction farthest from the axis."""
+    x, y, z = np.eye(3)[int(np.argmin(np.abs(axis)))].tolist()
+    return x, y, z
+
+
+def _largest_id(assembly: Assembly) -> int:
+    """Largest id of any element or coupling; they share one numbering in a deck."""
+    ids = [item.id for item in (*assembly.beams, *assembly.springs, *assembly.masses)]
+    ids += [item.id for item in (*assembly.rigid_couplings, *assembly.average_couplings)]
+    ids += [int(block.ids.max()) for block in assembly.mesh.blocks if len(block.ids)]
+    return max(ids, default=0)
+
+
+def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
+    """Return the element of a deck's bolt that is tightened: the middle one of its chain.
+
+    Parameters
+    ----------
+    assembly
+        With beams or springs.
+    spec
+        With ``elements``, ids in any order that form one chain end to end.
+
+    Returns
+    -------
+    Beam or Spring
+        Of an even number, the one before the middle, counted from the end listed first.
+
+    Raises
+    ------
+    ModelError
+        If an id is not a beam or an axial spring, or the elements do not form one chain.
+    """
+    if not spec.elements:
+        message = f"bolt '{spec.name}' names no elements; give the ids of its beam elements"
+        raise ModelError(message)
+    chosen = [_line_element(assembly, spec, i) for i in dict.fromkeys(spec.elements)]
+    chain = _chain(spec, chosen)
+    return chain[(len(chain) - 1) // 2]
+
+
+def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam | Spring:
+    """Look up a beam or axial spring by id."""
+    for beam in assembly.beams:
+        if beam.id == element_id:
+            return beam
+    for spring in assembly.springs:
+        if spring.id == element_id:
+            components = {component for _, component in spring.ends}
+            if len(spring.ends) == 2 and len(components) == 1 and components <= {0, 1, 2}:
+                return spring
+            message = (
+                f"bolt '{spec.name}': spring {element_id} is not axial; it must join the same "
+                "translation (1, 2 or 3) of two nodes"
+            )
+            raise ModelError(message)
+    message = (
+        f"bolt '{spec.name}': element {element_id} is no beam and no spring; "
+        "name the beam elements of the bolt's shank"
+    )
+    raise ModelError(message)
+
+
+def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]:
+    """Order elements end to end."""
+    at_node: dict[int, list[Beam | Spring]] = defaultdict(list)
+    for element in elements:
+        for node in _nodes(element):
+            at_node[node].append(element)
+    loose = [node for element in elements for node in _nodes(element) if len(at_node[node]) == 1]
+    chain: list[Beam | Spring] = []
+    node = loose[0] if loose else -1
+    while following := [e for e in at_node.get(node, []) if e not in chain]:
+        chain.append(following[0])
+        node = next(n for n in _nodes(following[0]) if n != node)
+    if len(chain) != len(elements) or len(loose) != 2:
+        ids = ", ".join(str(element.id) for element in elements)
+        message = (
+            f"bolt '{spec.name}': elements {ids} do not form one chain end to end; "
+            "list the shank's elements only"
+        )
+        raise ModelError(message)
+    return chain
+
+
+def _nodes(element: Beam | Spring) -> tuple[int, ...]:
+    """Node indices of a line element."""
+    return element.nodes if isinstance(element, Beam) else tuple(node for node, _ in element.ends)

@@ -1,0 +1,94 @@
+"""Measures of a lap joint and the meshes of its plates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Mask, Vector
+from faying.exceptions import ModelError
+from faying.model.generate import Cells, brick_grid, shaped
+
+PLATE_NAMES = {2: ("lower", "upper"), 3: ("lower", "middle", "upper")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LapGeometry:
+    """Measures of a lap joint [length]; see :func:`lap_joint_assembly`."""
+
+    element_size: float
+    length: float
+    width: float
+    thickness: float
+    overlap: float
+    hole_radius: float
+    bolt_positions: tuple[tuple[float, float], ...]
+    plates: int
+    curvature: float
+    shape: str
+
+    def __post_init__(self) -> None:
+        for name in ("element_size", "length", "width", "thickness", "overlap"):
+            if not 0 < getattr(self, name) < np.inf:
+                message = f"lap joint: {name} is {getattr(self, name):g}; it must be positive"
+                raise ModelError(message)
+        if not self.overlap < self.length:
+            message = (
+                f"lap joint: the overlap {self.overlap:g} is not shorter than the whole length "
+                f"{self.length:g}, so no plate would reach past it; shorten the overlap"
+            )
+            raise ModelError(message)
+        if not self.hole_radius >= 0:
+            message = f"lap joint: hole_radius is {self.hole_radius:g}; give 0 or None for no hole"
+            raise ModelError(message)
+        if self.plates not in PLATE_NAMES:
+            message = f"lap joint: plates is {self.plates}; it must be 2 or 3"
+            raise ModelError(message)
+        for x, y in self.bolt_positions:
+            if abs(x) > self.overlap / 2 or abs(y) > self.width / 2:
+                message = (
+                    f"lap joint: the bolt at ({x:g}, {y:g}) lies outside the overlap, "
+                    f"|x| <= {self.overlap / 2:g}, |y| <= {self.width / 2:g}"
+                )
+                raise ModelError(message)
+
+    def heights(self) -> Vector:
+        """Heights of the plates' surfaces, before bending (plates + 1,)."""
+        return self.thickness * (np.arange(self.plates + 1) - self.plates / 2)
+
+    def rise(self, x: float | Vector) -> Vector:
+        """Height added at x: the parabola -½ κ x² of an arch."""
+        height: Vector = -0.5 * self.curvature * np.square(x, dtype=float)
+        return height
+
+    def plate(self, number: int) -> Cells:
+        """Mesh one plate, counted from below; even ones reach to the clamp, odd ones to the tip."""
+        ends = np.array([-self.length / 2, -self.overlap / 2, self.overlap / 2, self.length / 2])
+        x = _grid_lines(ends[:3] if number % 2 == 0 else ends[1:], self.element_size)
+        y = _grid_lines(np.array([-self.width / 2, self.width / 2]), self.element_size)
+        z = _grid_lines(self.heights()[number : number + 2], self.element_size)
+        bricks = brick_grid(x, y, z)
+        kept = ~self._in_hole(bricks)
+        if not kept.any():
+            message = f"lap joint: hole_radius {self.hole_radius:g} leaves nothing of the plates"
+            raise ModelError(message)
+        cells = shaped(bricks.restricted(kept), self.shape)
+        # Vertical lines stay vertical, so volumes do not change and the plates still touch.
+        bent = cells.nodes + np.outer(self.rise(cells.nodes[:, 0]), [0.0, 0.0, 1.0])
+        return Cells(kind=cells.kind, nodes=bent, cells=cells.cells)
+
+    def _in_hole(self, bricks: Cells) -> Mask:
+        """Whether the centroid of each brick lies within the hole radius of a bolt's axis."""
+        if self.hole_radius == 0 or not self.bolt_positions:
+            return np.zeros(len(bricks.cells), dtype=bool)
+        between = bricks.centroids()[:, None, :2] - np.asarray(self.bolt_positions)
+        near: Mask = (np.linalg.norm(between, axis=2) <= self.hole_radius).any(axis=1)
+        return near
+
+
+def _grid_lines(stations: Vector, size: float) -> Vector:
+    """Divide each span between stations evenly into pieces of about ``size``."""
+    spans = [
+        np.linspace(a, b, max(1, round((b - a) / size)) + 1)[:-1]
+        for a, b in zip(stations[:-1].tolist(), stations[1:].tolist(), strict=True)
+    ]
+    return np.concatenate([*spans, stations[-1:]])
