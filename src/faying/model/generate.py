@@ -46,7 +46,7 @@ def shaped(bricks: Cells, shape: str) -> Cells:
     Wedges halve a brick along the diagonal of its bottom. Tetrahedra are the six of Kuhn's
     simplicial division (H. W. Kuhn, IBM J. Res. Dev. 4 (1960) 518-524), one for each way from
     corner 0 to corner 6 along edges; opposite faces are cut along parallel diagonals, so
-    neighbours and bodies that touch match. Mid-side nodes of quadratic kinds are shared by neighbours.
+    neighbours and bodies that touch match. Neighbours share the mid-side nodes of quadratic kinds.
 
     Raises
     ------

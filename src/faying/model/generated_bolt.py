@@ -240,8 +240,10 @@ def _perpendicular(axis: Vector) -> tuple[float, float, float]:
 
 def _largest_id(assembly: Assembly) -> int:
     """Largest id of any element or coupling; they share one numbering in a deck."""
-    ids = [item.id for item in (*assembly.beams, *assembly.springs, *assembly.masses)]
-    ids += [item.id for item in (*assembly.rigid_couplings, *assembly.average_couplings)]
+    ids = [beam.id for beam in assembly.beams] + [spring.id for spring in assembly.springs]
+    ids += [mass.id for mass in assembly.masses]
+    ids += [coupling.id for coupling in assembly.rigid_couplings]
+    ids += [coupling.id for coupling in assembly.average_couplings]
     ids += [int(block.ids.max()) for block in assembly.mesh.blocks if len(block.ids)]
     return max(ids, default=0)
 

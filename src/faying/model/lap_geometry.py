@@ -57,7 +57,7 @@ class LapGeometry:
 
     def rise(self, x: float | Vector) -> Vector:
         """Height added at x: the parabola -½ κ x² of an arch."""
-        height: Vector = -0.5 * self.curvature * np.square(x, dtype=float)
+        height: Vector = -0.5 * self.curvature * np.asarray(x, dtype=float) ** 2
         return height
 
     def plate(self, number: int) -> Cells:
