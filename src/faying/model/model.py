@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from faying._typing import Matrix, SparseMatrix, Vector
+from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
+from faying.contact.condensed import CondensedContact
 from faying.contact.interface import Contact, Interface, stack
 from faying.exceptions import ModelError
 from faying.linalg.factorization import Factorization
@@ -38,6 +39,8 @@ class Model:
         Rayleigh factors of C.
     units
         Label of the consistent unit set, carried into every output.
+    stuck
+        Interface name to the pairs (n_pair,) that stick in tangential direction.
     """
 
     structure: Structure
@@ -49,6 +52,7 @@ class Model:
     damping: Rayleigh = field(default_factory=Rayleigh)
     name: str = "model"
     units: str = "mm-t-s"
+    stuck: Mapping[str, Mask] = field(default_factory=dict)
 
     @property
     def M(self) -> SparseMatrix:
@@ -74,6 +78,11 @@ class Model:
     def port_compliance(self) -> PortCompliance:
         """Static compliance between contact pairs, boundary and bolts."""
         return self.structure.port_compliance
+
+    @cached_property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem of the full model."""
+        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
 
     def factorize_static(self) -> Factorization:
         """Return the factorization of K that the structure already holds."""
@@ -110,6 +119,13 @@ class Model:
             raise ModelError(message)
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
         return replace(self, bolts={**self.bolts, **locked})
+
+    def with_stiffness(self, added: SparseMatrix, stuck: Mapping[str, Mask]) -> "Model":
+        """Return a copy with springs (n_dof, n_dof) added to K for the pairs that stick."""
+        K = read_only((self.K + added).tocsr())
+        C = read_only((self.C + self.damping.beta * added).tocsr())
+        structure = replace(self.structure, K=K, C=C)
+        return replace(self, structure=structure, stuck={**self.stuck, **stuck})
 
     def _interface(self, name: str) -> Interface:
         if name not in self.interfaces:

@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.condensed import CondensedContact
 from faying.contact.interface import Contact
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
@@ -86,6 +87,11 @@ class System(Protocol):
     @property
     def port_compliance(self) -> PortCompliance:
         """Static compliance between the ports, without any residual compliance."""
+        ...
+
+    @property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem, its flexibility formed once."""
         ...
 
     def factorize_static(self) -> Factorization:

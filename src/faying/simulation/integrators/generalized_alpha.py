@@ -1,0 +1,92 @@
+"""Generalized-α (Chung & Hulbert 1993, doi:10.1115/1.2900803)."""
+
+from dataclasses import dataclass
+from typing import final
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.model.system import System
+from faying.simulation.integrators.integrator import Motion
+
+
+@final
+@dataclass(frozen=True)
+class GeneralizedAlpha:
+    """Second order with a chosen damping of frequencies the step cannot resolve.
+
+    Balance holds between the ends of the step, M a_m + C v_f + K u_f = f_f with
+    x_m = (1 − α_m) x₁ + α_m x₀ and x_f = (1 − α_f) x₁ + α_f x₀; displacement and velocity follow
+    Newmark's formulas. Contact forces are weighted like external ones.
+
+    Attributes
+    ----------
+    rho_infinity
+        Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the trapezoidal
+        rule in its midpoint form).
+    """
+
+    rho_infinity: float = 0.8
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.rho_infinity <= 1.0:
+            message = f"rho_infinity is {self.rho_infinity:g}; it must lie between 0 and 1"
+            raise ModelError(message)
+
+    @property
+    def name(self) -> str:
+        """Name in reports and studies."""
+        return "generalized-alpha"
+
+    @property
+    def alpha_m(self) -> float:
+        """Weight of the old acceleration."""
+        return (2 * self.rho_infinity - 1) / (self.rho_infinity + 1)
+
+    @property
+    def alpha_f(self) -> float:
+        """Weight of the old displacement, velocity and force."""
+        return self.rho_infinity / (self.rho_infinity + 1)
+
+    @property
+    def gamma(self) -> float:
+        """Newmark's γ for second order."""
+        return 0.5 - self.alpha_m + self.alpha_f
+
+    @property
+    def beta(self) -> float:
+        """Newmark's β for the most high-frequency damping."""
+        return 0.25 * (1 - self.alpha_m + self.alpha_f) ** 2
+
+    @property
+    def force_weight(self) -> float:
+        """Weight 1 − α_f of the new forces."""
+        return 1.0 - self.alpha_f
+
+    @property
+    def needs_acceleration(self) -> bool:
+        """The acceleration at the start enters."""
+        return True
+
+    def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
+        """Return (1 − α_m)/(β h²) M + (1 − α_f) γ/(β h) C + (1 − α_f) K."""
+        mass = (1 - self.alpha_m) / (self.beta * step**2)
+        damping = (1 - self.alpha_f) * self.gamma / (self.beta * step)
+        return mass * system.M + damping * system.C + (1 - self.alpha_f) * system.K
+
+    def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
+        """Return what the start of the step contributes."""
+        u, v, a = motion.u, motion.v, motion.a
+        beta, gamma, new = self.beta, self.gamma, 1 - self.alpha_f
+        inertia = (1 - self.alpha_m) / beta * (u / step**2 + v / step)
+        inertia = inertia + ((1 - self.alpha_m) * (0.5 / beta - 1) - self.alpha_m) * a
+        drag = new * gamma / (beta * step) * u + (new * gamma / beta - 1) * v
+        drag = drag + new * step * (0.5 * gamma / beta - 1) * a
+        old: Vector = self.alpha_f * (motion.force - system.K @ u)
+        return system.M @ inertia + system.C @ drag + old
+
+    def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
+        """Return the motion at the end of the step by Newmark's formulas."""
+        change = (u - motion.u - step * motion.v) / (self.beta * step**2)
+        a = change - (0.5 / self.beta - 1) * motion.a
+        v = motion.v + step * ((1 - self.gamma) * motion.a + self.gamma * a)
+        return Motion(u, v, a, force)

@@ -1,0 +1,49 @@
+"""Implicit Euler, the seed's integrator (§15.4.3)."""
+
+from dataclasses import dataclass
+from typing import final
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.model.system import System
+from faying.simulation.integrators.integrator import Motion
+
+
+@final
+@dataclass(frozen=True)
+class ImplicitEuler:
+    """Backward differences for displacement and velocity; first order, strongly damping.
+
+    u₁ = u₀ + h v₁ and M (v₁ − v₀)/h + C v₁ + K u₁ = f₁ combine to
+
+        (M/h² + C/h + K) u₁ = f₁ + M (u₀/h² + v₀/h) + C u₀/h.
+    """
+
+    @property
+    def name(self) -> str:
+        """Name in reports and studies."""
+        return "implicit-euler"
+
+    @property
+    def force_weight(self) -> float:
+        """New forces enter fully."""
+        return 1.0
+
+    @property
+    def needs_acceleration(self) -> bool:
+        """Displacement and velocity are enough."""
+        return False
+
+    def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
+        """Return M/h² + C/h + K."""
+        return system.M / step**2 + system.C / step + system.K
+
+    def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
+        """Return M (u₀/h² + v₀/h) + C u₀/h."""
+        inertia = system.M @ (motion.u / step**2 + motion.v / step)
+        right: Vector = inertia + system.C @ (motion.u / step)
+        return right
+
+    def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
+        """Return the motion at the end of the step."""
+        v = (u - motion.u) / step
+        return Motion(u, v, (v - motion.v) / step, force)

@@ -1,0 +1,56 @@
+"""What a one-step integrator must say about itself."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.model.system import System
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """State of a system at one instant.
+
+    Attributes
+    ----------
+    u, v, a : (n_dof,)
+        Displacement, velocity, acceleration.
+    force : (n_dof,)
+        External and contact forces at that instant, f_e + Gᵀλ.
+    """
+
+    u: Vector
+    v: Vector
+    a: Vector
+    force: Vector
+
+
+class Integrator(Protocol):
+    """A one-step method that reduces M ü + C u̇ + K u = f to A u₁ = b, linear but for contact."""
+
+    @property
+    def name(self) -> str:
+        """Name in reports and studies."""
+        ...
+
+    @property
+    def force_weight(self) -> float:
+        """Weight of the new forces in the equation of a step."""
+        ...
+
+    @property
+    def needs_acceleration(self) -> bool:
+        """Whether a step uses the acceleration at its start."""
+        ...
+
+    def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
+        """Return A of the equation A u₁ = b for the new displacement."""
+        ...
+
+    def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
+        """Return b without the new forces."""
+        ...
+
+    def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
+        """Return the motion at the end of a step that ends at displacement ``u``."""
+        ...

@@ -1,0 +1,122 @@
+"""Loads: forces at boundaries, constant after a step or following a history, and bolt forces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from faying._typing import Matrix, Vector, frozen
+from faying.exceptions import ModelError
+from faying.model.system import System, boundary_slices, initial_bolt_forces
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class History:
+    """A force known at some instants and linear in between; constant outside them.
+
+    Attributes
+    ----------
+    times : (n,) [time]
+        Increasing.
+    values : (n,) [force] or [force·length]
+    """
+
+    times: Vector
+    values: Vector
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", frozen(self.times))
+        object.__setattr__(self, "values", frozen(self.values))
+        if self.times.shape != self.values.shape or len(self.times) == 0:
+            message = (
+                f"a history needs one value per time; found {len(self.times)} times and "
+                f"{len(self.values)} values"
+            )
+            raise ModelError(message)
+        if not (np.diff(self.times) > 0).all():
+            row = int(np.argmin(np.diff(self.times) > 0)) + 1
+            message = f"the times of a history must increase; sample {row} is not after the last"
+            raise ModelError(message)
+
+    def at(self, times: Vector) -> Vector:
+        """Values at the given instants."""
+        values: Vector = np.interp(times, self.times, self.values)
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class Load:
+    """A load case.
+
+    Attributes
+    ----------
+    forces
+        ``"boundary.component"`` to a total force or moment (applied at once and held), or to a
+        :class:`History`; e.g. ``{"tip.Fz": -500.0, "tip.Mx": 20e3}``.
+    name
+        Name in reports.
+    bolt_forces
+        Initial forces N₀ of bolts where they differ from those the model is locked at.
+
+    Examples
+    --------
+    >>> load = Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
+    >>> load.name
+    'LC2'
+    """
+
+    forces: Mapping[str, float | History] = field(default_factory=dict)
+    name: str = "load"
+    bolt_forces: Mapping[str, float] = field(default_factory=dict)
+
+    def inputs(self, system: System, times: Vector) -> Matrix:
+        """Boundary forces and initial bolt forces at the given instants.
+
+        Parameters
+        ----------
+        times : (n_time,)
+
+        Returns
+        -------
+        ndarray (n_time, n_boundary + n_bolt)
+
+        Raises
+        ------
+        ModelError
+            If a boundary, one of its components or a bolt does not exist.
+        """
+        times = np.asarray(times, dtype=float)
+        places = boundary_slices(system.boundaries)
+        n_boundary = sum(len(boundary.dofs) for boundary in system.boundaries.values())
+        bolts = list(system.bolts)
+        inputs = np.zeros((len(times), n_boundary + len(bolts)))
+        inputs[:, n_boundary:] = initial_bolt_forces(system)
+        for key, value in self.forces.items():
+            boundary, component = _split(key, system, self.name)
+            factor = value.at(times) if isinstance(value, History) else np.full(len(times), value)
+            inputs[:, places[boundary]] += np.outer(
+                factor, system.boundaries[boundary].pattern(component)
+            )
+        for name, force in self.bolt_forces.items():
+            if name not in bolts:
+                message = (
+                    f"load '{self.name}': there is no bolt '{name}'; "
+                    f"the bolts are {', '.join(bolts) or 'none'}"
+                )
+                raise ModelError(message)
+            inputs[:, n_boundary + bolts.index(name)] = force
+        if not np.isfinite(inputs).all():
+            message = f"load '{self.name}' holds NaN or infinity; give finite forces"
+            raise ModelError(message)
+        return inputs
+
+
+def _split(key: str, system: System, load: str) -> tuple[str, str]:
+    boundary, _, component = key.rpartition(".")
+    if boundary not in system.boundaries:
+        message = (
+            f"load '{load}': there is no boundary '{boundary}' (in '{key}'); "
+            f"the boundaries are {', '.join(system.boundaries) or 'none'}"
+        )
+        raise ModelError(message)
+    return boundary, component

@@ -1,0 +1,140 @@
+"""Pretension: bolts tightened in sequence to their nominal final forces, then locked."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Mask, Matrix, Vector
+from faying.exceptions import ConvergenceError, ModelError
+from faying.model.system import System, initial_bolt_forces
+from faying.simulation.static import port_forces
+
+FORCE_TOLERANCE = 1e-12
+"""Deviation of a bolt force from its target over the largest target, at which Newton stops."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tightening:
+    """How the bolts were tightened.
+
+    Attributes
+    ----------
+    initial_forces
+        Bolt name to the initial force N₀ it is locked at.
+    bolts
+        Names in the order of the columns of ``bolt_forces``.
+    stages
+        What was done in each row of ``bolt_forces``.
+    bolt_forces : (n_stage, n_bolt) [force]
+        Forces of all bolts after each increment; shows how tightening one relaxes another.
+    """
+
+    initial_forces: Mapping[str, float]
+    bolts: tuple[str, ...]
+    stages: tuple[str, ...]
+    bolt_forces: Matrix
+
+
+def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10) -> Tightening:
+    """Tighten bolts one after the other, in increments, to their nominal final forces.
+
+    Each bolt is brought to its nominal force while those before it stay locked; a last pass on all
+    of them together restores what the neighbours took away, so every bolt ends at its nominal
+    force. Bolts not named keep the initial force they are locked at.
+
+    Parameters
+    ----------
+    forces
+        Bolt name to final axial force [force], in tightening order.
+    increments
+        Steps per bolt.
+
+    Raises
+    ------
+    ModelError
+        If a bolt does not exist or a force is not finite and positive.
+    ConvergenceError
+        If no initial force gives the nominal force, e.g. because a bolt clamps nothing.
+
+    Notes
+    -----
+    Semismooth Newton on the initial forces with the exact derivative on the active set; all in
+    the compliance between ports, so no finite element solution is needed.
+    """
+    names = list(system.bolts)
+    _check(forces, names)
+    state = initial_bolt_forces(system)
+    active: Mask | None = None
+    stages: list[str] = []
+    history: list[Vector] = []
+    for name, target in forces.items():
+        chosen = np.array([names.index(name)])
+        for fraction in np.arange(1, increments + 1) / increments:
+            goal = np.array([fraction * target])
+            state, active, reached = _reach(system, chosen, goal, state, active)
+            stages.append(f"{name} to {fraction:.0%}")
+            history.append(reached)
+    chosen = np.array([names.index(name) for name in forces])
+    goal = np.array(list(forces.values()))
+    state, active, reached = _reach(system, chosen, goal, state, active)
+    return Tightening(
+        initial_forces=dict(zip(names, state.tolist(), strict=True)),
+        bolts=tuple(names),
+        stages=(*stages, "all to nominal"),
+        bolt_forces=np.array([*history, reached]),
+    )
+
+
+def _check(forces: Mapping[str, float], names: list[str]) -> None:
+    for name, force in forces.items():
+        if name not in names:
+            message = f"there is no bolt '{name}'; the bolts are {', '.join(names) or 'none'}"
+            raise ModelError(message)
+        if not (np.isfinite(force) and force > 0):
+            message = f"bolt '{name}': the preload is {force:g}; give a positive force"
+            raise ModelError(message)
+
+
+def _reach(
+    system: System, chosen: Vector, goal: Vector, state: Vector, active: Mask | None
+) -> tuple[Vector, Mask, Vector]:
+    """Newton on the initial forces of the chosen bolts until their forces meet the goal."""
+    tolerance = FORCE_TOLERANCE * np.abs(goal).max()
+    for _ in range(50):
+        forces, slope, active = _bolt_forces(system, state, active)
+        miss = goal - forces[chosen]
+        if np.abs(miss).max() <= tolerance:
+            return state, active, forces
+        jacobian = slope[np.ix_(chosen, chosen)]
+        if np.linalg.cond(jacobian) > 1e12:
+            break
+        state = state.copy()
+        state[chosen] += np.linalg.solve(jacobian, miss)
+    names = [list(system.bolts)[bolt] for bolt in chosen]
+    message = (
+        f"bolt {', '.join(names)} does not reach its preload of {goal.max():g} (missing "
+        f"{np.abs(miss).max():.3g}); check that it clamps an interface"
+    )
+    raise ConvergenceError(message)
+
+
+def _bolt_forces(system: System, state: Vector, active: Mask | None) -> tuple[Vector, Matrix, Mask]:
+    """Bolt forces, their derivative by the initial forces, and the points in contact."""
+    ports, contact = system.port_compliance, system.contact
+    inputs = np.concatenate([np.zeros(ports.n_boundary), state])
+    signed = port_forces(ports, inputs)
+    solution = system.static_contact.solve(signed @ ports.contact_columns, active)
+
+    stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
+    bolt_rows = ports.contact_columns[ports.n_boundary :]
+    elongation = ports.input_rows[ports.n_boundary :] @ signed
+    elongation = elongation + bolt_rows @ (contact.interpolation.T @ solution.forces)
+
+    closed = np.flatnonzero(solution.active)
+    coupling = (contact.interpolation @ bolt_rows.T)[closed]
+    flexibility = system.static_contact.flexibility[np.ix_(closed, closed)]
+    relieved = coupling.T @ np.linalg.lstsq(flexibility, coupling, rcond=None)[0]
+    own = ports.input_rows[ports.n_boundary :, ports.n_boundary :]
+    slope = np.eye(len(state)) - stiffness[:, None] * (own - relieved)
+    return stiffness * elongation + state, slope, solution.active

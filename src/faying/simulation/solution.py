@@ -1,0 +1,120 @@
+"""Solutions are data: states, contact forces and what follows from them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.exceptions import ModelError
+from faying.model.system import System
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Solution:
+    """One static solution, several static cases, or a transient.
+
+    Arrays have no leading axis for one static solution, otherwise one entry per case or instant.
+
+    Attributes
+    ----------
+    name
+        Name of the load (or of the set of cases).
+    system
+        The full or reduced model that was solved.
+    states : (..., n_dof)
+        Displacements or generalized coordinates.
+    contact_forces : (..., n_point) [force]
+        λ = w ∘ p.
+    gap : (..., n_point) [length]
+    inputs : (..., n_boundary + n_bolt) [force]
+        Boundary forces and initial bolt forces.
+    iterations : (...)
+        Linear systems the contact problem took.
+    times : (n_time,) or None
+        Instants of a transient.
+    velocities, accelerations : (n_time, n_dof) or None
+        Of a transient.
+    """
+
+    name: str
+    system: System
+    states: Matrix
+    contact_forces: Matrix
+    gap: Matrix
+    inputs: Matrix
+    iterations: Indices
+    times: Vector | None = None
+    velocities: Matrix | None = None
+    accelerations: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("states", "contact_forces", "gap", "inputs"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def pressure(self) -> Matrix:
+        """Contact pressure p (..., n_point) [force/length²], compression positive."""
+        pressure: Matrix = self.contact_forces / self.system.contact.weights
+        return pressure
+
+    @property
+    def max_pressure(self) -> Matrix:
+        """Largest pressure over the contact points (...)."""
+        return np.asarray(self.pressure.max(axis=-1, initial=0.0))
+
+    @property
+    def max_penetration(self) -> Matrix:
+        """Largest penetration max ⟨−g⟩ over the contact points (...) [length]."""
+        return np.asarray(np.maximum(-self.gap, 0.0).max(axis=-1, initial=0.0))
+
+    def contact_force(self, interface: str | None = None) -> Matrix:
+        """Return the total normal force Σ λ of one interface, or of all (...) [force]."""
+        return np.asarray(self.contact_forces[..., self._points(interface)].sum(axis=-1))
+
+    def open_fraction(self, interface: str | None = None) -> Matrix:
+        """Return the part of the area without pressure, of one interface or of all (...)."""
+        points = self._points(interface)
+        weights = self.system.contact.weights[points]
+        is_open = self.contact_forces[..., points] <= 0
+        return np.asarray((is_open * weights).sum(axis=-1) / weights.sum())
+
+    def displacement(self, boundary: str) -> Matrix:
+        """Return the displacements at a boundary (..., n) in the order of its components.
+
+        Raises
+        ------
+        ModelError
+            If there is no such boundary.
+        """
+        if boundary not in self.system.boundaries:
+            message = (
+                f"there is no boundary '{boundary}'; "
+                f"the boundaries are {', '.join(self.system.boundaries) or 'none'}"
+            )
+            raise ModelError(message)
+        displacement: Matrix = self.states[..., self.system.boundaries[boundary].dofs]
+        return displacement
+
+    def bolt_force(self, bolt: str) -> Matrix:
+        """Return the axial force of a bolt (...) [force], tension positive."""
+        if bolt not in self.system.bolts:
+            message = f"there is no bolt '{bolt}'; the bolts are {', '.join(self.system.bolts)}"
+            raise ModelError(message)
+        place = list(self.system.bolts).index(bolt) - len(self.system.bolts)
+        locked = self.inputs[..., place]
+        return self.system.bolts[bolt].locked(0.0).force(self.states) + locked
+
+    def full_displacement(self) -> Matrix:
+        """Return displacements at the free degrees of freedom of the full model (..., n_dof)."""
+        return self.system.expand(self.states)
+
+    def _points(self, interface: str | None) -> slice:
+        if interface is None:
+            return slice(None)
+        if interface not in self.system.contact.slices:
+            message = (
+                f"there is no interface '{interface}'; "
+                f"the interfaces are {', '.join(self.system.contact.slices)}"
+            )
+            raise ModelError(message)
+        return self.system.contact.slices[interface]

@@ -1,0 +1,94 @@
+"""Static contact solutions of full and reduced models through the condensed problem."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.model.system import PortCompliance, System, input_forces
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+
+AT_REST = Load(name="preload")
+"""No boundary force: the joint under its locked bolts alone."""
+
+
+def solve_static(system: System, load: Load = AT_REST) -> Solution:
+    """Solve the static contact problem of one load case.
+
+    Parameters
+    ----------
+    system
+        Full or reduced model; histories are taken at time zero.
+
+    Raises
+    ------
+    ModelError
+        If the load does not fit the system, or the structure is not held.
+
+    Notes
+    -----
+    Design §3. One dense contact problem and one back-substitution; the compliance of the system is
+    formed at the first call and kept.
+    """
+    cases = solve_static_cases(system, [load])
+    return Solution(
+        name=load.name,
+        system=system,
+        states=cases.states[0],
+        contact_forces=cases.contact_forces[0],
+        gap=cases.gap[0],
+        inputs=cases.inputs[0],
+        iterations=cases.iterations[0],
+    )
+
+
+def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases") -> Solution:
+    """Solve many load cases; every array of the solution has the case as its first axis.
+
+    Notes
+    -----
+    Free gaps and displacements of all cases are one matrix product each; the contact problems
+    follow one another, each started from the points in contact of the one before.
+    """
+    start = np.zeros(1)
+    inputs = np.concatenate([load.inputs(system, start) for load in loads])
+    return solve_static_inputs(system, inputs, name)
+
+
+def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> Solution:
+    """Solve many load cases given as inputs (n_case, n_boundary + n_bolt)."""
+    condensed, contact = system.static_contact, system.contact
+    free = port_forces(system.port_compliance, inputs) @ system.port_compliance.contact_columns
+    shape = (len(inputs), contact.n_points)
+    forces, gaps = np.empty(shape), np.empty(shape)
+    iterations = np.empty(len(inputs), dtype=np.int64)
+    active = None
+    for case, displacement in enumerate(free):
+        solution = condensed.solve(displacement, active)
+        forces[case], gaps[case] = solution.forces, condensed.gap(solution)
+        iterations[case], active = solution.iterations, solution.active
+    external = input_forces(system, inputs) + relative_forces(system, forces)
+    return Solution(
+        name=name,
+        system=system,
+        states=system.factorize_static().solve(external.T).T,
+        contact_forces=forces,
+        gap=gaps,
+        inputs=inputs,
+        iterations=iterations,
+    )
+
+
+def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
+    """Return forces at the boundary and bolt ports: an initial force N₀ shortens its bolt."""
+    signed = np.array(inputs, dtype=float)
+    signed[..., ports.n_boundary :] *= -1.0
+    return signed
+
+
+def relative_forces(system: System, contact_forces: Matrix) -> Matrix:
+    """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11)."""
+    at_pairs = system.contact.interpolation.T @ np.asarray(contact_forces).T
+    forces: Matrix = (system.contact.relative_operator.T @ at_pairs).T
+    return forces
