@@ -127,11 +127,11 @@ def _local_stiffness(beam: _Properties) -> Matrix:
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
     axial = beam.youngs * beam.area / beam.length
     twist = beam.shear * beam.torsion / beam.length
-    result[:, *np.ix_(_AXIAL, _AXIAL)] = axial[:, None, None] * bar
-    result[:, *np.ix_(_TORSION, _TORSION)] = twist[:, None, None] * bar
+    _put(result, _AXIAL, axial[:, None, None] * bar)
+    _put(result, _TORSION, twist[:, None, None] * bar)
     for (dofs, signs), inertia, phi in _bending_planes(beam):
         block = _bending_stiffness(beam.youngs * inertia, beam.length, phi)
-        result[:, *np.ix_(dofs, dofs)] = block * np.outer(signs, signs)
+        _put(result, dofs, block * np.outer(signs, signs))
     return result
 
 
@@ -140,12 +140,17 @@ def _local_mass(beam: _Properties) -> Matrix:
     bar = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
     line = beam.density * beam.area
     polar = beam.density * (beam.inertia_y + beam.inertia_z)
-    result[:, *np.ix_(_AXIAL, _AXIAL)] = (line * beam.length)[:, None, None] * bar
-    result[:, *np.ix_(_TORSION, _TORSION)] = (polar * beam.length)[:, None, None] * bar
+    _put(result, _AXIAL, (line * beam.length)[:, None, None] * bar)
+    _put(result, _TORSION, (polar * beam.length)[:, None, None] * bar)
     for (dofs, signs), inertia, phi in _bending_planes(beam):
         block = _bending_mass(line, beam.density * inertia, beam.length, phi)
-        result[:, *np.ix_(dofs, dofs)] = block * np.outer(signs, signs)
+        _put(result, dofs, block * np.outer(signs, signs))
     return result
+
+
+def _put(matrices: Matrix, dofs: tuple[int, ...], block: Matrix) -> None:
+    place = np.array(dofs)
+    matrices[:, place[:, None], place] = block
 
 
 def _bending_planes(

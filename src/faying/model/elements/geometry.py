@@ -6,14 +6,16 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.elements.solid_element import (
     SolidElement,
+    corner_gradients,
     mass_tables,
-    shape_gradients,
     stiffness_gradients,
 )
 
 # A determinant this much smaller than the element's largest is a collapsed corner: rounding of
 # the coordinates leaves about 1e-15, while a usable corner has far more than a millionth.
 COLLAPSED = 1e-10
+# A largest determinant this much smaller than the cube of the element's extent is a flat element.
+FLAT = 1e-12
 
 
 def jacobians(gradients: Matrix, coordinates: Matrix) -> Matrix:
@@ -43,7 +45,8 @@ def cofactors(jacobian: Matrix) -> Matrix:
 
 def determinants(jacobian: Matrix, cofactor: Matrix) -> Matrix:
     """Return det(J) of matrices (..., 3, 3), given their cofactors."""
-    return np.einsum("...c,...c->...", jacobian[..., 0, :], cofactor[..., 0, :])
+    result: Matrix = np.einsum("...c,...c->...", jacobian[..., 0, :], cofactor[..., 0, :])
+    return result
 
 
 def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> None:
@@ -62,20 +65,23 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
     ModelError
         Naming the first offending element, the determinant found and the remedy.
     """
-    corners = element.reference_nodes[: element.n_corners]
     places = {
-        "a corner": shape_gradients(element, corners),
+        "a corner": corner_gradients(element),
         "a stiffness quadrature point": stiffness_gradients(element),
         "a mass quadrature point": mass_tables(element)[1],
     }
+    extent = np.ptp(coordinates, axis=1).max(axis=1)
     for place, gradients in places.items():
         jacobian = jacobians(gradients, coordinates)
-        _check_positive(element, determinants(jacobian, cofactors(jacobian)), ids, place)
+        determinant = determinants(jacobian, cofactors(jacobian))
+        least = np.maximum(COLLAPSED * np.abs(determinant).max(axis=1), FLAT * extent**3)
+        _check_above(least, determinant.min(axis=1), element, ids, place)
 
 
-def _check_positive(element: SolidElement, determinant: Matrix, ids: Indices, place: str) -> None:
-    smallest: Vector = determinant.min(axis=1)
-    bad = ~(smallest > COLLAPSED * np.abs(determinant).max(axis=1))
+def _check_above(
+    least: Vector, smallest: Vector, element: SolidElement, ids: Indices, place: str
+) -> None:
+    bad = ~(smallest > least)  # also catches coordinates that are not numbers
     if not bad.any():
         return
     first = int(np.argmax(bad))

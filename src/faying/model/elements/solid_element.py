@@ -58,7 +58,7 @@ class SolidElement:
 
 
 def shape_values(element: SolidElement, points: Matrix) -> Matrix:
-    """Return shape functions at reference points: (n_point, 3) to (n_point, n_node), Nastran order."""
+    """Return shape functions at reference points: (n_point, 3) to (n_point, n_node)."""
     return np.stack([value for value, _ in _local_basis(element, points)], axis=-1)
 
 
@@ -71,6 +71,22 @@ def shape_gradients(element: SolidElement, points: Matrix) -> Matrix:
 def stiffness_gradients(element: SolidElement) -> Matrix:
     """Return reference gradients at the stiffness points (n_quad, 3, n_node)."""
     table: Matrix = frozen(shape_gradients(element, element.stiffness_quadrature().points))
+    return table
+
+
+@cache
+def corner_gradients(element: SolidElement) -> Matrix:
+    """Return reference gradients at the corners (n_corner, 3, n_node)."""
+    corners = element.reference_nodes[: element.n_corners]
+    table: Matrix = frozen(shape_gradients(element, corners))
+    return table
+
+
+@cache
+def centre_gradients(element: SolidElement) -> Matrix:
+    """Return reference gradients at the centre of the cell (1, 3, n_node)."""
+    corners = element.reference_nodes[: element.n_corners]
+    table: Matrix = frozen(shape_gradients(element, corners.mean(axis=0, keepdims=True)))
     return table
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.model.elements.geometry import cofactors, determinants, jacobians
-from faying.model.elements.solid_element import SolidElement, shape_gradients, stiffness_gradients
+from faying.model.elements.solid_element import SolidElement, centre_gradients, stiffness_gradients
 
 
 def stiffness_blocks(
@@ -59,8 +59,7 @@ def _internal_gradients(element: SolidElement, coordinates: Matrix, scale: Matri
     """Gradients (det J₀ / det J) J₀⁻ᵀ ∇_ξ of the internal modes; their mean over a cell is zero."""
     if element.internal_gradients is None:
         return np.empty((*scale.shape, 3, 0))
-    centre = element.reference_nodes[: element.n_corners].mean(axis=0, keepdims=True)
-    jacobian = jacobians(shape_gradients(element, centre), coordinates)
+    jacobian = jacobians(centre_gradients(element), coordinates)
     reference = element.internal_gradients(element.stiffness_quadrature().points)
     # cofactor(J₀) is det(J₀) J₀⁻ᵀ; √(w/det J) is √(w det J) / det J.
     cofactor = cofactors(jacobian).swapaxes(-1, -2)
