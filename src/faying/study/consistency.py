@@ -1,0 +1,222 @@
+"""What the values of a study file must be together. One rule, one function."""
+
+from collections.abc import Callable, Iterable, Iterator
+from itertools import pairwise
+
+from faying.exceptions import StudyError
+from faying.study.errors import Problem, nearest, quoted
+from faying.study.history import read_history
+from faying.study.lap_joint_keys import lap_joint_problems
+from faying.study.positions import Location
+from faying.study.tables import LoadCaseSection, Study, Timed
+
+MATERIAL_OF_GENERATOR = "steel"
+
+
+def inconsistencies(study: Study) -> list[Problem]:
+    """List everything in a study that does not fit together."""
+    return [problem for rule in RULES for problem in rule(study)]
+
+
+def boundary_problems(study: Study, known: Iterable[str]) -> Iterator[Problem]:
+    """Find loads on boundaries that do not exist."""
+    names = list(known)
+    for location, name in _load_boundaries(study):
+        if name not in names:
+            yield _problem(study, location, f"no boundary '{name}'; {nearest(name, names)}")
+
+
+def _load_boundaries(study: Study) -> Iterator[tuple[Location, str]]:
+    for i, case in enumerate(study.load_cases):
+        for j, force in enumerate(case.forces):
+            yield ("load_case", i, "forces", j, "boundary"), force.boundary
+    for i, side in enumerate(study.reduction.training.box):
+        yield ("reduction", "training", "box", i, "boundary"), side.boundary
+
+
+def _problem(study: Study, location: Location, text: str) -> Problem:
+    return Problem(location, f"{study.source.place(location)}: {text}")
+
+
+def _in_table(study: Study, location: Location, text: str) -> Problem:
+    return Problem(location, f"{study.source.table(location)}: {text}")
+
+
+def _unique_names(study: Study) -> Iterator[Problem]:
+    families = {
+        "interface": [interface.name for interface in study.interfaces],
+        "bolt": [bolt.name for bolt in study.bolts],
+        "boundary": [boundary.name for boundary in study.boundaries],
+        "load_case": [case.name for case in study.load_cases],
+    }
+    for table, names in families.items():
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                first = names.index(name) + 1
+                text = f"'{name}' is already the name of number {first}; names must differ"
+                yield _problem(study, (table, i, "name"), text)
+
+
+def _model_files(study: Study) -> Iterator[Problem]:
+    wanted = {"nastran": "file", "matrices": "files", "lap-joint": "lap_joint"}
+    source, own = study.model.source, wanted[study.model.source]
+    for key in wanted.values():
+        given = key in study.model.model_fields_set
+        if key == own and not given and source != "lap-joint":
+            text = f"source '{source}' needs '{key}'; add it"
+            yield _in_table(study, ("model",), text)
+        if key != own and given:
+            text = f"does not belong to source '{source}'; remove it or change the source"
+            yield _problem(study, ("model", key), text)
+
+
+def _sets(study: Study) -> Iterator[Problem]:
+    for name, named in study.model.sets.items():
+        if len(named.model_fields_set) != 1:
+            keys = quoted(type(named).model_fields)
+            yield _problem(study, ("model", "sets", name), f"give exactly one of {keys}")
+
+
+def _interfaces(study: Study) -> Iterator[Problem]:
+    if study.model.source != "lap-joint" and not study.interfaces:
+        text = 'there is no [[interface]]; add one with a name, minus = "auto" and plus = "auto"'
+        yield Problem((), f"{study.path.name}: {text}")
+    for i, interface in enumerate(study.interfaces):
+        if (interface.minus == "auto") != (interface.plus == "auto"):
+            text = 'only one of minus and plus is "auto"; name both sides, or neither'
+            yield _in_table(study, ("interface", i), text)
+
+
+def _bolts(study: Study) -> Iterator[Problem]:
+    for i, bolt in enumerate(study.bolts):
+        location: Location = ("bolt", i)
+        ways = [key for key in ("elements", "nodes", "axis") if getattr(bolt, key) is not None]
+        if len(ways) > 1 or (not ways and study.model.source != "lap-joint"):
+            found = quoted(ways) or "none"
+            text = f"found {found}, expected one of 'elements', 'nodes' or 'axis'"
+            yield _in_table(study, location, f"{text}; say where bolt '{bolt.name}' is, once")
+        if bolt.axis and not (bolt.diameter and bolt.washer_radius):
+            text = "a bolt given by its axis needs 'diameter' and 'washer_radius'; add them"
+            yield _in_table(study, location, text)
+        if bolt.preload is None:
+            text = "missing key 'preload', the bolt's final force; add it (0 is not tightened)"
+            yield _in_table(study, location, text)
+
+
+def _boundaries(study: Study) -> Iterator[Problem]:
+    for i, boundary in enumerate(study.boundaries):
+        both = boundary.set is not None and boundary.node is not None
+        neither = boundary.set is None and boundary.node is None
+        if both or (neither and study.model.source != "lap-joint"):
+            text = f"boundary '{boundary.name}' needs either 'set' or 'node'"
+            yield _in_table(study, ("boundary", i), f"{text}; {'remove' if both else 'add'} one")
+    if study.boundaries and study.model.source != "lap-joint":
+        yield from boundary_problems(study, [boundary.name for boundary in study.boundaries])
+
+
+def _reduction(study: Study) -> Iterator[Problem]:
+    reduction, training = study.reduction, study.reduction.training
+    modes = reduction.joint_modes
+    if any(later <= earlier for earlier, later in pairwise(modes)):
+        found = ", ".join(map(str, modes))
+        text = f"found {found}; the numbers of modes must increase, sort them"
+        yield _problem(study, ("reduction", "joint_modes"), text)
+    if len(set(reduction.methods)) < len(reduction.methods):
+        text = "a method is named twice; name each once"
+        yield _problem(study, ("reduction", "methods"), text)
+    if not training.box and any(method.startswith("jim-b") for method in reduction.methods):
+        text = (
+            "method 'jim-b' learns from training loads and there are none; add "
+            "[reduction.training] with box = [{ boundary, component, min, max }]"
+        )
+        yield _in_table(study, ("reduction",), text)
+    for i, side in enumerate(training.box):
+        if not side.min < side.max:
+            location = ("reduction", "training", "box", i, "min")
+            text = f"min {side.min:g} is not below max {side.max:g}; exchange or change them"
+            yield _problem(study, location, text)
+    yield from _not_both(study, ("reduction", "training"), training)
+
+
+def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
+    for one, other in (("step", "steps_per_period"), ("duration", "periods")):
+        if getattr(timed, one) is not None and getattr(timed, other) is not None:
+            text = f"'{one}' and '{other}' say the same twice; remove one"
+            yield _in_table(study, location, text)
+
+
+def _load_cases(study: Study) -> Iterator[Problem]:
+    for i, case in enumerate(study.load_cases):
+        location: Location = ("load_case", i)
+        yield from _not_both(study, location, case)
+        yield from _timing(study, location, case)
+        yield from _forces(study, location, case)
+        if case.rho_infinity is not None and case.integrator != "generalized-alpha":
+            text = 'only integrator = "generalized-alpha" has it; remove it or add the integrator'
+            yield _problem(study, (*location, "rho_infinity"), text)
+
+
+def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
+    if case.kind == "static":
+        keys = [*Timed.model_fields, "integrator"]
+        for key in [key for key in keys if getattr(case, key) is not None]:
+            text = 'kind = "static" has no time; remove it or use kind = "step"'
+            yield _problem(study, (*location, key), text)
+        return
+    if case.step is None and case.steps_per_period is None:
+        text = f"kind = \"{case.kind}\" needs a time step; add 'step' or 'steps_per_period'"
+        yield _in_table(study, location, text)
+    if case.kind == "step" and case.duration is None and case.periods is None:
+        text = "kind = \"step\" needs a length; add 'duration' or 'periods'"
+        yield _in_table(study, location, text)
+    if case.step is not None and case.duration is not None and case.duration < case.step:
+        text = f"duration {case.duration:g} is shorter than the step {case.step:g}; enlarge it"
+        yield _problem(study, (*location, "duration"), text)
+
+
+def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
+    for j, force in enumerate(case.forces):
+        here: Location = (*location, "forces", j)
+        if (force.value is None) == (force.file is None):
+            yield _in_table(study, here, "give either 'value' or 'file'")
+        if force.file is None:
+            continue
+        if case.kind != "history":
+            text = f'kind = "{case.kind}" takes a value; use kind = "history" for a file'
+            yield _problem(study, (*here, "file"), text)
+        try:
+            read_history(force.file)
+        except StudyError as error:
+            yield _problem(study, (*here, "file"), str(error))
+    if case.kind == "history" and not any(force.file for force in case.forces):
+        text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"
+        yield _in_table(study, location, text)
+
+
+def _material(study: Study) -> Iterator[Problem]:
+    if study.model.source == "lap-joint":
+        for name in study.materials:
+            if name != MATERIAL_OF_GENERATOR:
+                text = f"the lap joint is of '{MATERIAL_OF_GENERATOR}'; rename the table"
+                yield _in_table(study, ("material", name), text)
+    for name, material in study.materials.items():
+        if not material.model_fields_set:
+            text = "the table is empty; give 'E', 'nu' or 'rho', or remove it"
+            yield _in_table(study, ("material", name), text)
+    if study.materials and study.model.source == "matrices":
+        text = "matrices have no material; remove [material]"
+        yield _in_table(study, ("material",), text)
+
+
+RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
+    _unique_names,
+    _model_files,
+    _sets,
+    lap_joint_problems,
+    _material,
+    _interfaces,
+    _bolts,
+    _boundaries,
+    _reduction,
+    _load_cases,
+)

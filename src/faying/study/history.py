@@ -1,0 +1,111 @@
+"""Load histories: two columns of a csv file, time and value."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Vector, frozen
+from faying.exceptions import StudyError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class History:
+    """A load over time, linear between its samples.
+
+    Attributes
+    ----------
+    times : (n,) [time]
+        Strictly increasing.
+    values : (n,) [force] or [force·length]
+    """
+
+    times: Vector
+    values: Vector
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "times", frozen(self.times))
+        object.__setattr__(self, "values", frozen(self.values))
+
+    def at(self, times: Vector) -> Vector:
+        """Return the load at instants (n_time,); outside the samples the nearest one holds."""
+        values: Vector = np.interp(times, self.times, self.values)
+        return values
+
+
+def read_history(path: Path) -> History:
+    """Read a load history.
+
+    Parameters
+    ----------
+    path
+        Text with two columns separated by a comma, time and value. One header line, empty lines
+        and comments after ``#`` are allowed.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read, or times do not increase; the message names the line.
+    """
+    numbered = [
+        (number, line.split("#", 1)[0].strip())
+        for number, line in enumerate(_text(path).splitlines(), start=1)
+    ]
+    rows = [(number, line) for number, line in numbered if line]
+    if rows and not _is_numeric(rows[0][1]):
+        rows = rows[1:]
+    values = np.array([_row(path, number, line) for number, line in rows]).reshape(-1, 2)
+    _check(path, [number for number, _ in rows], values)
+    return History(times=values[:, 0], values=values[:, 1])
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        message = f"cannot read load history {path}: {error}; give a text file time, value"
+        raise StudyError(message) from None
+
+
+def _is_numeric(line: str) -> bool:
+    try:
+        [float(cell) for cell in line.split(",")]
+    except ValueError:
+        return False
+    return True
+
+
+def _row(path: Path, number: int, line: str) -> tuple[float, float]:
+    cells = line.split(",")
+    if len(cells) != 2 or not _is_numeric(line):
+        message = (
+            f"{path}, line {number}: found '{line[:40]}', expected two numbers 'time, value' "
+            "separated by a comma"
+        )
+        raise StudyError(message)
+    return float(cells[0]), float(cells[1])
+
+
+def _check(path: Path, lines: list[int], rows: Vector) -> None:
+    """Refuse what cannot be interpolated."""
+    if len(rows) < 2:
+        message = f"{path}: found {len(rows)} samples, expected two or more lines 'time, value'"
+        raise StudyError(message)
+    infinite = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+    if infinite.size:
+        message = f"{path}, line {lines[infinite[0]]}: the sample is not finite; remove the line"
+        raise StudyError(message)
+    if rows[0, 0] < 0:
+        message = (
+            f"{path}, line {lines[0]}: time {rows[0, 0]:g} is negative; loads act from t = 0, "
+            "shift the times"
+        )
+        raise StudyError(message)
+    back = np.flatnonzero(np.diff(rows[:, 0]) <= 0)
+    if back.size:
+        first = int(back[0])
+        message = (
+            f"{path}, line {lines[first + 1]}: time {rows[first + 1, 0]:g} does not come after "
+            f"{rows[first, 0]:g}; times must increase"
+        )
+        raise StudyError(message)

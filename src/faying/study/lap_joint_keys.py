@@ -1,0 +1,66 @@
+"""[model.lap_joint]: checked against the keywords of the generator itself."""
+
+import inspect
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+
+from faying.study.errors import Problem, nearest, translated
+from faying.study.tables import Study
+
+ELSEWHERE = {
+    "material": "[material.steel]",
+    "element": "[model]",
+    "penalty": "[[interface]]",
+    "quadrature": "[[interface]]",
+    "order": "[[interface]]",
+}
+"""Keywords of the generator that the study file gives in a table of their own."""
+
+
+def lap_joint_keywords(study: Study) -> dict[str, Any]:
+    """Return the study's keywords for the generator, in the types it declares."""
+    given = _schema().model_validate_json(_json(study), strict=True)
+    return {name: getattr(given, name) for name in study.model.lap_joint}
+
+
+def lap_joint_problems(study: Study) -> Iterator[Problem]:
+    """Keywords the generator does not have, and values of a wrong type."""
+    if study.model.source != "lap-joint":
+        return
+    schema = _schema()
+    for name in study.model.lap_joint:
+        location = ("model", "lap_joint", name)
+        if name in ELSEWHERE:
+            text = f"{study.source.place(location)}: it belongs in {ELSEWHERE[name]}; move it"
+            yield Problem(location, text)
+        elif name not in schema.model_fields:
+            remedy = nearest(name, schema.model_fields)
+            yield Problem(location, f"unknown key {study.source.place(location)}; {remedy}")
+    try:
+        schema.model_validate_json(_json(study), strict=True)
+    except ValidationError as error:
+        for entry in error.errors(include_url=False):
+            found = {**entry, "loc": ("model", "lap_joint", *entry["loc"])}
+            yield translated(study.source, found)
+
+
+def _schema() -> type[BaseModel]:
+    """Mirror the signature of the generator."""
+    from faying.model.lap_joint import lap_joint_assembly
+
+    parameters = inspect.signature(lap_joint_assembly).parameters.values()
+    keys: dict[str, Any] = {
+        parameter.name: (parameter.annotation, parameter.default)
+        for parameter in parameters
+        if parameter.name not in ELSEWHERE
+    }
+    config = ConfigDict(allow_inf_nan=False, extra="ignore", strict=True)
+    return create_model("LapJoint", __config__=config, **keys)
+
+
+def _json(study: Study) -> str:
+    # JSON, because strict validation of Python values refuses a list where a tuple is declared
+    return json.dumps(dict(study.model.lap_joint), default=str)

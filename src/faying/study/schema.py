@@ -1,0 +1,61 @@
+"""Reading a study file: :func:`read_study` gives a checked :class:`Study` or one clear message."""
+
+import tomllib
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from faying.exceptions import StudyError
+from faying.study.consistency import inconsistencies
+from faying.study.errors import StudySource, reject, translated
+from faying.study.positions import line_numbers
+from faying.study.tables import Study
+
+__all__ = ["Study", "read_study"]
+
+
+def read_study(path: Path | str) -> Study:
+    """Read and check a study file.
+
+    Parameters
+    ----------
+    path
+        A TOML file; relative paths in it are resolved against its folder.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read or asks for something that does not fit together. The one message
+        lists every mistake found with its place, what was found, what was expected, the remedy.
+    """
+    path = Path(path)
+    text = _text(path)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message = f"{path.name} is not valid TOML: {error}; correct the line"
+        raise StudyError(message) from None
+    source = StudySource(path.resolve(), text, line_numbers(text))
+    try:
+        study = Study.model_validate(data, context=source)
+    except ValidationError as error:
+        entries = error.errors(include_url=False)
+        reject(source, [translated(source, dict(entry)) for entry in entries])
+        raise
+    reject(source, inconsistencies(study))
+    return study
+
+
+def _text(path: Path) -> str:
+    """Read a file as UTF-8 text."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        message = f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8"
+    except OSError as error:
+        message = f"cannot read study file {path}: {error.strerror}; check the path"
+    raise StudyError(message)

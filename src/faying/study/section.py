@@ -1,0 +1,108 @@
+"""What all tables of a study file have in common, and the types of their values."""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import (
+    AfterValidator,
+    AllowInfNan,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    Strict,
+    StringConstraints,
+    ValidationInfo,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from faying.study.errors import OWN_TYPE, UNKNOWN_KEY, nearest, shown
+
+
+def refusal(message: str) -> PydanticCustomError:
+    """Return a validation error whose text is shown as it stands."""
+    # pydantic formats the template with its context; braces of the text itself must survive
+    return PydanticCustomError(OWN_TYPE, "{message}", {"message": message})
+
+
+def check_names(data: dict[str, Any], known: Iterable[str]) -> None:
+    """Refuse the first key that is not known, naming the nearest one that is."""
+    known = list(known)
+    for key in data:
+        if key not in known:
+            remedy = nearest(key, known)
+            context = {"key": key, "remedy": remedy}
+            raise PydanticCustomError(UNKNOWN_KEY, "{key}: {remedy}", context)
+
+
+class Section(BaseModel):
+    """A table of the study file: immutable, and no key that is not known."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys_only(cls, data: Any) -> Any:
+        if isinstance(data, dict):
+            fields = cls.model_fields.items()
+            check_names(data, [field.alias or name for name, field in fields])
+        return data
+
+
+def _existing_file(path: Path, info: ValidationInfo) -> Path:
+    """Resolve against the folder of the study file."""
+    folder = info.context.path.parent if info.context else Path()
+    resolved = (folder / path.expanduser()).resolve()
+    if not resolved.is_file():
+        what = "is a folder" if resolved.is_dir() else "does not exist"
+        message = f"file '{path}' {what} ({resolved}); paths are relative to the study file"
+        raise refusal(message)
+    return resolved
+
+
+def _penalty(value: Any) -> float | str:
+    if value in ("auto", "hard"):
+        return str(value)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if number and 0 < value < float("inf"):
+        return float(value)
+    message = f"found {shown(value)}, expected a positive number, 'auto' or 'hard'"
+    if isinstance(value, str):
+        message += f"; {nearest(value, ['auto', 'hard'])}"
+    raise refusal(message)
+
+
+def _is_id(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _id_or_name(value: Any) -> str | int:
+    if _is_id(value) or (isinstance(value, str) and value):
+        return value  # type: ignore[no-any-return]
+    message = f"found {shown(value)}, expected a name or an id"
+    raise refusal(message)
+
+
+def _selection(value: Any) -> str | int | tuple[int, ...]:
+    if isinstance(value, (list, tuple)) and value and all(map(_is_id, value)):
+        return tuple(value)
+    if _is_id(value) or (isinstance(value, str) and value):
+        return value  # type: ignore[no-any-return]
+    message = f"found {shown(value)}, expected a set name, an id, or a list of ids"
+    raise refusal(message)
+
+
+Number = Annotated[float, Strict(), AllowInfNan(False)]
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Count = Annotated[int, Strict(), Field(ge=1)]
+Id = Annotated[int, Strict()]
+Switch = Annotated[bool, Strict()]
+Name = Annotated[str, Strict(), StringConstraints(min_length=1)]
+ExistingFile = Annotated[Path, AfterValidator(_existing_file)]
+Penalty = Annotated[float | str, BeforeValidator(_penalty)]
+Selection = Annotated[str | int | tuple[int, ...], BeforeValidator(_selection)]
+IdOrName = Annotated[str | int, BeforeValidator(_id_or_name)]
+Point = tuple[Number, Number, Number]

@@ -1,0 +1,119 @@
+"""[model.sets] and selections: from the names of a study to sets of the mesh."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, frozen
+from faying.exceptions import StudyError
+from faying.model.assembly import Assembly
+from faying.model.mesh import Mesh
+from faying.study.errors import nearest
+from faying.study.tables import NamedSet, Study
+
+
+def with_study_sets(assembly: Assembly, study: Study) -> Assembly:
+    """Return the assembly with the study's own names among the sets of its mesh.
+
+    Raises
+    ------
+    StudyError
+        If an id, a property or a set of the deck does not exist.
+    """
+    for name, named in study.model.sets.items():
+        for use in SETTERS:
+            if getattr(named, use) is not None:
+                assembly = SETTERS[use](assembly, study, name, named)
+    return assembly
+
+
+def _from_deck(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    mesh, deck = assembly.mesh, named.deck or ""
+    if deck in assembly.face_sets:
+        faces = {**assembly.face_sets, name: assembly.face_sets[deck]}
+        assembly = replace(assembly, face_sets=faces)
+    if deck in mesh.node_sets:
+        mesh = mesh.with_node_set(name, mesh.node_sets[deck])
+    if deck in mesh.element_sets:
+        mesh = _with_elements(mesh, name, mesh.element_sets[deck])
+    known = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets]
+    if deck not in known:
+        _refuse(study, name, f"the deck has no set '{deck}'; {nearest(deck, known)}")
+    return replace(assembly, mesh=mesh)
+
+
+def _from_properties(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    mesh, wanted = assembly.mesh, named.properties or ()
+    properties, ids = _solids(mesh)
+    for missing in sorted(set(wanted) - set(properties.tolist())):
+        known = ", ".join(map(str, np.unique(properties).tolist()))
+        _refuse(study, name, f"no solid has property {missing}; properties are {known or 'none'}")
+    chosen = ids[np.isin(properties, wanted)]
+    mesh = _with_elements(mesh, name, chosen).with_node_set(name, _nodes_of(mesh, chosen))
+    return replace(assembly, mesh=mesh)
+
+
+def _from_nodes(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    wanted, mesh = named.nodes or (), assembly.mesh
+    _check_ids(study, name, "node", wanted, mesh.node_ids)
+    return replace(assembly, mesh=mesh.with_node_set(name, mesh.node_index(np.array(wanted))))
+
+
+def _from_elements(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    wanted, mesh = np.array(named.elements or (), dtype=np.int64), assembly.mesh
+    _check_ids(study, name, "solid element", wanted.tolist(), _solids(mesh)[1])
+    mesh = _with_elements(mesh, name, wanted).with_node_set(name, _nodes_of(mesh, wanted))
+    return replace(assembly, mesh=mesh)
+
+
+def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    """Take ids for those of nodes or of elements by who uses the name."""
+    by_interface = any(name in (i.minus, i.plus) for i in study.interfaces)
+    by_boundary = any(boundary.set == name for boundary in study.boundaries)
+    if by_interface and by_boundary:
+        text = "an interface and a boundary use this list; write { nodes = [..] } or { elements = [..] }"
+        _refuse(study, name, text)
+    if by_interface:
+        return _from_elements(assembly, study, name, NamedSet(elements=named.ids))
+    return _from_nodes(assembly, study, name, NamedSet(nodes=named.ids))
+
+
+def _check_ids(study: Study, name: str, what: str, wanted: Sequence[int], known: Indices) -> None:
+    missing = np.setdiff1d(wanted, known)
+    if missing.size:
+        shown = ", ".join(map(str, missing[:5].tolist()))
+        _refuse(study, name, f"the model has no {what} with id {shown}; correct the list")
+
+
+def _solids(mesh: Mesh) -> tuple[Indices, Indices]:
+    """Property and id of every solid element."""
+    if not mesh.blocks:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    properties = np.concatenate([block.properties for block in mesh.blocks])
+    return properties, np.concatenate([block.ids for block in mesh.blocks])
+
+
+def _nodes_of(mesh: Mesh, elements: Indices) -> Indices:
+    parts = [block.nodes[np.isin(block.ids, elements)].ravel() for block in mesh.blocks]
+    return np.unique(np.concatenate(parts))
+
+
+def _with_elements(mesh: Mesh, name: str, elements: Indices) -> Mesh:
+    sets = {**mesh.element_sets, name: frozen(elements, np.int64)}
+    return replace(mesh, element_sets=sets)
+
+
+def _refuse(study: Study, name: str, text: str) -> None:
+    message = f"{study.source.place(('model', 'sets', name))}: {text}"
+    raise StudyError(message)
+
+
+Setter = Callable[[Assembly, Study, str, NamedSet], Assembly]
+SETTERS: dict[str, Setter] = {
+    "deck": _from_deck,
+    "properties": _from_properties,
+    "nodes": _from_nodes,
+    "elements": _from_elements,
+    "ids": _from_ids,
+}

@@ -1,0 +1,372 @@
+"""The tables of a study file, one class each, with every key and default.
+
+What a single value must be is said here; what values must be together is in
+:mod:`faying.study.consistency`.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, PrivateAttr, StringConstraints
+
+from faying.study.errors import StudySource, nearest, quoted, shown
+from faying.study.section import (
+    Count,
+    ExistingFile,
+    Id,
+    IdOrName,
+    Name,
+    NotNegative,
+    Number,
+    Penalty,
+    Point,
+    Positive,
+    Section,
+    Selection,
+    Switch,
+    refusal,
+)
+
+SOURCES = ("lap-joint", "nastran", "matrices")
+"""Where a model can come from."""
+
+SOURCES_TO_COME = ("abaqus", "mesh")
+"""Sources the study format knows and this version cannot read."""
+
+Method = Literal[
+    "craig-bampton", "jim-a", "jim-b", "compliance", "jim-a+compliance", "jim-b+compliance"
+]
+METHODS: tuple[Method, ...] = (
+    "craig-bampton",
+    "jim-a",
+    "jim-b",
+    "compliance",
+    "jim-a+compliance",
+    "jim-b+compliance",
+)
+ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+OutputField = Literal["pressure", "gap", "displacement"]
+
+
+def _source(value: Any) -> Any:
+    if value in SOURCES:
+        return value
+    if value in SOURCES_TO_COME:
+        message = (
+            f"source {shown(value)} is not available in this version of faying; use one of "
+            f"{quoted(SOURCES)} (matrices of your own solver enter through 'matrices')"
+        )
+        raise refusal(message)
+    message = (
+        f"found {shown(value)}, expected one of {quoted(SOURCES)}; {nearest(str(value), SOURCES)}"
+    )
+    raise refusal(message)
+
+
+class MatrixFiles(Section):
+    """[model.files]: what :func:`faying.io.matrices.read_matrices` reads."""
+
+    K: ExistingFile
+    M: ExistingFile
+    C: ExistingFile | None = None
+    nodes: ExistingFile
+    dofs: ExistingFile | None = None
+    faces: ExistingFile | None = None
+
+
+def _named_set(value: Any) -> Any:
+    """Give the short forms of a set their keys."""
+    if isinstance(value, str):
+        return {"deck": value}
+    if isinstance(value, int) and not isinstance(value, bool):
+        return {"properties": [value]}
+    if isinstance(value, list):
+        return {"ids": value}
+    if isinstance(value, dict):
+        return value
+    message = f"found {shown(value)}, expected a deck set's name, a property id, or a list of ids"
+    raise refusal(message)
+
+
+IdList = Annotated[tuple[Id, ...], Field(min_length=1)]
+
+
+class NamedSet(Section):
+    """[model.sets] NAME = { one of the keys below }.
+
+    Attributes
+    ----------
+    deck
+        Name of a set of the deck; NAME = "deck name" for short.
+    properties
+        Elements of these properties; NAME = id for short.
+    ids
+        Node ids where a boundary uses the name, element ids where an interface does;
+        NAME = [id, …] for short.
+    nodes, elements
+        Ids, whoever uses the name.
+    """
+
+    deck: Name | None = None
+    properties: IdList | None = None
+    ids: IdList | None = None
+    nodes: IdList | None = None
+    elements: IdList | None = None
+
+
+class ModelSection(Section):
+    """[model]: where the structure comes from.
+
+    Attributes
+    ----------
+    file
+        Deck of source "nastran".
+    files
+        Matrix and table files of source "matrices".
+    element
+        Formulation of hex8.
+    sets
+        Own names for parts of the mesh.
+    lap_joint
+        Keywords of :func:`faying.model.lap_joint.lap_joint_assembly`.
+    """
+
+    source: Annotated[Literal["lap-joint", "nastran", "matrices"], BeforeValidator(_source)]
+    file: ExistingFile | None = None
+    files: MatrixFiles | None = None
+    element: Literal["incompatible", "standard"] = "incompatible"
+    sets: Mapping[str, Annotated[NamedSet, BeforeValidator(_named_set)]] = Field(
+        default_factory=dict
+    )
+    lap_joint: Mapping[str, Any] = Field(default_factory=dict)
+
+
+class MaterialSection(Section):
+    """[material.NAME]: values that replace those of the material of that name.
+
+    Attributes
+    ----------
+    E : [force/length²]
+    nu : [-]
+    rho : [mass/length³]
+    """
+
+    E: Positive | None = None
+    nu: Annotated[Number, Field(gt=-1, lt=0.5)] | None = None
+    rho: NotNegative | None = None
+
+
+class InterfaceSection(Section):
+    """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`."""
+
+    name: Name
+    minus: Selection = "auto"
+    plus: Selection = "auto"
+    quadrature: Literal["gauss", "nodal"] | None = None
+    order: Count | None = None
+    penalty: Penalty = "auto"
+    tolerance: Positive | None = None
+
+
+class BoltSection(Section):
+    """[[bolt]]: see :class:`faying.model.specs.BoltSpec`.
+
+    Attributes
+    ----------
+    nodes
+        Instead of ``elements``: ids of the nodes that the bolt's beams of the deck run through.
+    preload : [force]
+        Final axial force in the preloaded state.
+    """
+
+    name: Name
+    preload: NotNegative | None = None
+    elements: Annotated[tuple[Id, ...], Field(min_length=1)] | None = None
+    nodes: Annotated[tuple[Id, ...], Field(min_length=2)] | None = None
+    axis: tuple[Point, Point] | None = None
+    diameter: Positive | None = None
+    washer_radius: Positive | None = None
+    washer: Literal["rbe2", "rbe3"] = "rbe2"
+    material: IdOrName | None = None
+    shear_flexible: Switch = True
+    mass: Switch = True
+
+
+class BoundarySection(Section):
+    """[[boundary]]: a node id or the name of a node set where loads enter."""
+
+    name: Name
+    set: Name | None = None
+    node: Id | None = None
+
+
+class StickingSection(Section):
+    """[sticking]: pairs tied in tangential direction, seed §15.4.2.
+
+    Attributes
+    ----------
+    threshold
+        Fraction of the preload's largest pressure above which a pair sticks.
+    stiffness : [force/length]
+        Of the tangential springs of one pair.
+    """
+
+    threshold: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    stiffness: Positive
+
+
+class DampingSection(Section):
+    """[damping]: C = alpha M + beta K, alpha [1/time], beta [time]."""
+
+    alpha: NotNegative = 0.0
+    beta: NotNegative = 0.0
+
+
+class Timed(Section):
+    """How a transient run advances.
+
+    Attributes
+    ----------
+    step, duration : [time]
+        Time step and length.
+    periods, steps_per_period
+        The same by the lowest period of the preloaded structure.
+    """
+
+    step: Positive | None = None
+    duration: Positive | None = None
+    periods: Positive | None = None
+    steps_per_period: Count | None = None
+
+
+class BoxSide(Section):
+    """One side of the box of training loads: a boundary load between ``min`` and ``max``."""
+
+    boundary: Name
+    component: ForceComponent
+    min: Number
+    max: Number
+
+
+class TrainingSection(Timed):
+    """[reduction.training]: loads whose contact forces train the bases.
+
+    Attributes
+    ----------
+    box
+        Boundary loads; all combinations of ``levels`` values of each are computed, (15.25).
+    levels
+        Equidistant values per side, ``min`` and ``max`` included.
+    preload_factors
+        Bolt forces of the static runs over their nominal values.
+    dynamics
+        Whether the corner loads, as steps, are training runs too, (15.28); by default over one
+        period in a hundred steps.
+    subareas
+        Loaded patches of method A per interface, (15.23); None is one per node pair.
+    weight
+        Inner product of method A's POD, (15.22).
+    """
+
+    box: tuple[BoxSide, ...] = ()
+    levels: Annotated[Count, Field(ge=2)] = 5
+    preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
+    dynamics: Switch = True
+    subareas: Count | None = None
+    weight: Literal["K", "I"] = "K"
+
+
+class ReductionSection(Section):
+    """[reduction]: the bases to build and compare."""
+
+    normal_modes: Annotated[int, Field(ge=0, strict=True)] = 20
+    joint_modes: Annotated[tuple[Count, ...], Field(min_length=1)] = (5, 10, 20, 40)
+    methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS
+    training: TrainingSection = TrainingSection()
+
+
+class ForceSection(Section):
+    """A load on a boundary: a constant ``value``, or a history ``file`` (csv: time, value)."""
+
+    boundary: Name
+    component: ForceComponent
+    value: Number | None = None
+    file: ExistingFile | None = None
+
+
+class LoadCaseSection(Timed):
+    """[[load_case]].
+
+    Attributes
+    ----------
+    kind
+        ``"static"``; ``"step"``, loads applied at once to the preloaded structure at rest; or
+        ``"history"``, which by default lasts as long as its shortest file.
+    integrator
+        None is ``"implicit-euler"``.
+    rho_infinity
+        Spectral radius of the generalized-alpha method at infinite frequency.
+    """
+
+    name: Name
+    kind: Literal["static", "step", "history"]
+    forces: Annotated[tuple[ForceSection, ...], Field(min_length=1)]
+    integrator: Literal["implicit-euler", "generalized-alpha"] | None = None
+    rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
+
+
+class OutputSection(Section):
+    """[output].
+
+    Attributes
+    ----------
+    times : [time]
+        Instants of transient cases at which fields are written for viewing; none by default,
+        which is the instant of the largest pressure.
+    fields
+        What is written.
+    report
+        Whether report.html is built.
+    """
+
+    times: tuple[NotNegative, ...] = ()
+    fields: tuple[OutputField, ...] = ("pressure", "gap", "displacement")
+    report: Switch = True
+
+
+class Study(Section):
+    """A study file, read and checked. Paths in it are absolute."""
+
+    title: str = ""
+    units: Annotated[str, StringConstraints(pattern=r"^[^\s-]+-[^\s-]+-[^\s-]+$")] = "mm-t-s"
+    model: ModelSection
+    materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
+    interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")
+    bolts: tuple[BoltSection, ...] = Field(default=(), alias="bolt")
+    boundaries: tuple[BoundarySection, ...] = Field(default=(), alias="boundary")
+    sticking: StickingSection | None = None
+    damping: DampingSection = DampingSection()
+    reduction: ReductionSection = ReductionSection()
+    load_cases: tuple[LoadCaseSection, ...] = Field(default=(), alias="load_case")
+    output: OutputSection = OutputSection()
+    _source: StudySource = PrivateAttr()
+
+    def model_post_init(self, context: StudySource) -> None:
+        """Keep the text the study was read from."""
+        self._source = context
+
+    @property
+    def path(self) -> Path:
+        """The study file."""
+        return self._source.path
+
+    @property
+    def text(self) -> str:
+        """The study file's text, for the record of a run."""
+        return self._source.text
+
+    @property
+    def source(self) -> StudySource:
+        """Path, text and line numbers, to say where in the file a mistake is."""
+        return self._source

@@ -1,0 +1,27 @@
+"""Time step and length of transient runs, in time or by the lowest period of the structure."""
+
+from faying.study.history import read_history
+from faying.study.tables import LoadCaseSection, Timed
+
+DEFAULT_PERIODS = 1.0
+"""Length of training runs: "at least one period of the dominant vibration" (seed §15.3.4.2)."""
+
+DEFAULT_STEPS_PER_PERIOD = 100
+
+
+def time_step(timed: Timed, period: float) -> float:
+    """Return the time step [time], for a structure with the given lowest period [time]."""
+    if timed.step is not None:
+        return timed.step
+    return period / (timed.steps_per_period or DEFAULT_STEPS_PER_PERIOD)
+
+
+def time_span(timed: Timed, period: float) -> float:
+    """Return the length [time]; of a history without one, that of its shortest file."""
+    if timed.duration is not None:
+        return timed.duration
+    if timed.periods is None and isinstance(timed, LoadCaseSection):
+        files = [force.file for force in timed.forces if force.file]
+        if files:
+            return min(float(read_history(file).times[-1]) for file in files)
+    return period * (timed.periods or DEFAULT_PERIODS)
