@@ -53,12 +53,12 @@ class LapGeometry:
 
     def heights(self) -> Vector:
         """Heights of the plates' surfaces, before bending (plates + 1,)."""
-        return self.thickness * (np.arange(self.plates + 1) - self.plates / 2)
+        levels = np.arange(self.plates + 1, dtype=np.float64) - self.plates / 2
+        return np.asarray(self.thickness * levels)
 
     def rise(self, x: float | Vector) -> Vector:
         """Height added at x: the parabola -½ κ x² of an arch."""
-        height: Vector = -0.5 * self.curvature * np.asarray(x, dtype=float) ** 2
-        return height
+        return np.asarray(-0.5 * self.curvature * np.square(x), dtype=np.float64)
 
     def plate(self, number: int) -> Cells:
         """Mesh one plate, counted from below; even ones reach to the clamp, odd ones to the tip."""

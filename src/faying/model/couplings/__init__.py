@@ -1,0 +1,1 @@
+"""Couplings and supports as linear equations, one family per file."""

@@ -1,0 +1,124 @@
+"""RBE3: a reference node that moves as the weighted average of other nodes."""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, AverageCoupling
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
+
+# Squared relative extent across a line below which nodes count as collinear: well above the
+# eight digits of a deck, well below any real part.
+_SINGULAR = 1e-10
+# Entries this far below the largest of their row are rounding.
+_ROUNDING = 1e-13
+
+
+def average_rows(assembly: Assembly) -> Rows:
+    """Write each reference node as the weighted least-squares rigid motion of its nodes.
+
+    Minimized is Σ w_i |u_i - (u_c + θ × r_i)|² over the averaged components, r_i from the weighted
+    centre; the reference moves as u_c + θ × (x_ref - x_c). Forces on the reference thus reach the
+    nodes as Nastran's RBE3 sends them: F w_i / Σw, and the moment about the weighted centre through
+    the weighted second moments. Where rotations enter, their weight is w_i L² with L the mean
+    distance of the nodes from the reference, so that the units of length do not matter.
+
+    Raises
+    ------
+    ModelError
+        If weights are not positive, or the nodes leave a tied component of the reference
+        undetermined (for example a rotation about the line on which all of them lie).
+
+    Notes
+    -----
+    Cost: one 6 x 6 eigenproblem per coupling.
+    """
+    couplings = assembly.average_couplings
+    n_dof = 6 * len(assembly.mesh.nodes)
+    dependent, columns, values, owner = [], [], [], []
+    for number, coupling in enumerate(couplings):
+        tied = np.unique(np.asarray(coupling.reference_components, dtype=np.int64))
+        averaged, weights = _average(assembly, coupling, tied)
+        dependent.append(6 * coupling.reference + tied)
+        columns.append(np.tile(averaged, len(tied)))
+        values.append(weights.ravel())
+        owner.append(np.full(len(tied), number))
+    sizes = [len(c) // len(d) for c, d in zip(columns, dependent, strict=True) for _ in d]
+    rows = np.repeat(np.arange(len(sizes)), np.array(sizes, dtype=np.int64))
+    return Rows(
+        dependent=_joined(dependent),
+        matrix=sparse_rows(
+            (len(sizes), n_dof), rows, _joined(columns), np.concatenate([np.empty(0), *values])
+        ),
+        owner=_joined(owner),
+        labels=tuple(f"average coupling {coupling.id}" for coupling in couplings),
+    )
+
+
+def _joined(parts: list[Indices]) -> Indices:
+    return np.concatenate([np.empty(0, dtype=np.int64), *parts])
+
+
+def _average(
+    assembly: Assembly, coupling: AverageCoupling, tied: Indices
+) -> tuple[Indices, Matrix]:
+    """Averaged degrees of freedom, and their weights in each tied component of the reference."""
+    _check(assembly, coupling)
+    nodes, weights = assembly.mesh.nodes[coupling.nodes], coupling.weights
+    centre = weights @ nodes / weights.sum()
+    arms, to_reference = nodes - centre, assembly.mesh.nodes[coupling.reference] - centre
+    # Rotations are counted as displacements at this distance.
+    size = float(np.sqrt(weights @ np.sum(arms**2, axis=1) / weights.sum())) or 1.0
+    distance = float(np.linalg.norm(arms - to_reference, axis=1).mean()) or 1.0
+    components = np.unique(np.asarray(coupling.components, dtype=np.int64))
+    motions = _motions(arms, size)[:, components].reshape(-1, 6)
+    importance = np.where(components < 3, 1.0, distance**2)
+    weight = np.outer(weights, importance).ravel()
+    inverse, loose = _inverse(motions.T @ (weight[:, None] * motions))
+    reference = _motions(to_reference[None], size)[0, tied]
+    _check_determined(assembly, coupling, tied[np.abs(reference @ loose).max(1, initial=0) > 1e-6])
+    result = reference @ inverse @ (motions.T * weight)
+    result[np.abs(result) <= _ROUNDING * np.abs(result).max(axis=1, keepdims=True)] = 0.0
+    return (6 * coupling.nodes[:, None] + components).ravel(), result
+
+
+def _motions(arms: Matrix, size: float) -> Matrix:
+    """Displacements (n, 6, 6) of points in the rigid motions u_c and θ · size."""
+    matrices = np.tile(np.eye(6), (len(arms), 1, 1))
+    matrices[:, :3, 3:] = lever_arms(arms)
+    matrices[:, :, 3:] /= size
+    return matrices
+
+
+def _inverse(gram: Matrix) -> tuple[Matrix, Matrix]:
+    """Pseudo-inverse of a symmetric matrix, and its null vectors as columns."""
+    values, vectors = np.linalg.eigh(gram)
+    firm = values > _SINGULAR * values[-1]
+    return (vectors[:, firm] / values[firm]) @ vectors[:, firm].T, vectors[:, ~firm]
+
+
+def _check(assembly: Assembly, coupling: AverageCoupling) -> None:
+    label = f"average coupling {coupling.id}"
+    weights: Vector = coupling.weights
+    if not len(coupling.nodes) or weights.shape != coupling.nodes.shape or not np.all(weights > 0):
+        message = f"{label}: needs at least one node and one positive weight for each node"
+        raise ModelError(message)
+    if np.any(coupling.nodes == coupling.reference):
+        message = (
+            f"{label}: its reference node {assembly.mesh.node_ids[coupling.reference]} is also "
+            "one of its averaged nodes; remove it from the list"
+        )
+        raise ModelError(message)
+
+
+def _check_determined(assembly: Assembly, coupling: AverageCoupling, loose: Indices) -> None:
+    if len(loose):
+        names = ", ".join(DISPLACEMENT_NAMES[c] for c in loose.tolist())
+        message = (
+            f"average coupling {coupling.id}: the motion of its {len(coupling.nodes)} nodes does "
+            f"not determine {names} of reference node "
+            f"{assembly.mesh.node_ids[coupling.reference]} (do they lie on one line?); average "
+            "over nodes that span a plane, or tie fewer components of the reference"
+        )
+        raise ModelError(message)

@@ -1,0 +1,47 @@
+"""MPC: linear equations between single degrees of freedom."""
+
+import numpy as np
+
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly
+from faying.model.couplings.rows import Rows, dof_name, sparse_rows
+
+
+def equation_rows(assembly: Assembly) -> Rows:
+    """Solve Σ a_k u_k = 0 for the first term of each equation.
+
+    Raises
+    ------
+    ModelError
+        If an equation has no terms, or its first coefficient is (or adds up to) zero.
+    """
+    equations = assembly.equations
+    for equation in equations:
+        if not equation.terms:
+            message = f"equation {equation.id} has no terms; give it at least one"
+            raise ModelError(message)
+    counts = np.array([len(equation.terms) for equation in equations], dtype=np.int64)
+    terms = [term for equation in equations for term in equation.terms]
+    node, component, coefficient = np.array(terms, dtype=float).reshape(-1, 3).T
+    dofs = (6 * node + component).astype(np.int64)
+    rows = np.repeat(np.arange(len(equations)), counts)
+    dependent = dofs[np.cumsum(counts) - counts]
+    first = dofs == dependent[rows]
+    own = np.bincount(rows[first], coefficient[first], minlength=len(equations))
+    if np.any(own == 0):
+        row = int(np.flatnonzero(own == 0)[0])
+        message = (
+            f"equation {equations[row].id}: the coefficient of its first term, "
+            f"{dof_name(assembly, int(dependent[row]))}, is zero; that term is the dependent one, "
+            "so put one with a coefficient first"
+        )
+        raise ModelError(message)
+    others = ~first
+    values = -coefficient[others] / own[rows[others]]
+    shape = (len(equations), 6 * len(assembly.mesh.nodes))
+    return Rows(
+        dependent=dependent,
+        matrix=sparse_rows(shape, rows[others], dofs[others], values),
+        owner=np.arange(len(equations)),
+        labels=tuple(f"equation {equation.id}" for equation in equations),
+    )

@@ -1,0 +1,64 @@
+"""RBE2: nodes that follow a reference node as one rigid body."""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, RigidCoupling
+from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
+
+# Lever arms below this fraction of the model's size are rounding of coordinates; kept, they would
+# tie a rotation to the structure by a stiffness of 1e-32.
+_ROUNDING = 1e-12
+
+
+def rigid_rows(assembly: Assembly) -> Rows:
+    """Write u_i = u_ref + θ_ref × (x_i - x_ref), and θ_i = θ_ref where rotations are tied.
+
+    Raises
+    ------
+    ModelError
+        If a reference node is among its own dependent nodes.
+    """
+    couplings = assembly.rigid_couplings
+    parts = [_tied(assembly, number, coupling) for number, coupling in enumerate(couplings)]
+    table = np.concatenate([np.empty((0, 4), dtype=np.int64), *parts])
+    node, component, reference, owner = table.T
+    kinematics = _kinematics(assembly.mesh.nodes, node, reference)
+    n_row, n_dof = len(table), 6 * len(assembly.mesh.nodes)
+    columns = 6 * reference[:, None] + np.arange(6)
+    values = kinematics[np.arange(n_row), component]
+    rows = np.repeat(np.arange(n_row), 6)
+    return Rows(
+        dependent=6 * node + component,
+        matrix=sparse_rows((n_row, n_dof), rows, columns.ravel(), values.ravel()),
+        owner=owner,
+        labels=tuple(f"rigid coupling {coupling.id}" for coupling in couplings),
+    )
+
+
+def _tied(assembly: Assembly, number: int, coupling: RigidCoupling) -> Indices:
+    """Table (n_row, 4) of node, component, reference, position of the coupling."""
+    nodes = np.unique(coupling.nodes)
+    if np.any(nodes == coupling.reference):
+        message = (
+            f"rigid coupling {coupling.id}: its reference node "
+            f"{assembly.mesh.node_ids[coupling.reference]} is also one of its dependent nodes; "
+            "remove it from the list"
+        )
+        raise ModelError(message)
+    components = np.unique(np.asarray(coupling.components, dtype=np.int64))
+    table = np.empty((len(nodes), len(components), 4), dtype=np.int64)
+    table[:, :, 0] = nodes[:, None]
+    table[:, :, 1] = components
+    table[:, :, 2:] = coupling.reference, number
+    return table.reshape(-1, 4)
+
+
+def _kinematics(nodes: Matrix, node: Indices, reference: Indices) -> Matrix:
+    """Six displacements of each node per six of its reference (n_row, 6, 6)."""
+    arms = nodes[node] - nodes[reference]
+    arms[np.abs(arms) <= _ROUNDING * np.abs(nodes).max(initial=0.0)] = 0.0
+    matrices = np.tile(np.eye(6), (len(node), 1, 1))
+    matrices[:, :3, 3:] = lever_arms(arms)
+    return matrices
