@@ -1,0 +1,220 @@
+"""From a description to a model: matrices, constraints, interfaces, bolts and boundaries."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
+from faying.contact.interface import Interface, stack
+from faying.contact.pairing import find_interfaces
+from faying.contact.zero_thickness import build_interface
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Beam
+from faying.model.bolt import Bolt
+from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.constraints import constrain
+from faying.model.dofs import DofMap
+from faying.model.generated_bolt import add_bolt, bolt_axis_element
+from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
+from faying.model.model import Model
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.model.structure import Structure
+from faying.model.system import boundary_dofs, elongations
+
+
+def build_model(
+    assembly: Assembly,
+    *,
+    interfaces: Sequence[InterfaceSpec] = (InterfaceSpec(name="joint"),),
+    bolts: Sequence[BoltSpec] = (),
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+    units: str = "mm-t-s",
+) -> Model:
+    """Build a model of an assembly.
+
+    Parameters
+    ----------
+    interfaces
+        Where bodies touch; by default all coincident facets of different bodies.
+    bolts
+        Bolts to be tightened; those with an ``axis`` are generated, those with ``elements`` are
+        beams of the assembly.
+    boundaries
+        Where loads enter; their degrees of freedom stay free.
+    damping
+        Rayleigh factors, added to any damping matrix the assembly brings.
+
+    Raises
+    ------
+    ModelError
+        If something named does not exist, elements are inverted, facets do not match, a boundary
+        is supported, or two boundaries share a node.
+
+    Notes
+    -----
+    Assembly and elimination of constraints only; nothing is factorized yet.
+    """
+    assembly, bolts = _with_generated_bolts(assembly, bolts)
+    nodal = assemble_matrices(assembly)
+    used = used_components(assembly)
+    ends = [_boundary_components(assembly, spec, used) for spec in boundaries]
+    _check_disjoint(assembly, boundaries, ends)
+    dofs = constrain(assembly, used, keep=np.concatenate([*ends, np.empty(0, dtype=np.int64)]))
+    damping = damping or Rayleigh()
+    M, C, K = _free_matrices(nodal, dofs, damping)
+    joints = _interfaces(assembly, dofs, interfaces)
+    placed = {
+        spec.name: Boundary(
+            name=spec.name,
+            nodes=assembly.mesh.node_ids[end // 6],
+            components=end % 6,
+            dofs=dofs.index(end // 6, end % 6),
+        )
+        for spec, end in zip(boundaries, ends, strict=True)
+    }
+    tightened = {spec.name: _bolt(assembly, dofs, spec) for spec in bolts}
+    structure = Structure(
+        M=M,
+        C=C,
+        K=K,
+        relative_operator=stack(joints).relative_operator,
+        boundary=boundary_dofs(placed),
+        elongations=elongations(tightened, K.shape[0]),
+    )
+    return Model(
+        structure=structure,
+        interfaces=joints,
+        bolts=tightened,
+        boundaries=placed,
+        dofs=dofs,
+        assembly=assembly,
+        damping=damping,
+        name=assembly.name,
+        units=units,
+    )
+
+
+def _with_generated_bolts(
+    assembly: Assembly, bolts: Sequence[BoltSpec]
+) -> tuple[Assembly, list[BoltSpec]]:
+    """Add the bolts that are not in the deck; all specs then name elements."""
+    specs = []
+    for spec in bolts:
+        if spec.axis is None:
+            specs.append(spec)
+            continue
+        assembly = add_bolt(assembly, spec)
+        specs.append(replace(spec, elements=(assembly.beams[-1].id,), axis=None))
+    return assembly, specs
+
+
+def _free_matrices(
+    nodal: NodalMatrices, dofs: DofMap, damping: Rayleigh
+) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
+    """M, C, K at the free degrees of freedom, with Rayleigh damping added to C."""
+    T = dofs.transformation
+
+    def project(matrix: SparseMatrix) -> SparseMatrix:
+        projected = (T.T @ matrix @ T).tocsr()
+        return ((projected + projected.T) * 0.5).tocsr()
+
+    M, K = project(nodal.M), project(nodal.K)
+    C = damping.alpha * M + damping.beta * K
+    if nodal.C is not None:
+        C = C + project(nodal.C)
+    return read_only(M), read_only(C.tocsr()), read_only(K)
+
+
+def _interfaces(
+    assembly: Assembly, dofs: DofMap, specs: Sequence[InterfaceSpec]
+) -> dict[str, Interface]:
+    joints: dict[str, Interface] = {}
+    for spec in specs:
+        for name, faces in find_interfaces(assembly, spec).items():
+            if name in joints:
+                message = f"two interfaces are called '{name}'; give each its own name"
+                raise ModelError(message)
+            joints[name] = build_interface(assembly, dofs, replace(spec, name=name), faces)
+    if not joints:
+        message = "the model has no interface; name one, or let faying find it with 'auto'"
+        raise ModelError(message)
+    return joints
+
+
+def _boundary_components(assembly: Assembly, spec: BoundarySpec, used: Mask) -> Indices:
+    """Rows 6 i + c of the components a boundary can carry: used or coupled, and not supported."""
+    nodes = _boundary_nodes(assembly, spec)
+    available = used.copy()
+    for rigid in assembly.rigid_couplings:
+        available[6 * rigid.reference : 6 * rigid.reference + 6] = True
+    for average in assembly.average_couplings:
+        available[6 * average.reference + np.array(average.reference_components)] = True
+    for support in assembly.supports:
+        if support.axes is None:
+            available[(6 * support.nodes[:, None] + np.array(support.components)).ravel()] = False
+    rows = (6 * nodes[:, None] + np.arange(6)).ravel()
+    free: Indices = rows[available[rows]]
+    if not len(free):
+        message = (
+            f"boundary '{spec.name}' has no free component: its node "
+            f"{assembly.mesh.node_ids[nodes[0]]} is supported or touches nothing; "
+            "choose a node that can move"
+        )
+        raise ModelError(message)
+    return free
+
+
+def _boundary_nodes(assembly: Assembly, spec: BoundarySpec) -> Indices:
+    if spec.node is not None:
+        return assembly.mesh.node_index(np.array([spec.node]))
+    sets: Mapping[str, Indices] = assembly.mesh.node_sets
+    if spec.set is None or spec.set not in sets:
+        message = (
+            f"boundary '{spec.name}': there is no node set '{spec.set}'; "
+            f"the node sets are {', '.join(sets) or 'none'}"
+        )
+        raise ModelError(message)
+    return sets[spec.set]
+
+
+def _check_disjoint(
+    assembly: Assembly, specs: Sequence[BoundarySpec], ends: Sequence[Indices]
+) -> None:
+    owner: dict[int, str] = {}
+    for spec, end in zip(specs, ends, strict=True):
+        for row in end.tolist():
+            other = owner.setdefault(row, spec.name)
+            if other != spec.name:
+                message = (
+                    f"boundaries '{other}' and '{spec.name}' share node "
+                    f"{assembly.mesh.node_ids[row // 6]} ({FORCE_NAMES[row % 6]}); "
+                    "let each node belong to one boundary"
+                )
+                raise ModelError(message)
+
+
+def _bolt(assembly: Assembly, dofs: DofMap, spec: BoltSpec) -> Bolt:
+    """Axial stiffness and elongation row of the element that is tightened."""
+    element = bolt_axis_element(assembly, spec)
+    if isinstance(element, Beam):
+        start, end = (assembly.mesh.nodes[node] for node in element.nodes)
+        length = float(np.linalg.norm(end - start))
+        stiffness = element.material.youngs_modulus * element.section.area / length
+        rows = 6 * np.repeat(element.nodes, 3) + np.tile(np.arange(3), 2)
+        factors: Vector = np.concatenate([start - end, end - start]) / length
+    else:
+        (first, component), (second, _) = element.ends
+        apart = assembly.mesh.nodes[second] - assembly.mesh.nodes[first]
+        # Coincident ends: the second one lies on the positive side of the cut.
+        sign = -1.0 if apart[component] < 0 else 1.0
+        stiffness = element.stiffness
+        rows = 6 * np.array([first, second]) + component
+        factors = np.array([-sign, sign])
+    row = sp.csr_array(
+        (factors, (np.zeros(len(rows), dtype=int), rows)), shape=(1, 6 * dofs.n_nodes)
+    )
+    elongation = (row @ dofs.transformation).toarray().ravel()
+    return Bolt(name=spec.name, elongation=elongation, stiffness=stiffness)

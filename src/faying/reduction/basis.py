@@ -1,0 +1,103 @@
+"""A reduction basis: trial vectors that remember what kind they are, Eqs. (15.18) and (15.19)."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, frozen
+from faying.exceptions import ModelError
+
+DEPENDENT = 1e-8
+"""A trial vector is dropped when this part of its energy norm, or less, is new."""
+
+
+class ModeKind(StrEnum):
+    """Kind of a trial vector."""
+
+    CONSTRAINT = "constraint"
+    NORMAL = "normal"
+    BOLT = "bolt"
+    JOINT = "joint"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Basis:
+    """Trial vectors Φ of the Ritz ansatz (15.15).
+
+    Attributes
+    ----------
+    vectors : (n_dof, n_mode)
+    kinds : n_mode kinds
+    """
+
+    vectors: Matrix
+    kinds: tuple[ModeKind, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vectors", frozen(self.vectors))
+        if self.vectors.shape[1] != len(self.kinds):
+            message = f"{self.vectors.shape[1]} trial vectors but {len(self.kinds)} kinds"
+            raise ModelError(message)
+
+    def __len__(self) -> int:
+        return len(self.kinds)
+
+    def __add__(self, other: "Basis") -> "Basis":
+        return Basis(
+            vectors=np.hstack([self.vectors, other.vectors]), kinds=self.kinds + other.kinds
+        )
+
+    def count(self, kind: ModeKind) -> int:
+        """Return the number of columns of a kind."""
+        return self.kinds.count(kind)
+
+    def of_kind(self, *kinds: ModeKind) -> Matrix:
+        """Return the columns of the given kinds, in their order."""
+        return self.vectors[:, [kind in kinds for kind in self.kinds]]
+
+    def with_joint_modes(self, count: int) -> "Basis":
+        """Return the basis with its first ``count`` joint modes only.
+
+        Joint modes are ordered by importance and made orthogonal one after the other, so a
+        shorter basis is part of a longer one.
+        """
+        is_joint = np.array([kind is ModeKind.JOINT for kind in self.kinds])
+        kept = ~is_joint | (np.cumsum(is_joint) <= count)
+        return Basis(
+            vectors=self.vectors[:, kept],
+            kinds=tuple(kind for kind, keep in zip(self.kinds, kept, strict=True) if keep),
+        )
+
+    def orthonormalized(self, K: SparseMatrix) -> "Basis":
+        """Return the basis with the shapes that vanish on the boundary orthonormal in K.
+
+        Constraint modes stay as they are, so the boundary rows of the basis remain [I 0] and the
+        superelement form survives; they are K-orthogonal to the others already. Shapes that
+        depend on those before them are dropped.
+
+        Notes
+        -----
+        Gram-Schmidt twice per column ("twice is enough", Giraud et al. 2005,
+        doi:10.1007/s00211-005-0615-4).
+        """
+        shapes = [i for i, kind in enumerate(self.kinds) if kind is not ModeKind.CONSTRAINT]
+        candidates = self.vectors[:, shapes]
+        done, done_K = (np.empty_like(candidates) for _ in range(2))
+        kinds: list[ModeKind] = []
+        for column, index in zip(candidates.T, shapes, strict=True):
+            size = len(kinds)
+            vector, full = column, np.sqrt(column @ (K @ column))
+            for _ in range(2):
+                vector = vector - done[:, :size] @ (done_K[:, :size].T @ vector)
+            stiff = K @ vector
+            energy = float(np.sqrt(vector @ stiff))
+            if energy <= DEPENDENT * full:
+                continue
+            done[:, size], done_K[:, size] = vector / energy, stiff / energy
+            kinds.append(self.kinds[index])
+        constraint = self.of_kind(ModeKind.CONSTRAINT)
+        return Basis(
+            vectors=np.hstack([constraint, done[:, : len(kinds)]]),
+            kinds=(ModeKind.CONSTRAINT,) * constraint.shape[1] + tuple(kinds),
+        )

@@ -1,0 +1,63 @@
+"""Joint interface modes from test loads: method A (§15.3.3)."""
+
+from typing import Literal
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.model.model import Model
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.craig_bampton import craig_bampton
+from faying.reduction.pod import pod
+from faying.reduction.subareas import subareas
+
+
+def jim_a(
+    model: Model,
+    *,
+    normal_modes: int = 20,
+    joint_modes: int = 20,
+    subarea_count: int = 200,
+    weight: Literal["K", "I"] = "K",
+    classic: Basis | None = None,
+) -> Basis:
+    """Extend the classic basis by joint interface modes of unit pressures on subareas.
+
+    Parameters
+    ----------
+    subarea_count
+        Test loads over all interfaces together, each of them unit pressure on one subarea,
+        Eq. (15.23); at most one per facet.
+    weight
+        Inner product W of the POD: the stiffness matrix, or the identity.
+    classic
+        Result of :func:`craig_bampton` where it is known already.
+
+    Notes
+    -----
+    Eqs. (15.23), (15.24): one back-substitution per subarea with the boundary held, one POD.
+    """
+    start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
+    fields = model.structure.solve_held(unit_pressure_loads(model, subarea_count))
+    inner = model.K if weight == "K" else None
+    modes = pod(fields, inner=inner, count=joint_modes).vectors
+    joint = Basis(vectors=modes, kinds=(ModeKind.JOINT,) * modes.shape[1])
+    return (start + joint).orthonormalized(model.K)
+
+
+def unit_pressure_loads(model: Model, count: int) -> Matrix:
+    """Return nodal forces of unit pressure on each subarea, F_jc of Eq. (15.23) (n_dof, n_subarea)."""
+    contact = model.contact
+    total = contact.weights.sum()
+    pressures = []
+    for name, interface in model.interfaces.items():
+        points = contact.slices[name]
+        share = max(1, round(count * interface.area / total))
+        part = subareas(interface, share)
+        pressure = np.zeros((contact.n_points, int(part.max()) + 1))
+        pressure[np.arange(points.start, points.stop), part] = 1.0
+        pressures.append(pressure)
+    forces = contact.weights[:, None] * np.hstack(pressures)
+    at_pairs = contact.interpolation.T @ forces
+    loads: Matrix = contact.relative_operator.T @ at_pairs
+    return loads

@@ -1,0 +1,43 @@
+"""Joint interface modes from contact simulations: method B (§15.3.4)."""
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.model.model import Model
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.craig_bampton import craig_bampton
+from faying.reduction.pod import pod
+
+
+def jim_b(
+    model: Model,
+    contact_forces: Matrix,
+    *,
+    normal_modes: int = 20,
+    joint_modes: int = 20,
+    classic: Basis | None = None,
+) -> Basis:
+    """Extend the classic basis by static shapes of the dominant contact forces.
+
+    Parameters
+    ----------
+    contact_forces : (n_point, n_snapshot) [force]
+        λ of static and dynamic training runs, Eq. (15.30); see :mod:`faying.reduction.snapshots`.
+    classic
+        Result of :func:`craig_bampton` where it is known already.
+
+    Notes
+    -----
+    POD of the nodal contact forces with W = I, then Eq. (15.24) with the boundary held: one
+    back-substitution per joint mode.
+    """
+    start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
+    at_pairs = model.contact.interpolation.T @ contact_forces
+    nodal = model.contact.relative_operator.T
+    loaded = np.flatnonzero(np.diff(nodal.tocsr().indptr))
+    modes = pod(nodal.tocsr()[loaded] @ at_pairs, count=joint_modes).vectors
+    patterns = np.zeros((model.structure.n_dof, modes.shape[1]))
+    patterns[loaded] = modes
+    shapes = model.structure.solve_held(patterns)
+    joint = Basis(vectors=shapes, kinds=(ModeKind.JOINT,) * shapes.shape[1])
+    return (start + joint).orthonormalized(model.K)

@@ -1,0 +1,77 @@
+"""Fixed-interface normal modes Φ_n of Craig and Bampton, Eq. (15.18)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse.linalg as spla
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.linalg.factorization import Factorization
+from faying.model.structure import Structure
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NormalModes:
+    """Vibration modes.
+
+    Attributes
+    ----------
+    vectors : (n_dof, n_mode)
+        Mass-normalized.
+    frequencies : (n_mode,) [1/time]
+        Cyclic, ascending.
+    """
+
+    vectors: Matrix
+    frequencies: Vector
+
+
+def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalModes:
+    """Compute the lowest vibration modes with the boundary held and contact absent.
+
+    Raises
+    ------
+    ModelError
+        If more modes are asked for than there are interior degrees of freedom.
+
+    Notes
+    -----
+    Shift-invert Lanczos with the interior factorization the structure already has.
+    """
+    inner = structure.interior
+    if count > len(inner):
+        message = (
+            f"{count} normal modes asked for, but the structure has {len(inner)} degrees of "
+            "freedom off its boundary; ask for fewer"
+        )
+        raise ModelError(message)
+    vectors = np.zeros((structure.n_dof, count))
+    if count == 0:
+        return NormalModes(vectors=vectors, frequencies=np.empty(0))
+    K, M = structure.K[inner][:, inner], structure.M[inner][:, inner]
+    squares, vectors[inner] = lowest_modes(K, M, structure.interior_factor, count)
+    return NormalModes(vectors=vectors, frequencies=np.sqrt(squares) / (2 * np.pi))
+
+
+def lowest_modes(
+    K: SparseMatrix, M: SparseMatrix, factor: Factorization, count: int
+) -> tuple[Vector, Matrix]:
+    """Solve K φ = ω² M φ for the lowest ω², with a factorization of K.
+
+    Returns
+    -------
+    tuple of ω² (count,) and mass-normalized vectors (n, count)
+    """
+    n = K.shape[0]
+    if n <= 3 * count + 20:  # Lanczos needs room; the dense solver is quick here
+        # M may be singular (massless couplings), K is definite: solve M φ = ω⁻² K φ.
+        inverse, vectors = la.eigh(M.toarray(), K.toarray())
+        squares = 1.0 / inverse[::-1][:count]
+        return squares, vectors[:, ::-1][:, :count] * np.sqrt(squares)
+    start = np.random.default_rng(0).standard_normal(n)  # fixed, so that runs repeat
+    operator = spla.LinearOperator((n, n), matvec=factor.solve, dtype=float)
+    squares, vectors = spla.eigsh(K, count, M, sigma=0.0, OPinv=operator, v0=start)
+    order = np.argsort(squares)
+    return squares[order], vectors[:, order]

@@ -1,0 +1,116 @@
+"""Proper orthogonal decomposition, Eqs. (15.20) to (15.22)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+
+SVD_RANK = 1e-12
+"""Singular values below this fraction of the largest are round-off of the SVD."""
+
+GRAM_RANK = 1e-7
+"""The same for the eigenproblem, whose eigenvalues are squares: √(round-off)."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pod:
+    """Proper orthogonal modes.
+
+    Attributes
+    ----------
+    vectors : (n, n_mode)
+        Orthonormal in the inner product W, most energetic first.
+    singular_values : (n_mode,)
+        √λ_i of Eq. (15.22a).
+    discarded : float
+        Part of Σ‖y_j‖²_W that the kept modes miss.
+    """
+
+    vectors: Matrix
+    singular_values: Vector
+    discarded: float
+
+
+def pod(
+    snapshots: Matrix, *, inner: SparseMatrix | Matrix | None = None, count: int | None = None
+) -> Pod:
+    """Find the modes that represent a collection of snapshots best, Eq. (15.20).
+
+    Parameters
+    ----------
+    snapshots : (n, n_snapshot)
+        Y, one snapshot a column.
+    inner : (n, n), optional
+        W of Eq. (15.21), symmetric positive definite; the identity unless given.
+    count
+        Modes wanted; fewer are returned when the snapshots have lower rank.
+
+    Raises
+    ------
+    ModelError
+        If the snapshots are not finite or all zero, or W is not positive definite on them.
+
+    Notes
+    -----
+    QR of the snapshots, Cholesky of W seen through Q, SVD of a small matrix: unlike the
+    eigenproblem (15.22) this keeps singular values down to round-off instead of its square root.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> pod(np.array([[3.0, 0.0], [0.0, 2.0], [0.0, 0.0]])).singular_values
+    array([3., 2.])
+    """
+    Y = _checked(snapshots)
+    Q, triangle = la.qr(Y, mode="economic")
+    basis = Q
+    if inner is not None:
+        try:
+            factor = la.cholesky(Q.T @ (inner @ Q), lower=True)
+        except la.LinAlgError:
+            message = "the inner product of the POD is not positive definite on the snapshots"
+            raise ModelError(message) from None
+        basis = la.solve_triangular(factor, Q.T, lower=True).T
+        triangle = factor.T @ triangle
+    left, values, _ = la.svd(triangle, full_matrices=False)
+    return _truncated(basis @ left, values, count, SVD_RANK)
+
+
+def pod_of_gram_matrix(
+    snapshots: Matrix, *, inner: SparseMatrix | Matrix | None = None, count: int | None = None
+) -> Pod:
+    """Find the same modes by the method of snapshots, the eigenproblem (15.22).
+
+    Cheaper where snapshots are long and few; modes below √(round-off) of the first are lost.
+
+    Parameters and errors are those of :func:`pod`.
+    """
+    Y = _checked(snapshots)
+    gram = Y.T @ (Y if inner is None else inner @ Y)
+    eigenvalues, eigenvectors = la.eigh((gram + gram.T) / 2)
+    values = np.sqrt(np.maximum(eigenvalues[::-1], 0.0))
+    scaled = eigenvectors[:, ::-1] / np.where(values > 0, values, 1.0)
+    return _truncated(Y @ scaled, values, count, GRAM_RANK)
+
+
+def _checked(snapshots: Matrix) -> Matrix:
+    Y = np.asarray(snapshots, dtype=float)
+    if Y.ndim != 2 or not np.isfinite(Y).all() or not Y.any():
+        message = (
+            f"POD needs a finite, nonzero matrix with one snapshot a column; got shape {Y.shape}"
+        )
+        raise ModelError(message)
+    return Y
+
+
+def _truncated(vectors: Matrix, values: Vector, count: int | None, rank: float) -> Pod:
+    significant = int(np.count_nonzero(values > rank * values[0]))
+    kept = significant if count is None else min(count, significant)
+    return Pod(
+        vectors=vectors[:, :kept],
+        singular_values=values[:kept],
+        discarded=float((values[kept:] ** 2).sum() / (values**2).sum()),
+    )

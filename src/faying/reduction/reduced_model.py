@@ -1,0 +1,162 @@
+"""Galerkin projection, Eq. (15.16): a reduced model is a system like the full one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Matrix, frozen
+from faying.contact.condensed import CondensedContact
+from faying.contact.interface import Contact
+from faying.linalg.factorization import Factorization, factorize
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.model.model import Model
+from faying.model.system import PortCompliance, boundary_dofs, elongations
+from faying.reduction.basis import Basis, ModeKind
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ReducedModel:
+    """A model in generalized coordinates q of u ≈ Φ q, Eq. (15.15).
+
+    Attributes
+    ----------
+    M, C, K : (n_mode, n_mode)
+    contact
+        With PΦ in place of P, and the residual compliance where it is kept.
+    boundaries, bolts
+        As seen by the generalized coordinates.
+    basis
+        Φ.
+    model
+        The full model.
+    """
+
+    M: Matrix
+    C: Matrix
+    K: Matrix
+    contact: Contact
+    boundaries: Mapping[str, Boundary]
+    bolts: Mapping[str, Bolt]
+    basis: Basis
+    model: Model
+
+    def __post_init__(self) -> None:
+        for name in ("M", "C", "K"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @cached_property
+    def _static_factor(self) -> Factorization:
+        return factorize(self.K)
+
+    @cached_property
+    def port_compliance(self) -> PortCompliance:
+        """Static compliance between contact pairs, boundary and bolts within the basis."""
+        dofs = boundary_dofs(self.boundaries)
+        ports = np.vstack(
+            [
+                self.contact.relative_operator,
+                np.eye(len(self.K))[dofs],
+                elongations(self.bolts, len(self.K)),
+            ]
+        )
+        matrix = ports @ self._static_factor.solve(ports.T)
+        return PortCompliance(
+            matrix=(matrix + matrix.T) / 2,
+            n_relative=self.contact.relative_operator.shape[0],
+            n_boundary=len(dofs),
+        )
+
+    @cached_property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem of the reduced model."""
+        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
+
+    def factorize_static(self) -> Factorization:
+        """Return the Cholesky factorization of K."""
+        return self._static_factor
+
+    def expand(self, states: Matrix) -> Matrix:
+        """Return u = Φ q (..., n_dof of the full model) for states (..., n_mode)."""
+        displacement: Matrix = states @ self.basis.vectors.T
+        return displacement
+
+    def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "ReducedModel":
+        """Return a copy with bolts locked at other initial forces N₀."""
+        locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
+        return replace(self, bolts={**self.bolts, **locked})
+
+
+def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:
+    """Project a model onto a basis.
+
+    Parameters
+    ----------
+    basis
+        Trial vectors; boundary rows [I 0] where it has constraint modes.
+    compliance
+        Keep the compliance between contact points that the basis lacks, as a massless spring
+        between contact forces and gaps (design §3): static solutions are then exact.
+
+    Returns
+    -------
+    ReducedModel
+        Solved by the same functions as the full model.
+
+    Notes
+    -----
+    Three projections; with ``compliance`` one back-substitution per contact pair, made once for
+    all bases of a structure.
+    """
+    phi = basis.vectors
+    contact = replace(
+        model.contact,
+        relative_operator=frozen(model.contact.relative_operator @ phi),
+        residual_compliance=residual_compliance(model, basis) if compliance else None,
+    )
+    return ReducedModel(
+        M=_projected(model.M @ phi, phi),
+        C=_projected(model.C @ phi, phi),
+        K=_projected(model.K @ phi, phi),
+        contact=contact,
+        boundaries=_boundaries(model, basis),
+        bolts={name: bolt.projected(phi) for name, bolt in model.bolts.items()},
+        basis=basis,
+        model=model,
+    )
+
+
+def residual_compliance(model: Model, basis: Basis) -> Matrix:
+    """Compliance R (n_relative, n_relative) between contact pairs that a basis cannot express.
+
+    R = P K_ii⁻¹ Pᵀ − PΦ_f (Φ_fᵀ K Φ_f)⁻¹ (PΦ_f)ᵀ with Φ_f the shapes that vanish on the boundary.
+    Constraint modes are exact and K-orthogonal to Φ_f, so this equals P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ
+    where the structure is held, and exists where it is not. Positive semidefinite: it is the
+    compliance of the structure with its boundary and Φ_f held.
+    """
+    fixed = basis.of_kind(ModeKind.NORMAL, ModeKind.BOLT, ModeKind.JOINT)
+    seen = model.structure.relative_operator @ fixed
+    stiffness = fixed.T @ (model.K @ fixed)
+    n_relative = len(seen)
+    full = model.structure.held_compliance[:n_relative, :n_relative]
+    residual = full - seen @ np.linalg.solve(stiffness, seen.T)
+    return (residual + residual.T) / 2
+
+
+def _projected(image: Matrix, phi: Matrix) -> Matrix:
+    product = phi.T @ image
+    return (product + product.T) / 2
+
+
+def _boundaries(model: Model, basis: Basis) -> dict[str, Boundary]:
+    """Constraint modes come in the order of the structure's boundary."""
+    constraint = np.array([kind is ModeKind.CONSTRAINT for kind in basis.kinds])
+    column = dict(
+        zip(model.structure.boundary.tolist(), np.flatnonzero(constraint).tolist(), strict=True)
+    )
+    return {
+        name: boundary.with_dofs(np.array([column[dof] for dof in boundary.dofs.tolist()]))
+        for name, boundary in model.boundaries.items()
+    }

@@ -1,0 +1,120 @@
+"""Contact-force snapshots for method B (§15.3.4): load combinations, static and as steps."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import ModelError
+from faying.model.system import System
+from faying.simulation.integrators import ImplicitEuler, Integrator
+from faying.simulation.load import Load
+from faying.simulation.static import solve_static_cases
+from faying.simulation.transient import solve_transient
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadBox:
+    """The loads a reduced model is trained for.
+
+    Attributes
+    ----------
+    ranges
+        ``"boundary.component"`` to its smallest and largest value.
+    levels
+        Values per component in the static combinations, from smallest to largest.
+    preload_factors
+        Multiples of the locked bolt forces in the static combinations.
+    """
+
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    levels: int = 5
+    preload_factors: tuple[float, ...] = (0.5, 1.0, 1.5)
+
+    def __post_init__(self) -> None:
+        if not self.ranges or self.levels < 1 or not self.preload_factors:
+            message = (
+                "a training box needs at least one load range, one level and one preload factor; "
+                "name them under [reduction.training]"
+            )
+            raise ModelError(message)
+
+    def static_loads(self, system: System) -> list[Load]:
+        """Return all combinations of load levels and preload factors (15.3.4.1)."""
+        grids = [np.linspace(*bounds, self.levels) for bounds in self.ranges.values()]
+        return [
+            Load(
+                dict(zip(self.ranges, values, strict=True)),
+                name="training",
+                bolt_forces={
+                    name: factor * bolt.initial_force for name, bolt in system.bolts.items()
+                },
+            )
+            for factor in self.preload_factors
+            for values in product(*grids)
+        ]
+
+    def step_loads(self) -> list[Load]:
+        """Return the combinations of smallest, middle and largest values but the middle itself.
+
+        Two ranges that are symmetric about zero give the eight directions of Eq. (15.28).
+        """
+        grids = [(low, (low + high) / 2, high) for low, high in self.ranges.values()]
+        middle = tuple(grid[1] for grid in grids)
+        return [
+            Load(dict(zip(self.ranges, values, strict=True)), name="training")
+            for values in product(*grids)
+            if values != middle
+        ]
+
+    def random_loads(self, system: System, count: int, seed: int) -> list[Load]:
+        """Return loads drawn uniformly from the box, preload factors included."""
+        rng = np.random.default_rng(seed)
+        lows, highs = np.array(list(self.ranges.values())).T
+        factors = rng.uniform(min(self.preload_factors), max(self.preload_factors), count)
+        values = rng.uniform(lows, highs, (count, len(lows)))
+        return [
+            Load(
+                dict(zip(self.ranges, row.tolist(), strict=True)),
+                name=f"random-{case}",
+                bolt_forces={
+                    name: factor * bolt.initial_force for name, bolt in system.bolts.items()
+                },
+            )
+            for case, (row, factor) in enumerate(zip(values, factors.tolist(), strict=True))
+        ]
+
+
+def static_snapshots(system: System, loads: Sequence[Load]) -> Matrix:
+    """Contact forces λ (n_point, n_load) of static load combinations, Eqs. (15.25), (15.26)."""
+    return solve_static_cases(system, loads).contact_forces.T
+
+
+def step_snapshots(
+    system: System,
+    loads: Sequence[Load],
+    *,
+    step: float,
+    duration: float,
+    integrator: Integrator | None = None,
+    progress: Callable[[int], object] | None = None,
+) -> Matrix:
+    """Contact forces λ (n_point, n_load · n_time) of step responses, Eqs. (15.27) to (15.29).
+
+    Parameters
+    ----------
+    system
+        The full model, or a reduced one to lower the cost as §15.3.4.2 recommends.
+    step, duration : [time]
+        At least one period of the dominant vibration.
+    """
+    scheme = ImplicitEuler() if integrator is None else integrator
+    runs = [
+        solve_transient(
+            system, load, step=step, duration=duration, integrator=scheme, progress=progress
+        )
+        for load in loads
+    ]
+    return np.concatenate([run.contact_forces for run in runs]).T
