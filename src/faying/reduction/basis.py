@@ -83,18 +83,18 @@ class Basis:
         """
         shapes = [i for i, kind in enumerate(self.kinds) if kind is not ModeKind.CONSTRAINT]
         candidates = self.vectors[:, shapes]
-        done, done_K = (np.empty_like(candidates) for _ in range(2))
+        done, stiff_done = (np.empty_like(candidates) for _ in range(2))
         kinds: list[ModeKind] = []
         for column, index in zip(candidates.T, shapes, strict=True):
             size = len(kinds)
             vector, full = column, np.sqrt(column @ (K @ column))
             for _ in range(2):
-                vector = vector - done[:, :size] @ (done_K[:, :size].T @ vector)
+                vector = vector - done[:, :size] @ (stiff_done[:, :size].T @ vector)
             stiff = K @ vector
             energy = float(np.sqrt(vector @ stiff))
             if energy <= DEPENDENT * full:
                 continue
-            done[:, size], done_K[:, size] = vector / energy, stiff / energy
+            done[:, size], stiff_done[:, size] = vector / energy, stiff / energy
             kinds.append(self.kinds[index])
         constraint = self.of_kind(ModeKind.CONSTRAINT)
         return Basis(

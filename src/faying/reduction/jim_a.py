@@ -46,7 +46,7 @@ def jim_a(
 
 
 def unit_pressure_loads(model: Model, count: int) -> Matrix:
-    """Return nodal forces of unit pressure on each subarea, F_jc of Eq. (15.23) (n_dof, n_subarea)."""
+    """Return nodal forces (n_dof, n_subarea) of unit pressure on each subarea, Eq. (15.23)."""
     contact = model.contact
     total = contact.weights.sum()
     pressures = []

@@ -55,7 +55,7 @@ def pod(
 
     Notes
     -----
-    QR of the snapshots, Cholesky of W seen through Q, SVD of a small matrix: unlike the
+    QR of the snapshots, Cholesky of W seen through it, SVD of a small matrix: unlike the
     eigenproblem (15.22) this keeps singular values down to round-off instead of its square root.
 
     Examples
@@ -65,15 +65,14 @@ def pod(
     array([3., 2.])
     """
     Y = _checked(snapshots)
-    Q, triangle = la.qr(Y, mode="economic")
-    basis = Q
+    basis, triangle = la.qr(Y, mode="economic")
     if inner is not None:
         try:
-            factor = la.cholesky(Q.T @ (inner @ Q), lower=True)
+            factor = la.cholesky(basis.T @ (inner @ basis), lower=True)
         except la.LinAlgError:
             message = "the inner product of the POD is not positive definite on the snapshots"
             raise ModelError(message) from None
-        basis = la.solve_triangular(factor, Q.T, lower=True).T
+        basis = la.solve_triangular(factor, basis.T, lower=True).T
         triangle = factor.T @ triangle
     left, values, _ = la.svd(triangle, full_matrices=False)
     return _truncated(basis @ left, values, count, SVD_RANK)
