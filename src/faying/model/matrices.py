@@ -83,11 +83,11 @@ def assemble_matrices(assembly: Assembly) -> NodalMatrices:
         M = M + _placed(assembly.matrices, assembly.matrices.M, "M", n_node)
         K = K + _placed(assembly.matrices, assembly.matrices.K, "K", n_node)
         if assembly.matrices.C is not None:
-            C = read_only(_placed(assembly.matrices, assembly.matrices.C, "C", n_node))
+            C = _finished(_placed(assembly.matrices, assembly.matrices.C, "C", n_node))
     for block in assembly.mesh.blocks:
         mass, stiffness = _solid_matrices(assembly, block)
         M, K = M + mass, K + stiffness
-    return NodalMatrices(M=read_only(M), C=C, K=read_only(K))
+    return NodalMatrices(M=_finished(M), C=C, K=_finished(K))
 
 
 def used_components(assembly: Assembly) -> Mask:
@@ -338,6 +338,15 @@ def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) ->
     given = sp.coo_array(matrix)
     place = (dofs[given.row], dofs[given.col])
     return sp.coo_array((given.data, place), shape=(6 * n_node, 6 * n_node)).tocsr()
+
+
+def _finished(matrix: SparseMatrix) -> SparseMatrix:
+    """Sort the rows, use 32-bit indices where they suffice (solvers ask for them), and freeze."""
+    matrix.sort_indices()
+    if max(*matrix.shape, matrix.nnz) < np.iinfo(np.int32).max:
+        parts = (matrix.indices.astype(np.int32), matrix.indptr.astype(np.int32))
+        matrix = sp.csr_array((matrix.data, *parts), shape=matrix.shape)
+    return read_only(matrix)
 
 
 def _nonzero_rows(matrix: SparseMatrix) -> Mask:
