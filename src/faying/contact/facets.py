@@ -1,0 +1,222 @@
+"""Facets: shape functions, quadrature and geometry of the surfaces that touch.
+
+Reference facets are scikit-fem's: the triangle (0,0), (1,0), (0,1) and the square [0, 1]². Nodes
+run corners first, then mid-sides, counter-clockwise.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.exceptions import ModelError
+from faying.model.surface import N_CORNERS
+
+_ELEMENTS = {
+    "tri3": "ElementTriP1",
+    "tri6": "ElementTriP2",
+    "quad4": "ElementQuad1",
+    "quad8": "ElementQuadS2",
+}
+
+# Pressure is interpolated by the same shape functions as displacement, so ∫ N_i N_j dA decides:
+# degree 2 and 4 on triangles, degree 2 and 4 per direction (2 and 3 points) on squares.
+_DEFAULT_ORDER = {"tri3": 2, "tri6": 4, "quad4": 2, "quad8": 3}
+
+# skfem holds triangle rules well beyond this; no interface needs more, and the limit gives the
+# message below instead of one from another package.
+_LARGEST_ORDER = 12
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rule:
+    """Quadrature on the reference facet.
+
+    Attributes
+    ----------
+    name
+        ``"gauss-<order>"`` or ``"nodal"``.
+    points : (n_q, 2)
+    weights : (n_q,)
+        Positive; they add up to the area of the reference facet.
+    nodes : (n_q,)
+        Local node at which a point lies, -1 for a point that is no node.
+    """
+
+    name: str
+    points: Matrix
+    weights: Vector
+    nodes: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points))
+        object.__setattr__(self, "weights", frozen(self.weights))
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Surface:
+    """Geometry of facets at quadrature points.
+
+    Attributes
+    ----------
+    points : (n_face, n_q, 3) [length]
+    areas : (n_face, n_q) [length²]
+        Quadrature weight times surface Jacobian.
+    normals : (n_face, n_q, 3)
+        Unit normals, on the side from which the nodes run counter-clockwise.
+    """
+
+    points: Matrix
+    areas: Matrix
+    normals: Matrix
+
+
+def reference_nodes(kind: str) -> Matrix:
+    """Return the nodes of the reference facet, (n_node_per_face, 2)."""
+    return np.asarray(_element(kind).doflocs, dtype=float)
+
+
+def shape_functions(kind: str, points: Matrix) -> Matrix:
+    """Evaluate the shape functions of a facet.
+
+    Parameters
+    ----------
+    kind
+        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+    points : (n_q, 2)
+        Reference coordinates.
+
+    Returns
+    -------
+    ndarray (n_q, n_node_per_face)
+    """
+    element, local = _element(kind), np.asarray(points).T
+    values = [element.lbasis(local, i)[0] for i in range(len(element.doflocs))]
+    return np.stack([np.broadcast_to(value, local.shape[1:]) for value in values], axis=-1)
+
+
+def shape_gradients(kind: str, points: Matrix) -> Matrix:
+    """Evaluate the derivatives of the shape functions to the reference coordinates.
+
+    Returns
+    -------
+    ndarray (n_q, n_node_per_face, 2)
+    """
+    element, local = _element(kind), np.asarray(points).T
+    values = [np.asarray(element.lbasis(local, i)[1]) for i in range(len(element.doflocs))]
+    full = [np.broadcast_to(value.reshape(2, -1), local.shape) for value in values]
+    return np.stack(full, axis=0).transpose(2, 0, 1)
+
+
+@cache
+def gauss_rule(kind: str, order: int | None = None) -> Rule:
+    """Gauss points of a facet, all strictly inside it and with positive weights.
+
+    Parameters
+    ----------
+    kind
+        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+    order
+        Points per direction (quadrilaterals) or degree of exactness (triangles); None takes the
+        lowest one that integrates pressure times shape functions exactly on a flat facet with
+        straight sides and evenly spaced nodes (2, 4, 2, 3 for tri3, tri6, quad4, quad8).
+
+    Raises
+    ------
+    ModelError
+        If the order is not between 1 and 12.
+    """
+    chosen = _DEFAULT_ORDER[kind] if order is None else order
+    if not 1 <= chosen <= _LARGEST_ORDER:
+        message = (
+            f"quadrature order {chosen} for {kind} facets; "
+            f"give a whole number from 1 to {_LARGEST_ORDER}"
+        )
+        raise ModelError(message)
+    points, weights = _square_gauss(chosen) if N_CORNERS[kind] == 4 else _triangle_gauss(chosen)
+    nodes = np.full(len(weights), -1, dtype=np.int64)
+    return Rule(name=f"gauss-{chosen}", points=points, weights=weights, nodes=nodes)
+
+
+@cache
+def nodal_rule(kind: str) -> Rule:
+    """Quadrature whose points are nodes of the facet, with positive weights.
+
+    tri3 takes its vertices and quad4 its corners (2 × 2 Lobatto). tri6 takes the mid-sides with a
+    third of the area each: the vertices have weight zero. quad8 takes 3 × 3 Lobatto including the
+    centre, because the rule with its eight nodes alone has the weight -A/12 at the corners, and a
+    contact point cannot stand for a negative area.
+    """
+    nodes = reference_nodes(kind)
+    if kind == "tri6":
+        points, weights, index = nodes[3:], np.full(3, 1 / 6), np.arange(3, 6)
+    elif kind == "quad8":
+        points = np.vstack([nodes, [[0.5, 0.5]]])
+        weights, index = np.array([1.0] * 4 + [4.0] * 4 + [16.0]) / 36, np.r_[:8, -1]
+    else:
+        area = 1.0 if kind == "quad4" else 0.5
+        points, weights, index = (
+            nodes,
+            np.full(len(nodes), area / len(nodes)),
+            np.arange(len(nodes)),
+        )
+    return Rule(name="nodal", points=points, weights=weights, nodes=index)
+
+
+def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
+    """Evaluate the interpolated surface of facets at quadrature points.
+
+    Parameters
+    ----------
+    coordinates : (n_face, n_node_per_face, 3) [length]
+
+    Returns
+    -------
+    Surface
+        Areas use the true Jacobian |∂x/∂ξ × ∂x/∂η| of the curved facet.
+    """
+    points = np.einsum("qa,fad->fqd", shape_functions(kind, rule.points), coordinates)
+    vectors = area_vectors(kind, coordinates, rule.points)
+    jacobian = np.linalg.norm(vectors, axis=-1)
+    # A collapsed facet has no normal; zero keeps it visible to the caller's check.
+    normals = vectors / np.where(jacobian > 0, jacobian, 1.0)[..., None]
+    return Surface(points=points, areas=jacobian * rule.weights, normals=normals)
+
+
+def area_vectors(kind: str, coordinates: Matrix, points: Matrix) -> Matrix:
+    """Return ∂x/∂ξ × ∂x/∂η of facets (n_face, n_node_per_face, 3) at reference points (n_q, 2).
+
+    Returns
+    -------
+    ndarray (n_face, n_q, 3) [length²]
+    """
+    tangents = np.einsum("qaj,fad->jfqd", shape_gradients(kind, points), coordinates)
+    return np.cross(tangents[0], tangents[1])
+
+
+@cache
+def _element(kind: str):  # type: ignore[no-untyped-def]  # skfem ships no types
+    import skfem.element  # importing it takes a third of a second
+
+    return getattr(skfem.element, _ELEMENTS[kind])()
+
+
+def _square_gauss(order: int) -> tuple[Matrix, Vector]:
+    """Gauss-Legendre product rule on [0, 1]²; points run along ξ first."""
+    x, w = np.polynomial.legendre.leggauss(order)
+    x, w = (x + 1) / 2, w / 2
+    points = np.column_stack([np.tile(x, order), np.repeat(x, order)])
+    return points, np.outer(w, w).ravel()
+
+
+def _triangle_gauss(degree: int) -> tuple[Matrix, Vector]:
+    """Lowest rule of at least this degree with all points inside and weights positive."""
+    from skfem.quadrature import get_quadrature
+    from skfem.refdom import RefTri
+
+    points, weights = get_quadrature(RefTri, degree)
+    if weights.min() <= 0:
+        return _triangle_gauss(degree + 1)
+    return points.T, weights

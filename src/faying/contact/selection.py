@@ -1,0 +1,128 @@
+"""Facets by name: what a user's selection of a surface stands for."""
+
+from difflib import get_close_matches
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.contact.exterior import Facets, exterior_facets, padded, unique_rows
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly
+from faying.model.bodies import bodies
+from faying.model.specs import Selection
+
+_SHOWN = 8
+
+
+def select_facets(assembly: Assembly, selection: Selection) -> Facets:
+    """Find the facets a selection stands for.
+
+    Parameters
+    ----------
+    selection
+        A name is looked for among face sets, then node sets (exterior facets with *all* nodes in
+        the set), then element sets (exterior facets of these elements); ``"body 0"``,
+        ``"body 1"``, … are the separate bodies. A number is a property id or, if no element has
+        this property, an element id. Several numbers are element ids or, if not all of them are,
+        property ids.
+
+    Returns
+    -------
+    Facets
+        In the order of :func:`faying.contact.exterior.exterior_facets`; face sets in their own.
+
+    Raises
+    ------
+    ModelError
+        If the name or number is unknown (the message lists the nearest known names), or no
+        exterior facet belongs to it.
+    """
+    facets = _resolve(assembly, selection)
+    if not len(facets):
+        message = (
+            f"no exterior facet belongs to {selection!r}; a node set must hold all nodes of a "
+            "facet (mid-side nodes too), an element set must reach the surface of its body"
+        )
+        raise ModelError(message)
+    return facets
+
+
+def _resolve(assembly: Assembly, selection: Selection) -> Facets:
+    if isinstance(selection, str):
+        return _by_name(assembly, selection.strip())
+    numbers = np.atleast_1d(np.asarray(selection))
+    if numbers.ndim != 1 or not np.issubdtype(numbers.dtype, np.integer):
+        message = f"cannot select facets by {selection!r}; give a set name, an id or a list of ids"
+        raise ModelError(message)
+    return _by_number(assembly, numbers.astype(np.int64), single=np.ndim(selection) == 0)
+
+
+def _by_name(assembly: Assembly, name: str) -> Facets:
+    mesh = assembly.mesh
+    if name in assembly.face_sets:
+        return _face_set(assembly, name)
+    exterior = exterior_facets(mesh)
+    if name in mesh.node_sets:
+        # The extra last entry stands for the unused columns (-1) and is always inside.
+        inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
+        inside[mesh.node_sets[name]] = inside[-1] = True
+        return exterior.taken(np.all(inside[exterior.nodes], axis=1))
+    if name in mesh.element_sets:
+        return exterior.taken(np.isin(exterior.elements, mesh.element_sets[name]))
+    if name in (names := _body_names(assembly)):
+        return exterior.taken(exterior.bodies == names.index(name))
+    if name.isdecimal():
+        return _by_number(assembly, np.array([int(name)]), single=True)
+    raise ModelError(_unknown(assembly, name))
+
+
+def _by_number(assembly: Assembly, numbers: Indices, *, single: bool) -> Facets:
+    exterior = exterior_facets(assembly.mesh)
+    blocks = assembly.mesh.blocks
+    elements = np.concatenate([np.empty(0, np.int64), *(block.ids for block in blocks)])
+    properties = np.concatenate([np.empty(0, np.int64), *(b.properties for b in blocks)])
+    meanings = [(elements, exterior.elements), (properties, exterior.properties)]
+    for known, owner in reversed(meanings) if single else meanings:
+        if np.isin(numbers, known).all():
+            return exterior.taken(np.isin(owner, numbers))
+    missing = numbers[~np.isin(numbers, elements)]
+    message = (
+        f"there is no solid element with id {', '.join(map(str, missing[:_SHOWN]))}, nor do all of "
+        f"the given numbers name properties of solids; properties are "
+        f"{', '.join(map(str, np.unique(properties)[:_SHOWN])) or 'not defined'}"
+    )
+    raise ModelError(message)
+
+
+def _face_set(assembly: Assembly, name: str) -> Facets:
+    """Take a face set as given and look up whose facets these are."""
+    nodes = padded(assembly.face_sets[name].nodes)
+    nobody = np.full(len(nodes), -1)
+    given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
+    exterior = exterior_facets(assembly.mesh)
+    first, group, _ = unique_rows(exterior.joined(given).corner_keys)
+    owner = first[group[len(exterior) :]]
+    # The first of a group is the exterior facet where there is one.
+    owned = owner < len(exterior)
+    source = exterior.taken(owner[owned])
+    filled = np.full((3, len(nodes)), -1, dtype=np.int64)
+    filled[:, owned] = source.elements, source.properties, source.bodies
+    return Facets(nodes=nodes, elements=filled[0], properties=filled[1], bodies=filled[2])
+
+
+def _body_names(assembly: Assembly) -> list[str]:
+    count = int(bodies(assembly.mesh).max(initial=-1)) + 1
+    return [f"body {number}" for number in range(count)]
+
+
+def _unknown(assembly: Assembly, name: str) -> str:
+    mesh = assembly.mesh
+    known = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets, *_body_names(assembly)]
+    near = get_close_matches(name, known, n=5, cutoff=0.5)
+    if near:
+        hint = f"did you mean {' or '.join(repr(other) for other in near)}?"
+    elif known:
+        hint = f"known names are {', '.join(repr(other) for other in known[:_SHOWN])}"
+    else:
+        hint = "the model has no named sets"
+    return f"no face set, node set, element set or body is called {name!r}; {hint}"
