@@ -159,7 +159,8 @@ def facet_centres(nodes: Matrix, facets: Facets) -> Matrix:
     # A triangle repeats its last corner, which must not count twice.
     triangle, square = np.array([1, 1, 1, 0]) / 3, np.full(4, 1 / 4)
     weights = np.where(facets.triangular[:, None], triangle, square)
-    return np.einsum("fc,fcd->fd", weights, nodes[facets.corners])
+    centres: Matrix = np.einsum("fc,fcd->fd", weights, nodes[facets.corners])
+    return centres
 
 
 def facet_area_vectors(nodes: Matrix, facets: Facets) -> Matrix:

@@ -57,7 +57,7 @@ def check_no_mismatch(
     message = (
         f"interface '{spec.name}': non-matching faces. "
         f"{_count(spec, side, matched, orphan)}, first "
-        f"{_where(assembly, facets, rows[0])}; {cause}. "
+        f"{facet_place(assembly, facets, rows[0])}; {cause}. "
         "faying needs facets that coincide node on node: mesh both sides from the same imprinted "
         "face, or raise the tolerance if this is only rounding"
     )
@@ -190,7 +190,7 @@ def _sides(spec: InterfaceSpec) -> str:
     return f"minus={spec.minus!r} and plus={spec.plus!r}"
 
 
-def _where(assembly: Assembly, facets: Facets, row: int) -> str:
+def facet_place(assembly: Assembly, facets: Facets, row: int) -> str:
     """Say where a facet is: centre and node ids."""
     chosen = facets.taken(np.array([row]))
     x, y, z = facet_centres(assembly.mesh.nodes, chosen)[0]

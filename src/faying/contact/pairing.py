@@ -17,11 +17,10 @@ from faying.contact.exterior import (
     Facets,
     exterior_facets,
     facet_area_vectors,
-    facet_centres,
     unique_rows,
 )
 from faying.contact.interface import FacePairs
-from faying.contact.mismatch import check_no_mismatch, raise_no_contact
+from faying.contact.mismatch import check_no_mismatch, facet_place, raise_no_contact
 from faying.contact.selection import select_facets
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
@@ -214,8 +213,8 @@ def _coincident_facets(
         rows = order[start[crowded[0]] : start[crowded[0]] + counts[crowded[0]]]
         message = (
             f"interface '{spec.name}': {len(rows)} facets coincide "
-            f"{_place(assembly, facets, rows)}; two are expected. Do the two sides select the same facets, do bodies overlap, or is "
-            "the tolerance larger than the thickness of a part?"
+            f"{facet_place(assembly, facets, rows[0])}; two are expected. Do the two sides "
+            "select the same facets, do bodies overlap, or is the tolerance larger than the thickness of a part?"
         )
         raise ModelError(message)
     first, second = low[mixed], high[mixed]
@@ -256,7 +255,7 @@ def _check_not_collapsed(
     rows = np.flatnonzero(repeated.any(axis=1))
     if rows.size:
         message = (
-            f"interface '{spec.name}': nodes of one facet {_place(assembly, facets, rows[:1])} are "
+            f"interface '{spec.name}': nodes of one facet {facet_place(assembly, facets, rows[0])} are "
             f"within the tolerance {tolerance:g} of each other; give a tolerance well below the "
             "facets' edges, or repair the facet"
         )
@@ -276,15 +275,7 @@ def _check_opposite(
     if same.size:
         message = (
             f"interface '{spec.name}': {same.size} of {len(first)} coincident facets face the same "
-            f"way, for example {_place(assembly, facets, first[same[:1]])}; the bodies overlap, or "
+            f"way, for example {facet_place(assembly, facets, first[same[0]])}; the bodies overlap, or "
             "the nodes of a face set do not run counter-clockwise seen from outside"
         )
         raise ModelError(message)
-
-
-def _place(assembly: Assembly, facets: Facets, rows: Indices) -> str:
-    """Say where the first of some facets is."""
-    chosen = facets.taken(rows[:1])
-    x, y, z = facet_centres(assembly.mesh.nodes, chosen)[0]
-    ids = assembly.mesh.node_ids[chosen.nodes[chosen.nodes >= 0]]
-    return f"at ({x:g}, {y:g}, {z:g}), nodes {', '.join(map(str, ids))}"
