@@ -214,7 +214,8 @@ def _coincident_facets(
         message = (
             f"interface '{spec.name}': {len(rows)} facets coincide "
             f"{facet_place(assembly, facets, rows[0])}; two are expected. Do the two sides "
-            "select the same facets, do bodies overlap, or is the tolerance larger than the thickness of a part?"
+            "select the same facets, do bodies overlap, or is the tolerance "
+            "larger than the thickness of a part?"
         )
         raise ModelError(message)
     first, second = low[mixed], high[mixed]
@@ -255,9 +256,9 @@ def _check_not_collapsed(
     rows = np.flatnonzero(repeated.any(axis=1))
     if rows.size:
         message = (
-            f"interface '{spec.name}': nodes of one facet {facet_place(assembly, facets, rows[0])} are "
-            f"within the tolerance {tolerance:g} of each other; give a tolerance well below the "
-            "facets' edges, or repair the facet"
+            f"interface '{spec.name}': nodes of one facet "
+            f"{facet_place(assembly, facets, rows[0])} are within the tolerance "
+            f"{tolerance:g} of each other; give a tolerance well below the facets' edges, or repair the facet"
         )
         raise ModelError(message)
 
@@ -275,7 +276,7 @@ def _check_opposite(
     if same.size:
         message = (
             f"interface '{spec.name}': {same.size} of {len(first)} coincident facets face the same "
-            f"way, for example {facet_place(assembly, facets, first[same[0]])}; the bodies overlap, or "
-            "the nodes of a face set do not run counter-clockwise seen from outside"
+            f"way, for example {facet_place(assembly, facets, first[same[0]])}; the bodies "
+            "overlap, or the nodes of a face set do not run counter-clockwise seen from outside"
         )
         raise ModelError(message)
