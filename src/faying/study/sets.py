@@ -36,7 +36,7 @@ def _from_deck(assembly: Assembly, study: Study, name: str, named: NamedSet) -> 
     if deck in mesh.node_sets:
         mesh = mesh.with_node_set(name, mesh.node_sets[deck])
     if deck in mesh.element_sets:
-        mesh = _with_elements(mesh, name, mesh.element_sets[deck])
+        mesh = _with_elements(mesh, study, name, mesh.element_sets[deck])
     known = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets]
     if deck not in known:
         _refuse(study, name, f"the deck has no set '{deck}'; {nearest(deck, known)}")
@@ -50,8 +50,7 @@ def _from_properties(assembly: Assembly, study: Study, name: str, named: NamedSe
         known = ", ".join(map(str, np.unique(properties).tolist()))
         _refuse(study, name, f"no solid has property {missing}; properties are {known or 'none'}")
     chosen = ids[np.isin(properties, wanted)]
-    mesh = _with_elements(mesh, name, chosen).with_node_set(name, _nodes_of(mesh, chosen))
-    return replace(assembly, mesh=mesh)
+    return replace(assembly, mesh=_with_elements(mesh, study, name, chosen))
 
 
 def _from_nodes(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
@@ -63,16 +62,14 @@ def _from_nodes(assembly: Assembly, study: Study, name: str, named: NamedSet) ->
 def _from_elements(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
     wanted, mesh = np.array(named.elements or (), dtype=np.int64), assembly.mesh
     _check_ids(study, name, "solid element", wanted.tolist(), _solids(mesh)[1])
-    mesh = _with_elements(mesh, name, wanted).with_node_set(name, _nodes_of(mesh, wanted))
-    return replace(assembly, mesh=mesh)
+    return replace(assembly, mesh=_with_elements(mesh, study, name, wanted))
 
 
 def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
     """Take ids for those of nodes or of elements by who uses the name."""
     by_interface = any(name in (i.minus, i.plus) for i in study.interfaces)
-    by_boundary = any(boundary.set == name for boundary in study.boundaries)
-    if by_interface and by_boundary:
-        text = "an interface and a boundary use this list; write { nodes = [..] } or { elements = [..] }"
+    if by_interface and _used_by_boundary(study, name):
+        text = "an interface and a boundary use it; write { nodes = [..] } or { elements = [..] }"
         _refuse(study, name, text)
     if by_interface:
         return _from_elements(assembly, study, name, NamedSet(elements=named.ids))
@@ -94,14 +91,19 @@ def _solids(mesh: Mesh) -> tuple[Indices, Indices]:
     return properties, np.concatenate([block.ids for block in mesh.blocks])
 
 
-def _nodes_of(mesh: Mesh, elements: Indices) -> Indices:
-    parts = [block.nodes[np.isin(block.ids, elements)].ravel() for block in mesh.blocks]
-    return np.unique(np.concatenate(parts))
-
-
-def _with_elements(mesh: Mesh, name: str, elements: Indices) -> Mesh:
+def _with_elements(mesh: Mesh, study: Study, name: str, elements: Indices) -> Mesh:
+    """Add an element set, and the set of its nodes where a boundary uses the name."""
     sets = {**mesh.element_sets, name: frozen(elements, np.int64)}
-    return replace(mesh, element_sets=sets)
+    mesh = replace(mesh, element_sets=sets)
+    # Not always: an interface would prefer the node set, which may hold facets of neighbours.
+    if name in mesh.node_sets or not _used_by_boundary(study, name):
+        return mesh
+    parts = [block.nodes[np.isin(block.ids, elements)].ravel() for block in mesh.blocks]
+    return mesh.with_node_set(name, np.unique(np.concatenate(parts)))
+
+
+def _used_by_boundary(study: Study, name: str) -> bool:
+    return any(boundary.set == name for boundary in study.boundaries)
 
 
 def _refuse(study: Study, name: str, text: str) -> None:

@@ -261,8 +261,9 @@ class TrainingSection(Timed):
     preload_factors
         Bolt forces of the static runs over their nominal values.
     dynamics
-        Whether the corner loads, as steps, are training runs too, (15.28); by default over one
-        period in a hundred steps.
+        Whether step responses at nominal preload are training runs too, (15.28): all combinations
+        of ``min``, 0 and ``max`` of each side but no load at all; by default over one period in a
+        hundred steps.
     subareas
         Loaded patches of method A per interface, (15.23); None is one per node pair.
     weight

@@ -1,0 +1,58 @@
+"""The command line: parse, call, print; one file per command. No logic lives here."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from faying.cli.check import check
+from faying.cli.demo import demo
+from faying.cli.report import report
+from faying.cli.run import run
+from faying.exceptions import FayingError
+
+BAD_INPUT = 2
+"""Exit status of anything the user can mend."""
+
+# Tracebacks are for us: a plain one can be pasted into a bug report.
+app = typer.Typer(
+    name="faying",
+    help="Contact pressure in bolted joints at the cost of a reduced model.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    context_settings={"help_option_names": ["--help", "-h"]},
+)
+for command in (demo, run, check, report):
+    app.command()(command)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"faying {version('faying')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print version."),
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line; bad input ends in one message and status 2, never in a traceback."""
+    try:
+        app()
+    except FayingError as error:
+        typer.echo(f"faying: {error}", err=True)
+        sys.exit(BAD_INPUT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,26 @@
+"""Arguments that several commands share."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from faying.exceptions import StudyError
+
+StudyPath = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.")]
+
+
+def usable_folder(out: Path) -> Path:
+    """Return a folder for results that exists or can be made.
+
+    Raises
+    ------
+    StudyError
+        If it is a file or cannot be written.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        message = f"cannot write to folder {out}: {error.strerror}; choose another with --out"
+        raise StudyError(message) from None
+    return out

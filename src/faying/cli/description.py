@@ -1,0 +1,176 @@
+"""Tables that say what faying understood of a study and its model."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from rich import box
+from rich.table import Table
+
+from faying.contact.interface import Interface
+from faying.model.assembly import Assembly
+from faying.model.bodies import bodies
+from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.matrices import mass_properties
+from faying.model.mesh import Mesh
+from faying.model.model import Model
+from faying.study.tables import ForceSection, LoadCaseSection, Study
+
+
+def described(study: Study, model: Model) -> Iterator[Table]:
+    """Yield the tables of ``faying check``, in the order of the data flow."""
+    yield _overview(study, model)
+    yield _bodies(model.assembly.mesh)
+    yield _materials(model.assembly)
+    yield _connections(model.assembly)
+    yield _interfaces(model)
+    yield _bolts(study, model)
+    yield _boundaries(model)
+    yield _load_cases(study)
+    if model.assembly.ignored:
+        yield _table("Left out of the deck", ["what"], ([text] for text in model.assembly.ignored))
+
+
+def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    for row in rows:
+        table.add_row(*(_text(cell) for cell in row))
+    return table
+
+
+def _text(cell: object) -> str:
+    return f"{cell:.6g}" if isinstance(cell, float) else str(cell)
+
+
+def _overview(study: Study, model: Model) -> Table:
+    assembly = model.assembly
+    weight = mass_properties(assembly)
+    kinds = sorted({block.kind for block in assembly.mesh.blocks})
+    formulation = f" ({assembly.element})" if "hex8" in kinds else ""
+    # Round-off of a symmetric model reads as zero.
+    centre = np.where(np.abs(weight.centre) < 1e-9 * _extent(assembly.mesh), 0.0, weight.centre)
+    units = study.units.split("-")
+    rows = [
+        ("source", study.model.source),
+        ("units (length-mass-time)", study.units),
+        ("nodes", len(assembly.mesh.nodes)),
+        ("solid elements", f"{assembly.mesh.n_elements} {', '.join(kinds)}{formulation}"),
+        ("beams", len(assembly.beams)),
+        ("free degrees of freedom", int(model.K.shape[0])),
+        (f"mass [{units[1]}]", weight.mass),
+        (f"centre of mass [{units[0]}]", _point(centre.tolist())),
+    ]
+    return _table(study.title or study.path.stem, ["model", ""], rows)
+
+
+def _extent(mesh: Mesh) -> float:
+    return float(np.ptp(mesh.nodes, axis=0).max())
+
+
+def _point(values: Iterable[float]) -> str:
+    return f"({', '.join(f'{value:.4g}' for value in values)})"
+
+
+def _bodies(mesh: Mesh) -> Table:
+    label = bodies(mesh)
+    owners = [label[block.nodes[:, 0]] for block in mesh.blocks]
+    owner = np.concatenate([*owners, np.empty(0, dtype=np.int64)])
+    rows = []
+    for number in range(int(label.max(initial=-1)) + 1):
+        nodes = mesh.nodes[label == number]
+        low, high = (_point(corner.tolist()) for corner in (nodes.min(axis=0), nodes.max(axis=0)))
+        rows.append((f"body {number}", len(nodes), int((owner == number).sum()), low, high))
+    return _table("Bodies", ["name", "nodes", "elements", "from", "to"], rows)
+
+
+def _materials(assembly: Assembly) -> Table:
+    blocks = assembly.mesh.blocks
+    owners = np.concatenate([*(b.properties for b in blocks), np.empty(0, dtype=np.int64)])
+    rows = [
+        (
+            number,
+            material.name,
+            material.youngs_modulus,
+            material.poissons_ratio,
+            material.density,
+            int((owners == number).sum()),
+        )
+        for number, material in assembly.materials.items()
+    ]
+    return _table("Materials of solids", ["property", "name", "E", "nu", "rho", "elements"], rows)
+
+
+def _connections(assembly: Assembly) -> Table:
+    """List what holds and joins the bodies, contact aside."""
+    kinds = {
+        "supports": [len(one.nodes) for one in assembly.supports],
+        "rigid couplings (RBE2)": [len(one.nodes) for one in assembly.rigid_couplings],
+        "average couplings (RBE3)": [len(one.nodes) for one in assembly.average_couplings],
+        "equations (MPC)": [len(one.terms) for one in assembly.equations],
+        "springs": [len(one.ends) for one in assembly.springs],
+        "point masses": [1 for _ in assembly.masses],
+    }
+    rows = ((name, len(counts), sum(counts)) for name, counts in kinds.items() if counts)
+    return _table("Supports and couplings", ["kind", "number", "nodes or terms"], rows)
+
+
+def _interfaces(model: Model) -> Table:
+    columns = ["name", "faces", "pairs", "points", "rule", "area", "mean gap", "penalty"]
+    rows = (_interface(interface) for interface in model.interfaces.values())
+    return _table("Interfaces", columns, rows)
+
+
+def _interface(interface: Interface) -> tuple[object, ...]:
+    penalty = "hard" if np.isinf(interface.penalty) else float(interface.penalty)
+    return (
+        interface.name,
+        sum(len(faces.minus) for faces in interface.faces),
+        len(interface.pairs),
+        interface.n_points,
+        interface.quadrature,
+        interface.area,
+        float(interface.weights @ interface.initial_gap) / interface.area,
+        penalty,
+    )
+
+
+def _bolts(study: Study, model: Model) -> Table:
+    preloads = {bolt.name: bolt.preload for bolt in study.bolts}
+    rows = ((b.name, float(b.stiffness), preloads.get(b.name)) for b in model.bolts.values())
+    return _table("Bolts", ["name", "stiffness EA/L", "preload"], rows)
+
+
+def _boundaries(model: Model) -> Table:
+    rows = (_boundary(boundary) for boundary in model.boundaries.values())
+    return _table("Boundaries", ["name", "nodes", "loads it takes"], rows)
+
+
+def _boundary(boundary: Boundary) -> tuple[str, str, str]:
+    nodes = np.unique(boundary.nodes).tolist()
+    shown = ", ".join(map(str, nodes)) if len(nodes) <= 4 else f"{len(nodes)} nodes"
+    components = [FORCE_NAMES[c] for c in np.unique(boundary.components)]
+    return boundary.name, shown, " ".join(components)
+
+
+def _load_cases(study: Study) -> Table:
+    rows = (
+        (case.name, case.kind, "; ".join(map(_force, case.forces)), _timing(case))
+        for case in study.load_cases
+    )
+    return _table("Load cases", ["name", "kind", "loads", "time"], rows)
+
+
+def _force(force: ForceSection) -> str:
+    amount = f"{force.value:g}" if force.file is None else force.file.name
+    return f"{force.boundary} {force.component} = {amount}"
+
+
+def _timing(case: LoadCaseSection) -> str:
+    if case.kind == "static":
+        return ""
+    step = f"{case.steps_per_period} per period" if case.step is None else f"{case.step:g}"
+    length = "as the history" if case.duration is None else f"{case.duration:g}"
+    if case.periods is not None:
+        length = f"{case.periods:g} periods"
+    return f"{length}, step {step}, {case.integrator or 'implicit-euler'}"

@@ -1,0 +1,244 @@
+"""From a study to what :func:`faying.model.build.build_model` takes, and to the model."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+
+from faying.exceptions import StudyError
+from faying.model.assembly import Assembly, Material
+from faying.model.build import build_model
+from faying.model.lap_joint import STEEL, JointDescription, lap_joint_assembly
+from faying.model.model import Model
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.study.consistency import boundary_problems
+from faying.study.errors import Problem, nearest, reject
+from faying.study.lap_joint_keys import lap_joint_keywords
+from faying.study.sets import with_study_sets
+from faying.study.tables import BoltSection, MaterialSection, Section, Study
+
+Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadedModel:
+    """Everything a study says about the model, with its source read.
+
+    Attributes
+    ----------
+    preloads : [force]
+        Bolt name to its final force.
+    """
+
+    assembly: Assembly
+    interfaces: tuple[InterfaceSpec, ...]
+    bolts: tuple[BoltSpec, ...]
+    boundaries: tuple[BoundarySpec, ...]
+    damping: Rayleigh
+    units: str
+    preloads: Mapping[str, float]
+
+
+def load_model(study: Study) -> LoadedModel:
+    """Read or generate the structure a study names and put the study's own wishes on top.
+
+    Raises
+    ------
+    StudyError
+        If the study names something the source does not have.
+    FormatError, ModelError
+        If the source cannot be read or does not make a model.
+    """
+    read = SOURCE_READERS[study.model.source]
+    described = read(study)
+    assembly = with_study_sets(described.assembly, study)
+    bolts = _merged(study, "bolt", described.bolts, _bolt_entries(study, assembly))
+    boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
+    interfaces = _merged(study, "interface", described.interfaces, _entries(study.interfaces))
+    reject(study.source, list(boundary_problems(study, [spec.name for spec in boundaries])))
+    return LoadedModel(
+        assembly=assembly,
+        interfaces=interfaces,
+        bolts=bolts,
+        boundaries=boundaries,
+        damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
+        units=study.units,
+        preloads=_preloads(study, bolts),
+    )
+
+
+def build(study: Study) -> Model:
+    """Build the model of a study.
+
+    Raises
+    ------
+    FayingError
+        As :func:`load_model` and :func:`faying.model.build.build_model`.
+    """
+    loaded = load_model(study)
+    return build_model(
+        loaded.assembly,
+        interfaces=loaded.interfaces,
+        bolts=loaded.bolts,
+        boundaries=loaded.boundaries,
+        damping=loaded.damping,
+        units=loaded.units,
+    )
+
+
+def _lap_joint(study: Study) -> JointDescription:
+    overrides = study.materials.get(STEEL.name, MaterialSection())
+    return lap_joint_assembly(
+        element=study.model.element,
+        material=_overridden(STEEL, overrides),
+        **lap_joint_keywords(study),
+    )
+
+
+def _nastran(study: Study) -> JointDescription:
+    from faying.io.nastran import read_deck
+
+    if study.model.file is None:  # refused when the study was read
+        message = f"{study.path.name}: [model] has no file"
+        raise StudyError(message)
+    assembly = _with_materials(read_deck(study.model.file), study)
+    if "element" in study.model.model_fields_set:
+        assembly = replace(assembly, element=study.model.element)
+    return _bare(assembly)
+
+
+def _matrices(study: Study) -> JointDescription:
+    from faying.io.matrices import read_matrices
+
+    files = dict(study.model.files or {})
+    return _bare(read_matrices(**files))
+
+
+SOURCE_READERS = {"lap-joint": _lap_joint, "nastran": _nastran, "matrices": _matrices}
+
+
+def _bare(assembly: Assembly) -> JointDescription:
+    return JointDescription(assembly=assembly, interfaces=(), bolts=(), boundaries=())
+
+
+def _overridden(material: Material, section: MaterialSection) -> Material:
+    values = {"youngs_modulus": section.E, "poissons_ratio": section.nu, "density": section.rho}
+    return replace(material, **{key: value for key, value in values.items() if value is not None})
+
+
+def _with_materials(assembly: Assembly, study: Study) -> Assembly:
+    """Replace material constants of solids and beams, by material name or property id."""
+    solids = {str(number): material for number, material in assembly.materials.items()}
+    names = {material.name for material in solids.values()}
+    names |= {beam.material.name for beam in assembly.beams}
+    for name in study.materials:
+        if name not in names and name not in solids:
+            known = sorted(filter(None, names)) or list(solids)
+            place = study.source.table(("material", name))
+            message = f"{place}: the deck has no material '{name}'; {nearest(name, known)}"
+            raise StudyError(message)
+
+    def chosen(material: Material, number: int) -> Material:
+        section = study.materials.get(str(number), study.materials.get(material.name))
+        return _overridden(material, section) if section else material
+
+    materials = {number: chosen(old, number) for number, old in assembly.materials.items()}
+    beams = tuple(
+        replace(beam, material=chosen(beam.material, beam.property)) for beam in assembly.beams
+    )
+    return replace(assembly, materials=materials, beams=beams)
+
+
+def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
+    """Return the keys each entry of a study gives."""
+    return [{key: getattr(one, key) for key in one.model_fields_set} for one in sections]
+
+
+def _bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
+    """Return the keys of each bolt but its preload, with nodes turned into elements."""
+    entries = _entries(study.bolts)
+    for number, (bolt, entry) in enumerate(zip(study.bolts, entries, strict=True)):
+        entry.pop("preload", None)
+        if bolt.nodes is not None:
+            entry.pop("nodes")
+            entry["elements"] = _elements_between(study, number, bolt, assembly)
+    return entries
+
+
+def _elements_between(
+    study: Study, number: int, bolt: BoltSection, assembly: Assembly
+) -> tuple[int, ...]:
+    """Beams of the deck with both ends among the nodes of a bolt."""
+    nodes = set(assembly.mesh.node_index(np.array(bolt.nodes or ())).tolist())
+    found = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
+    if not found:
+        place = study.source.place(("bolt", number, "nodes"))
+        message = (
+            f"{place}: no beam of the deck joins two of these nodes; give the nodes its beams "
+            "run through, or 'elements'"
+        )
+        raise StudyError(message)
+    return found
+
+
+def _merged(
+    study: Study, table: str, defaults: tuple[Spec, ...], entries: list[dict[str, Any]]
+) -> tuple[Spec, ...]:
+    """Override the specs of a source by the entries of the same name, and append new ones."""
+    specs = {spec.name: spec for spec in defaults}
+    new = {"interface": InterfaceSpec, "bolt": BoltSpec, "boundary": BoundarySpec}[table]
+    problems: list[Problem] = []
+    for number, entry in enumerate(entries):
+        name = entry["name"]
+        if name in specs:
+            problems += _refused_overrides(study, table, number, entry)
+            specs[name] = replace(specs[name], **_without_old_place(table, entry))
+        elif defaults and not PLACES[table].intersection(entry):
+            text = f"the model has no {table} '{name}'; {nearest(name, specs)}"
+            location = (table, number, "name")
+            problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
+        else:
+            specs[name] = new(**entry)
+    reject(study.source, problems)
+    return tuple(specs.values())
+
+
+PLACES = {
+    "interface": {"minus", "plus"},
+    "bolt": {"elements", "nodes", "axis"},
+    "boundary": {"set", "node"},
+}
+"""Keys that say where something is; an entry without them speaks of what the source has."""
+
+
+def _without_old_place(table: str, entry: dict[str, Any]) -> dict[str, Any]:
+    """Clear the place a boundary had where the study gives it another."""
+    moved = table == "boundary" and PLACES[table].intersection(entry)
+    return {"set": None, "node": None, **entry} if moved else entry
+
+
+def _refused_overrides(
+    study: Study, table: str, number: int, entry: dict[str, Any]
+) -> Iterator[Problem]:
+    """Keys of a bolt that the source has already turned into elements."""
+    for key in entry if table == "bolt" else ():
+        if key != "name":
+            location = (table, number, key)
+            text = (
+                "the lap joint's own bolts take only a preload here; give measures in "
+                "[model.lap_joint] (bolt_diameter, washer_radius, ...)"
+            )
+            yield Problem(location, f"{study.source.place(location)}: {text}")
+
+
+def _preloads(study: Study, bolts: tuple[BoltSpec, ...]) -> dict[str, float]:
+    given = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
+    for bolt in bolts:
+        if bolt.name not in given:
+            message = (
+                f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
+                f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
+            )
+            raise StudyError(message)
+    return given
