@@ -7,8 +7,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
-from faying.contact.interface import Interface, stack
+from faying.contact.interface import FacePairs, Interface, stack
 from faying.contact.pairing import find_interfaces
+from faying.contact.penalty import automatic_penalty
 from faying.contact.zero_thickness import build_interface
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam
@@ -137,11 +138,20 @@ def _interfaces(
             if name in joints:
                 message = f"two interfaces are called '{name}'; give each its own name"
                 raise ModelError(message)
-            joints[name] = build_interface(assembly, dofs, replace(spec, name=name), faces)
+            penalty = _penalty(assembly, spec, faces)
+            joints[name] = build_interface(
+                assembly, dofs, replace(spec, name=name), faces, penalty
+            )
     if not joints:
         message = "the model has no interface; name one, or let faying find it with 'auto'"
         raise ModelError(message)
     return joints
+
+
+def _penalty(assembly: Assembly, spec: InterfaceSpec, faces: tuple[FacePairs, ...]) -> float:
+    if spec.penalty == "hard":
+        return np.inf
+    return automatic_penalty(assembly, faces) if spec.penalty == "auto" else float(spec.penalty)
 
 
 def _boundary_components(assembly: Assembly, spec: BoundarySpec, used: Mask) -> Indices:

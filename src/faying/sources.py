@@ -1,0 +1,105 @@
+"""Models in one call: the built-in lap joint, a Nastran deck, matrices."""
+
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any
+
+from faying.model.build import build_model
+from faying.model.lap_joint import lap_joint_assembly
+from faying.model.model import Model
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+
+AUTO = (InterfaceSpec(name="joint"),)
+
+
+def lap_joint(*, damping: Rayleigh | None = None, **parameters: Any) -> Model:
+    """Build the seed's bolted cantilever, or a lap joint like it.
+
+    Parameters
+    ----------
+    damping
+        Rayleigh factors.
+    **parameters
+        Those of :func:`faying.model.lap_joint.lap_joint_assembly`.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> model = fy.lap_joint(element_size=5.0)
+    >>> list(model.interfaces), list(model.bolts), list(model.boundaries)
+    (['joint'], ['bolt'], ['tip'])
+    """
+    joint = lap_joint_assembly(**parameters)
+    return build_model(
+        joint.assembly,
+        interfaces=joint.interfaces,
+        bolts=joint.bolts,
+        boundaries=joint.boundaries,
+        damping=damping,
+    )
+
+
+def read_nastran(
+    path: str | PathLike[str],
+    *,
+    interfaces: Sequence[InterfaceSpec] = AUTO,
+    bolts: Sequence[BoltSpec] = (),
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+) -> Model:
+    """Build a model from a Nastran bulk-data deck.
+
+    Parameters
+    ----------
+    interfaces
+        Where bodies touch; by default all coincident facets of different bodies.
+    bolts
+        Bolts, as beam elements of the deck or as generated beams.
+    boundaries
+        Where loads enter.
+
+    Raises
+    ------
+    FormatError
+        If the deck cannot be read; the message names file and line.
+    ModelError
+        If the deck and what is said about it do not fit together.
+    """
+    from faying.io.nastran.reader import read_deck
+
+    return build_model(
+        read_deck(path),
+        interfaces=interfaces,
+        bolts=bolts,
+        boundaries=boundaries,
+        damping=damping,
+    )
+
+
+def from_matrices(
+    *,
+    interfaces: Sequence[InterfaceSpec] = AUTO,
+    bolts: Sequence[BoltSpec] = (),
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+    **matrices: Any,
+) -> Model:
+    """Build a model from mass, damping and stiffness of another program.
+
+    Parameters
+    ----------
+    interfaces, bolts, boundaries
+        As for :func:`read_nastran`; interface sides are names of face sets.
+    **matrices
+        ``M``, ``K``, ``C``, ``nodes``, ``dofs``, ``faces`` …: those of
+        :func:`faying.io.matrices.matrices_assembly`.
+    """
+    from faying.io.matrices import matrices_assembly
+
+    return build_model(
+        matrices_assembly(**matrices),
+        interfaces=interfaces,
+        bolts=bolts,
+        boundaries=boundaries,
+        damping=damping,
+    )

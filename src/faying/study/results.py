@@ -1,0 +1,187 @@
+"""What a run leaves behind, as plain values; :mod:`faying.study.store` keeps them in HDF5."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.interface import FacePairs
+from faying.model.mesh import CellBlock
+from faying.simulation.accuracy import Accuracy
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Response:
+    """One load case solved by one model.
+
+    Attributes
+    ----------
+    pressure, gap : (n_point,) or (n_time, n_point)
+    displacements
+        Boundary name to (n,) or (n_time, n), in the order of its components.
+    bolt_forces, contact_forces
+        Bolt or interface name to () or (n_time,).
+    open_fraction
+        Interface name to () or (n_time,).
+    iterations : () or (n_time,)
+        Linear systems of the contact problem.
+    seconds
+        Wall time of the solution, offline work excluded.
+    nodal_displacement : (n_node, 3), optional
+        Of static cases.
+    """
+
+    pressure: Matrix
+    gap: Matrix
+    displacements: Mapping[str, Matrix]
+    bolt_forces: Mapping[str, Matrix]
+    contact_forces: Mapping[str, Matrix]
+    open_fraction: Mapping[str, Matrix]
+    iterations: Indices
+    seconds: float
+    nodal_displacement: Matrix | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MethodResult:
+    """One load case solved by one reduced model, and how good it is.
+
+    Attributes
+    ----------
+    joint_modes
+        Number of joint modes of the basis (0 for methods without).
+    n_modes
+        Length of the basis.
+    """
+
+    joint_modes: int
+    n_modes: int
+    response: Response
+    accuracy: Accuracy
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CaseResult:
+    """One load case solved by the full model and by every method.
+
+    Attributes
+    ----------
+    kind
+        ``"static"``, ``"step"`` or ``"history"``.
+    times : (n_time,) or None
+    components
+        Boundary name to the names of its displacement components (ux … rz).
+    methods
+        Method name to joint mode count to result.
+    half_step : Response or None
+        The reference with half the time step, for the time-step check of transients.
+    """
+
+    name: str
+    kind: str
+    times: Vector | None
+    components: Mapping[str, tuple[str, ...]]
+    reference: Response
+    methods: Mapping[str, Mapping[int, MethodResult]]
+    half_step: Response | None = None
+    half_step_times: Vector | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class InterfaceRecord:
+    """Geometry and law of one interface, and the joint as preloaded.
+
+    Attributes
+    ----------
+    points, normals : (n_point, 3)
+    weights, initial_gap : (n_point,)
+    slice
+        First and last + 1 of its points among all contact points.
+    pairs : (n_pair, 2)
+        Node indices.
+    pair_points : (n_pair, 3)
+    averaging : (n_pair, n_point)
+        Takes point values to nodal averages.
+    faces
+        Matched facets (node indices into ``Results.nodes``).
+    penalty
+        ``inf`` for hard contact.
+    stuck : (n_pair,)
+        Sticking area.
+    preload_pressure : (n_point,)
+        Pressure after tightening, before the sticking area was tied (Fig. 15.3).
+    """
+
+    points: Matrix
+    normals: Matrix
+    weights: Vector
+    initial_gap: Vector
+    slice: tuple[int, int]
+    pairs: Indices
+    pair_points: Matrix
+    averaging: Matrix
+    faces: tuple[FacePairs, ...]
+    penalty: float
+    quadrature: str
+    stuck: Mask
+    preload_pressure: Vector
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BoltRecord:
+    """One bolt as tightened.
+
+    Attributes
+    ----------
+    preload
+        Nominal final force.
+    initial_force
+        N₀ it is locked at.
+    history : (n_stage,)
+        Its force while all bolts were tightened one after the other.
+    """
+
+    preload: float
+    initial_force: float
+    history: Vector
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Results:
+    """Everything a run computed.
+
+    Attributes
+    ----------
+    nodes : (n_node, 3)
+    body : (n_node,)
+        Number of the body a node belongs to, -1 where none.
+    blocks
+        Solid elements.
+    mass, dofs
+        Of the model.
+    tightening_stages
+        What was done at each entry of the bolts' histories.
+    cases
+        By load case name.
+    timings
+        Seconds by stage; methods have mappings of their own.
+    provenance
+        faying version, Python, NumPy, SciPy, platform, date.
+    """
+
+    title: str
+    units: str
+    study_text: str
+    nodes: Matrix
+    node_ids: Indices
+    body: Indices
+    blocks: tuple[CellBlock, ...]
+    mass: float
+    dofs: int
+    interfaces: Mapping[str, InterfaceRecord]
+    bolts: Mapping[str, BoltRecord]
+    tightening_stages: tuple[str, ...]
+    cases: Mapping[str, CaseResult]
+    timings: Mapping[str, Any]
+    provenance: Mapping[str, str]
+    warnings: tuple[str, ...] = field(default=())
