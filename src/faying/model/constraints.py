@@ -62,7 +62,7 @@ def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] =
     kept = np.zeros(n_dof, dtype=bool)
     kept[np.asarray(keep, dtype=np.int64)] = True
     fixed = fixed_components(assembly)
-    rows = _equations(assembly, fixed, kept)
+    rows = _equations(assembly, used, fixed, kept)
     turned = kept[rows.dependent]
     T = _substituted(assembly, rows.taken(~turned), fixed)
     if turned.any():
@@ -92,9 +92,16 @@ def movable_components(assembly: Assembly, used: Mask) -> Mask:
     return movable
 
 
-def _equations(assembly: Assembly, fixed: Mask, kept: Mask) -> Rows:
+def _equations(assembly: Assembly, used: Mask, fixed: Mask, kept: Mask) -> Rows:
     """Collect all equations, each dependent component determined once."""
-    rows = stacked([rigid_rows(assembly), average_rows(assembly), equation_rows(assembly)])
+    rigid, equations = rigid_rows(assembly), equation_rows(assembly)
+    existing = used.copy()
+    for part in (rigid, equations):
+        existing[part.dependent] = True
+        existing[part.matrix.indices] = True
+    for average in assembly.average_couplings:
+        existing[6 * average.reference + np.array(average.reference_components)] = True
+    rows = stacked([rigid, average_rows(assembly, existing), equations])
     _check_single(assembly, rows)
     _check_unsupported(assembly, rows, fixed)
     _check_load(assembly, kept & fixed)
@@ -154,7 +161,7 @@ def _turned(
             _refuse_tied(assembly, rows, members)
         others = np.setdiff1d(np.arange(len(columns)), chosen)
         solution = -np.linalg.solve(dense[:, chosen], dense[:, others])
-        solution[np.abs(solution) <= _ROUNDING * np.abs(solution).max()] = 0.0
+        solution[np.abs(solution) <= _ROUNDING * np.abs(solution).max(initial=0.0)] = 0.0
         replaced[columns[chosen]] = True
         parts.append((columns[chosen], columns[others], solution))
     return _replacement(replaced, parts)

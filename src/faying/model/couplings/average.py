@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, AverageCoupling
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -15,7 +15,7 @@ _SINGULAR = 1e-10
 _ROUNDING = 1e-13
 
 
-def average_rows(assembly: Assembly) -> Rows:
+def average_rows(assembly: Assembly, existing: Mask) -> Rows:
     """Write each reference node as the weighted least-squares rigid motion of its nodes.
 
     Minimized is Σ w_i |u_i - (u_c + θ × r_i)|² over the averaged components, r_i from the weighted
@@ -23,6 +23,12 @@ def average_rows(assembly: Assembly) -> Rows:
     nodes as Nastran's RBE3 sends them: F w_i / Σw, and the moment about the weighted centre through
     the weighted second moments. Where rotations enter, their weight is w_i L² with L the mean
     distance of the nodes from the reference, so that the units of length do not matter.
+
+    Parameters
+    ----------
+    existing : (6 n_node,)
+        Components that mean something. Averaged rotations that do not (those of solid nodes, which
+        decks often list) are left out; a free rotation would follow the reference at no cost.
 
     Raises
     ------
@@ -39,7 +45,7 @@ def average_rows(assembly: Assembly) -> Rows:
     dependent, columns, values, owner = [], [], [], []
     for number, coupling in enumerate(couplings):
         tied = np.unique(np.asarray(coupling.reference_components, dtype=np.int64))
-        averaged, weights = _average(assembly, coupling, tied)
+        averaged, weights = _average(assembly, coupling, tied, existing)
         dependent.append(6 * coupling.reference + tied)
         columns.append(np.tile(averaged, len(tied)))
         values.append(weights.ravel())
@@ -61,7 +67,7 @@ def _joined(parts: list[Indices]) -> Indices:
 
 
 def _average(
-    assembly: Assembly, coupling: AverageCoupling, tied: Indices
+    assembly: Assembly, coupling: AverageCoupling, tied: Indices, existing: Mask
 ) -> tuple[Indices, Matrix]:
     """Averaged degrees of freedom, and their weights in each tied component of the reference."""
     _check(assembly, coupling)
@@ -74,13 +80,15 @@ def _average(
     components = np.unique(np.asarray(coupling.components, dtype=np.int64))
     motions = _motions(arms, size)[:, components].reshape(-1, 6)
     importance = np.where(components < 3, 1.0, distance**2)
-    weight = np.outer(weights, importance).ravel()
+    dofs = (6 * coupling.nodes[:, None] + components).ravel()
+    counted = existing[dofs] | (dofs % 6 < 3)
+    weight = np.outer(weights, importance).ravel() * counted
     inverse, loose = _inverse(motions.T @ (weight[:, None] * motions))
     reference = _motions(to_reference[None], size)[0, tied]
     _check_determined(assembly, coupling, tied[np.abs(reference @ loose).max(1, initial=0) > 1e-6])
     result = reference @ inverse @ (motions.T * weight)
     result[np.abs(result) <= _ROUNDING * np.abs(result).max(axis=1, keepdims=True)] = 0.0
-    return (6 * coupling.nodes[:, None] + components).ravel(), result
+    return dofs, result
 
 
 def _motions(arms: Matrix, size: float) -> Matrix:
