@@ -49,6 +49,15 @@ def test_rotations_of_a_rigid_reference_appear_only_where_something_resists_them
     assert {3, 4, 5} & set(dofs.free.tolist()) == {4, 5}
 
 
+def test_rounding_of_coordinates_is_no_lever_arm():
+    points = np.array([[0.0, 0.3, 0.0], [1.0, 0.1 + 0.2, 0.0]])
+    mesh = Mesh(nodes=points, node_ids=[1, 2])
+    model = Assembly(mesh=mesh, rigid_couplings=(RigidCoupling(id=5, reference=0, nodes=[1]),))
+    free = constrain(model, TRANSLATIONS[:12]).free
+    assert points[1, 1] != points[0, 1]
+    assert 3 not in free
+
+
 def test_a_rotation_tied_only_to_unused_rotations_is_dropped():
     coupling = RigidCoupling(id=5, reference=OUTSIDE, nodes=[0, 1, 2], components=(3, 4, 5))
     used = TRANSLATIONS.copy()

@@ -136,6 +136,24 @@ def test_load_on_an_average_reference_gives_the_same_structure(reference_compone
     np.testing.assert_allclose(compliance(kept), expected, rtol=1e-8, atol=1e-8 * expected.max())
 
 
+def test_loads_on_two_separate_averages_keep_both_exact():
+    pair = tuple(
+        AverageCoupling(id=i, reference=9 + i, nodes=nodes, weights=np.ones(4))
+        for i, nodes in ((1, [0, 1, 2, 3]), (2, [4, 5, 6, 7]))
+    )
+    used = np.arange(72) % 6 < 3
+    used[60:] = False
+    keep = np.arange(60, 72)
+    dofs = constrain(model(average_couplings=pair), used, keep=keep)
+    plain = constrain(model(average_couplings=pair), used)
+    assert set(keep) <= set(dofs.free.tolist())
+    assert len(dofs.free) == len(plain.free)
+    moved = dofs.nodal(RNG.standard_normal(len(dofs.free)))
+    averages = plain.transformation @ moved.ravel()[plain.free]
+    # Two inverses of 6 x 6 matrices with condition numbers below 1e3.
+    np.testing.assert_allclose(averages[keep], moved.ravel()[keep], atol=1e-11)
+
+
 def test_load_on_an_average_of_rigidly_coupled_nodes():
     """The reference's load passes through the average and on to the rigid coupling's reference."""
     chain = {
