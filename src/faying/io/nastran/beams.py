@@ -1,0 +1,84 @@
+"""CBAR, CBEAM: beam elements."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.sections import Property
+from faying.model.assembly import Beam
+
+_PINS = (8, 9)
+_OFFSETS = range(10, 16)
+_WARPING = (16, 17)
+_PARALLEL = 1e-8
+
+
+def read_beams(
+    cards: Mapping[str, Cards], grids: Grids, sections: Mapping[str, Mapping[int, Property]]
+) -> list[Beam]:
+    """Read beams; orientation vectors are turned into the basic frame.
+
+    Raises
+    ------
+    FormatError
+        If a beam has pins, offsets, no length or no orientation, or its property is missing.
+    """
+    beams: list[Beam] = []
+    for name in ("CBAR", "CBEAM"):
+        for default in cards.get({"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name], ()):
+            text = "default orientations are not supported; write them on each beam"
+            raise default.error(text)
+        beams += [_beam(card, grids, sections[name]) for card in cards.get(name, ())]
+    return beams
+
+
+def _beam(card: Card, grids: Grids, sections: Mapping[int, Property]) -> Beam:
+    number = card.integer(0)
+    pid = card.integer(1, number)
+    if pid not in sections:
+        kinds = "PBAR or PBARL" if card.cards.name == "CBAR" else "PBEAM or PBEAML"
+        text = f"property {pid} is not a {kinds} of the deck; define it"
+        raise card.error(text, 1)
+    card.refuse_non_zero(_PINS, "a pin flag", "release the node by an MPC or a second node")
+    card.refuse_non_zero(_OFFSETS, "an offset", "move the nodes to the axis or tie them by RBE2")
+    if card.cards.name == "CBEAM":
+        card.refuse_non_zero(_WARPING, "a warping point", "leave SA and SB blank")
+    section, material = sections[pid]
+    start, end = grids.one(card, 2), grids.one(card, 3)
+    return Beam(
+        id=number,
+        nodes=(start, end),
+        section=section,
+        material=material,
+        orientation=_orientation(card, grids, start, end),
+        property=pid,
+    )
+
+
+def _orientation(card: Card, grids: Grids, start: int, end: int) -> tuple[float, float, float]:
+    flag = card.text(7)
+    # OFFT; a real number here would be BIT of CBEAM, a p-version element.
+    if flag and flag not in {a + b + c for a in "GB" for b in "GO" for c in "GO"}:
+        text = f"OFFT = '{flag}' is not supported; leave it blank or give GGG or BGG"
+        raise card.error(text, 7)
+    axis = grids.nodes[end] - grids.nodes[start]
+    if card.text(5) or card.text(6) or numbers.integer(card.text(4)) is None:
+        vector = np.array([card.real(4 + j, 0.0) for j in range(3)])
+        axes = None if flag.startswith("B") else grids.systems.axes(start)
+        vector = vector if axes is None else vector @ axes
+    else:
+        vector = grids.nodes[grids.one(card, 4)] - grids.nodes[start]
+    with np.errstate(over="ignore", invalid="ignore"):
+        length, size = np.linalg.norm(axis), np.linalg.norm(vector)
+        across = np.linalg.norm(np.cross(axis, vector))
+    if not 0 < length < np.inf:
+        text = "the beam has no length; its two nodes coincide"
+        raise card.error(text)
+    if not across > _PARALLEL * length * size or not np.isfinite(across):
+        text = "the orientation vector is zero or parallel to the beam; give another one"
+        raise card.error(text, 4)
+    x, y, z = vector.tolist()
+    return (x, y, z)

@@ -1,0 +1,232 @@
+"""CORD1R/C/S, CORD2R/C/S: coordinate systems, resolved into the basic frame."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, frozen
+from faying.io.nastran.cards import Card, Cards
+
+_ON_AXIS = 1e-12
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frame:
+    """A coordinate system.
+
+    Attributes
+    ----------
+    kind
+        ``"R"`` rectangular, ``"C"`` cylindrical (r, θ, z) or ``"S"`` spherical (r, θ, φ), degrees.
+    origin : (3,) [length]
+    axes : (3, 3)
+        Rows are the rectangular axes in the basic frame.
+    """
+
+    kind: str
+    origin: Matrix
+    axes: Matrix
+
+    def to_basic(self, points: Matrix) -> Matrix:
+        """Turn coordinates (n, 3) of this system into basic ones."""
+        a, b, c = points.T
+        if self.kind == "C":
+            angle = np.radians(b)
+            local = np.stack([a * np.cos(angle), a * np.sin(angle), c], axis=1)
+        elif self.kind == "S":
+            polar, around = np.radians(b), np.radians(c)
+            ring = a * np.sin(polar)
+            local = np.stack(
+                [ring * np.cos(around), ring * np.sin(around), a * np.cos(polar)], axis=1
+            )
+        else:
+            local = points
+        return np.asarray(local @ self.axes + self.origin)
+
+    def directions(self, points: Matrix) -> Matrix:
+        """Return unit vectors (n, 3, 3), one per row, along the components at basic points.
+
+        On the axis of a cylindrical or spherical system its rectangular axes are used.
+        """
+        if self.kind == "R":
+            return np.broadcast_to(self.axes, (len(points), 3, 3))
+        x, y, z = ((points - self.origin) @ self.axes.T).T
+        ring = np.hypot(x, y)
+        scale = max(
+            float(np.abs(points).max(initial=0.0)), float(np.abs(self.origin).max()), 1e-300
+        )
+        off = ring > _ON_AXIS * scale
+        safe = np.where(off, ring, 1.0)
+        cos, sin = np.where(off, x / safe, 1.0), np.where(off, y / safe, 0.0)
+        zero, one = np.zeros_like(x), np.ones_like(x)
+        around = np.stack([-sin, cos, zero], axis=1)
+        if self.kind == "C":
+            rows = [np.stack([cos, sin, zero], axis=1), around, np.stack([zero, zero, one], axis=1)]
+        else:
+            radius = np.where(off, np.hypot(ring, z), 1.0)
+            s, c = ring / radius, z / radius
+            rows = [
+                np.stack([s * cos, s * sin, c], axis=1),
+                np.stack([c * cos, c * sin, -s], axis=1),
+                around,
+            ]
+        local = np.stack(rows, axis=1)
+        local[~off] = np.eye(3)
+        return np.asarray(local @ self.axes)
+
+
+BASIC = Frame(kind="R", origin=frozen(np.zeros(3)), axes=frozen(np.eye(3)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Definition:
+    """A frame still to be resolved: three points given in another frame, or three grid points."""
+
+    card: Card
+    kind: str
+    points: Matrix | None
+    reference: int
+    grids: tuple[int, ...]
+
+
+def read_frames(
+    cards: Mapping[str, Cards], locate: Callable[[int, Card], tuple[int, Matrix]]
+) -> dict[int, Frame]:
+    """Resolve all coordinate systems of a deck.
+
+    Parameters
+    ----------
+    cards
+        Cards of the deck by name.
+    locate
+        Takes a grid id to the system its coordinates are given in and the coordinates (3,).
+
+    Raises
+    ------
+    FormatError
+        If a system refers to one that is missing or to itself, or its points do not span a plane.
+    """
+    waiting = _definitions(cards)
+    frames = {0: BASIC}
+    while waiting:
+        ready = {}
+        for number, definition in waiting.items():
+            points = _points(definition, frames, locate)
+            if points is not None:
+                ready[number] = _frame(definition, points)
+        if not ready:
+            number, definition = next(iter(waiting.items()))
+            text = (
+                f"coordinate system {number} rests on coordinate system "
+                f"{_missing(definition, frames, locate)}, which is missing or rests on it in turn; "
+                "define it"
+            )
+            raise definition.card.error(text)
+        frames |= ready
+        waiting = {number: d for number, d in waiting.items() if number not in ready}
+    return frames
+
+
+def _definitions(cards: Mapping[str, Cards]) -> dict[int, _Definition]:
+    found: dict[int, _Definition] = {}
+    for kind in "RCS":
+        for card in cards.get(f"CORD2{kind}", ()):
+            points = np.array([card.real(j, 0.0) for j in range(2, 11)]).reshape(3, 3)
+            _add(found, card, card.integer(0), kind, points, card.integer(1, 0), ())
+        for card in cards.get(f"CORD1{kind}", ()):
+            for first in (0, 4):
+                if card.text(first):
+                    grids = tuple(card.integer(first + j) for j in (1, 2, 3))
+                    _add(found, card, card.integer(first), kind, None, 0, grids)
+    return found
+
+
+def _add(
+    found: dict[int, _Definition],
+    card: Card,
+    number: int,
+    kind: str,
+    points: Matrix | None,
+    reference: int,
+    grids: tuple[int, ...],
+) -> None:
+    if number in found or number <= 0:
+        where = found[number].card.where() if number in found else ""
+        text = (
+            f"coordinate system {number} is already defined at {where}; give it another id"
+            if where
+            else f"coordinate system id {number} must be positive"
+        )
+        raise card.error(text)
+    found[number] = _Definition(
+        card=card, kind=kind, points=points, reference=reference, grids=grids
+    )
+
+
+def _points(
+    definition: _Definition,
+    frames: Mapping[int, Frame],
+    locate: Callable[[int, Card], tuple[int, Matrix]],
+) -> Matrix | None:
+    if definition.points is not None:
+        frame = frames.get(definition.reference)
+        return frame.to_basic(definition.points) if frame else None
+    located = [locate(grid, definition.card) for grid in definition.grids]
+    if any(system not in frames for system, _ in located):
+        return None
+    return np.array([frames[system].to_basic(xyz[None])[0] for system, xyz in located])
+
+
+def _missing(
+    definition: _Definition,
+    frames: Mapping[int, Frame],
+    locate: Callable[[int, Card], tuple[int, Matrix]],
+) -> int:
+    needed = [definition.reference] + [locate(g, definition.card)[0] for g in definition.grids]
+    return next(system for system in needed if system not in frames)
+
+
+def _frame(definition: _Definition, points: Matrix) -> Frame:
+    a, b, c = points
+    up, aside = b - a, c - a
+    across = np.cross(up, aside)
+    size = np.linalg.norm(up) * np.linalg.norm(aside)
+    if not np.linalg.norm(across) > 1e-10 * size or not np.isfinite(size):
+        text = "its three points lie on one line, so they define no axes; move one of them"
+        raise definition.card.error(text)
+    z = up / np.linalg.norm(up)
+    y = across / np.linalg.norm(across)
+    return Frame(kind=definition.kind, origin=a, axes=np.stack([np.cross(y, z), y, z]))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Systems:
+    """The coordinate systems of a deck with the grid points that use them.
+
+    Attributes
+    ----------
+    displacement : (n_node,)
+        System the displacement components of each node refer to (CD).
+    """
+
+    frames: Mapping[int, Frame]
+    nodes: Matrix
+    displacement: Indices
+
+    def axes(self, node: int) -> Matrix | None:
+        """Directions (3, 3) of the components of a node; None if they are the basic ones."""
+        system = int(self.displacement[node])
+        if system == 0:
+            return None
+        axes = self.frames[system].directions(self.nodes[node][None])[0]
+        return None if np.allclose(axes, np.eye(3), rtol=0, atol=1e-14) else axes
+
+    def axes_of(self, nodes: Indices) -> Matrix:
+        """Directions (n, 3, 3) of the components of several nodes."""
+        result = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)).copy()
+        system = self.displacement[nodes]
+        for number in np.unique(system[system != 0]).tolist():
+            here = system == number
+            result[here] = self.frames[number].directions(self.nodes[nodes[here]])
+        return result

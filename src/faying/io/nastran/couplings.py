@@ -1,0 +1,145 @@
+"""RBE2, RBE3: rigid and averaging couplings."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.components import components, frame_independent
+from faying.io.nastran.grids import Grids
+from faying.model.assembly import AverageCoupling, RigidCoupling
+
+
+def read_rigid_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[RigidCoupling]:
+    """Read RBE2; the thermal coefficient at its end is left out.
+
+    Raises
+    ------
+    FormatError
+        If a node is missing or tied to itself, or single components are tied in a displacement
+        coordinate system that is not the basic one.
+    """
+    return [_rigid(card, grids) for card in cards.get("RBE2", ())]
+
+
+def _rigid(card: Card, grids: Grids) -> RigidCoupling:
+    reference = grids.one(card, 1)
+    tied = components(card.text(2), card.error)
+    texts = [text for text in card.texts[3:] if text]
+    if texts and "." in texts[-1]:
+        texts.pop()  # ALPHA: thermal expansion, no load for it is read
+    nodes = np.unique(grids.several(card, id_list(card, texts)))
+    if not len(nodes) or reference in nodes:
+        text = "it needs dependent nodes other than its independent one"
+        raise card.error(text)
+    _check_frames(card, grids, nodes, tied)
+    return RigidCoupling(id=card.integer(0), reference=reference, nodes=nodes, components=tied)
+
+
+def id_list(card: Card, texts: list[str]) -> list[int]:
+    """Return ids from fields with single numbers and ``a THRU b`` ranges."""
+    ids: list[int] = []
+    i = 0
+    while i < len(texts):
+        value = numbers.integer(texts[i])
+        if texts[i] == "THRU" and ids and i + 1 < len(texts):
+            last = numbers.integer(texts[i + 1])
+            if last is None or not ids[-1] <= last <= ids[-1] + 10_000_000:
+                text = f"'{ids[-1]} THRU {texts[i + 1]}' is not an ascending range of ids"
+                raise card.error(text)
+            ids += range(ids[-1] + 1, last + 1)
+            i += 2
+            continue
+        if value is None:
+            text = f"'{texts[i]}' stands where an id is expected"
+            raise card.error(text)
+        ids.append(value)
+        i += 1
+    return ids
+
+
+def _check_frames(card: Card, grids: Grids, nodes: Indices, tied: tuple[int, ...]) -> None:
+    if frame_independent(tied):
+        return
+    for node in np.asarray(nodes)[grids.systems.displacement[nodes] != 0].tolist():
+        if grids.systems.axes(node) is not None:
+            text = (
+                f"single components of GRID {grids.ids[node]} are coupled in its displacement "
+                "coordinate system; couple 123, 456 or 123456, or use MPCs"
+            )
+            raise card.error(text)
+
+
+def read_average_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[AverageCoupling]:
+    """Read RBE3 with one set of components for all averaged nodes.
+
+    Raises
+    ------
+    FormatError
+        If a UM set is given, nodes of different groups have different components, or single
+        components are averaged in a displacement coordinate system that is not the basic one.
+    """
+    return [_average(card, grids) for card in cards.get("RBE3", ())]
+
+
+def _average(card: Card, grids: Grids) -> AverageCoupling:
+    reference = grids.one(card, 2)
+    tied = components(card.text(3), card.error)
+    texts = [text for text in card.texts[4:] if text]
+    if "UM" in texts:
+        text = (
+            "a UM set (other dependent components than those of the reference node) is not "
+            "supported; remove it and make the reference node the dependent one"
+        )
+        raise card.error(text)
+    if "ALPHA" in texts:
+        texts = texts[: texts.index("ALPHA")]
+    averaged, ids, weights = _groups(card, texts)
+    nodes = grids.several(card, ids)
+    if reference in nodes or len(np.unique(nodes)) < len(nodes):
+        text = "a node is averaged twice or is the reference node itself; remove it"
+        raise card.error(text)
+    _check_frames(card, grids, nodes, averaged)
+    _check_frames(card, grids, np.array([reference]), tied)
+    return AverageCoupling(
+        id=card.integer(0),
+        reference=reference,
+        nodes=nodes,
+        weights=np.array(weights),
+        components=averaged,
+        reference_components=tied,
+    )
+
+
+def _groups(card: Card, texts: list[str]) -> tuple[tuple[int, ...], list[int], list[float]]:
+    """Components, node ids and weights from WT, C, G, G, ..., WT, C, G, ...; weights are reals."""
+    averaged: set[tuple[int, ...]] = set()
+    ids: list[int] = []
+    weights: list[float] = []
+    i = 0
+    while i < len(texts):
+        weight = numbers.real(texts[i])
+        if weight is None or numbers.integer(texts[i]) is not None or not weight > 0:
+            text = f"'{texts[i]}' stands where a positive real weight is expected"
+            raise card.error(text)
+        averaged.add(components(texts[i + 1] if i + 1 < len(texts) else "", card.error))
+        last = i + 2
+        while last < len(texts) and (
+            texts[last] == "THRU" or numbers.integer(texts[last]) is not None
+        ):
+            last += 1
+        group = id_list(card, texts[i + 2 : last])
+        ids += group
+        weights += [weight] * len(group)
+        i = last
+    if not ids or len(averaged) > 1:
+        text = (
+            "groups of nodes with different components are not supported; give one set of "
+            "components for all averaged nodes"
+            if ids
+            else "it averages no nodes"
+        )
+        raise card.error(text)
+    return averaged.pop(), ids, weights

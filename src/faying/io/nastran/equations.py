@@ -1,0 +1,79 @@
+"""MPC: linear equations between displacement components."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.components import components
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.selection import selected_sets
+from faying.model.assembly import Equation
+
+# Direction cosines this small come from rounding of the coordinate system.
+_NEGLIGIBLE = 1e-14
+
+
+def read_equations(cards: Mapping[str, Cards], grids: Grids, chosen: int | None) -> list[Equation]:
+    """Read the selected MPC sets.
+
+    A component in a displacement coordinate system becomes up to three basic ones. The dependent
+    term is then the largest of these that no earlier equation depends on.
+
+    Raises
+    ------
+    FormatError
+        If a set, grid or component is missing, or an equation has no dependent term left.
+    """
+    mpc = cards.get("MPC")
+    if mpc is None:
+        selected_sets(cards, "MPCADD", set(), chosen)
+        return []
+    sets = selected_sets(cards, "MPCADD", set(mpc.integers(0).tolist()), chosen)
+    dependent: set[tuple[int, int]] = set()
+    return [_equation(card, grids, dependent) for card in mpc if card.integer(0) in sets]
+
+
+def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equation:
+    # Each row of eight fields holds two terms G, C, A behind its first field.
+    places = [row + j for row in range(0, len(card), 8) for j in (1, 4)]
+    groups = [_term(card, grids, at) for at in places if card.text(at)]
+    if not groups:
+        text = "it has no terms"
+        raise card.error(text)
+    total: dict[tuple[int, int], float] = {}
+    for group in groups:
+        for place, coefficient in group.items():
+            total[place] = total.get(place, 0.0) + coefficient
+    candidates = sorted(groups[0], key=lambda place: -abs(groups[0][place]))
+    first = next((p for p in candidates if p not in dependent and total[p] != 0.0), None)
+    if first is None:
+        text = (
+            "its first (dependent) component has coefficient zero or is already the dependent "
+            "one of another MPC; put another component first"
+        )
+        raise card.error(text)
+    dependent.add(first)
+    order = [first, *(place for place in total if place != first)]
+    return Equation(
+        id=card.integer(0),
+        terms=tuple((node, component, total[node, component]) for node, component in order),
+    )
+
+
+def _term(card: Card, grids: Grids, at: int) -> dict[tuple[int, int], float]:
+    node = grids.one(card, at)
+    chosen = components(card.text(at + 1), card.error)
+    if len(chosen) != 1:
+        text = f"a term has one component; found '{card.text(at + 1)}'"
+        raise card.error(text, at + 1)
+    coefficient = card.real(at + 2, 0.0)
+    axes = grids.systems.axes(node)
+    if axes is None:
+        return {(node, chosen[0]): coefficient}
+    direction = axes[chosen[0] % 3]
+    first = 3 * (chosen[0] // 3)
+    return {
+        (node, first + int(k)): coefficient * float(direction[k])
+        for k in np.flatnonzero(np.abs(direction) > _NEGLIGIBLE)
+    }

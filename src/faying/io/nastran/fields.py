@@ -1,0 +1,159 @@
+"""Nastran numbers: text to value and value to text, one at a time and by the million.
+
+A real may be written ``1.5``, ``1.5E-3``, ``1.5D-3`` or ``1.5-3`` (the exponent's letter left out).
+Fields are byte strings of one width, padded with blanks or NUL.
+"""
+
+import math
+import re
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+
+from faying._typing import Indices, Mask, Vector
+
+Fields = npt.NDArray[np.bytes_]
+
+_REAL = re.compile(r"[+-]?(?=\.?\d)\d*\.?\d*(?:[ED][+-]?\d+|[+-]\d+)?")
+_INTEGER = re.compile(r"[+-]?\d{1,18}")
+_BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")
+_BLANK, _PLUS, _MINUS, _POINT, _ZERO, _NINE = (ord(c) for c in " +-.09")
+_D, _E = ord("D"), ord("E")
+
+
+def real(text: str) -> float | None:
+    """Return the value of a non-blank real field, None if it is not one."""
+    if not _REAL.fullmatch(text):
+        return None
+    plain = text.replace("D", "E")
+    if "E" not in plain:
+        plain = _BARE_EXPONENT.sub(r"E\1", plain)
+    value = float(plain)
+    return value if math.isfinite(value) else None
+
+
+def integer(text: str) -> int | None:
+    """Return the value of a non-blank integer field, None if it is not one."""
+    return int(text) if _INTEGER.fullmatch(text) else None
+
+
+def characters(fields: Fields) -> npt.NDArray[np.uint8]:
+    """Characters (n, width) of fields (n,), blank where there is nothing."""
+    width = fields.dtype.itemsize
+    result = np.ascontiguousarray(fields).view(np.uint8).reshape(len(fields), width)
+    return np.where(result <= _BLANK, np.uint8(_BLANK), result)
+
+
+def is_blank(fields: Fields) -> Mask:
+    """Where nothing is written."""
+    blank: Mask = (characters(fields) == _BLANK).all(axis=1)
+    return blank
+
+
+def _texts(letters: npt.NDArray[np.uint8]) -> Fields:
+    joined: Fields = np.ascontiguousarray(letters).view(f"S{letters.shape[1]}").ravel()
+    return joined
+
+
+def integers(fields: Fields) -> tuple[Indices, Mask]:
+    """Values of integer fields, and where there is no integer (blank included; value 0 there)."""
+    letters = characters(fields)
+    digit = (letters >= _ZERO) & (letters <= _NINE)
+    allowed = digit | (letters == _BLANK) | (letters == _PLUS) | (letters == _MINUS)
+    count = digit.sum(axis=1)
+    bad: Mask = ~allowed.all(axis=1) | (count == 0) | (count > 18)
+    values = np.zeros(len(fields), dtype=np.int64)
+    try:
+        values[~bad] = _texts(letters[~bad]).astype(np.int64)
+    except ValueError:
+        for i in np.flatnonzero(~bad):
+            found = integer(fields[i].decode("latin-1").strip())
+            bad[i] = found is None
+            values[i] = found or 0
+    return values, bad
+
+
+def _with_exponent_letters(letters: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Turn D into E and insert the E that ``1.5-3`` leaves out."""
+    letters = np.where(letters == _D, np.uint8(_E), letters)
+    sign = (letters[:, 1:] == _PLUS) | (letters[:, 1:] == _MINUS)
+    before = letters[:, :-1]
+    bare = sign & (((before >= _ZERO) & (before <= _NINE)) | (before == _POINT))
+    rows = np.flatnonzero(bare.any(axis=1))
+    wide = np.full((len(letters), letters.shape[1] + 1), _BLANK, dtype=np.uint8)
+    wide[:, :-1] = letters
+    if rows.size:
+        at = bare[rows].argmax(axis=1)[:, None] + 1
+        column = np.arange(wide.shape[1])
+        source = np.where(column > at, column - 1, column)
+        wide[rows] = np.take_along_axis(wide[rows], source, axis=1)
+        wide[rows, at[:, 0]] = _E
+    return wide
+
+
+def reals(fields: Fields) -> tuple[Vector, Mask]:
+    """Values of real fields, and where there is no finite real (blank included; value 0 there).
+
+    An integer is taken as a real: several preprocessors write them.
+    """
+    letters = characters(fields)
+    digit = (letters >= _ZERO) & (letters <= _NINE)
+    other = np.isin(letters, (_BLANK, _PLUS, _MINUS, _POINT, _D, _E))
+    bad: Mask = np.asarray(~(digit | other).all(axis=1) | ~digit.any(axis=1))
+    values = np.zeros(len(fields))
+    try:
+        values[~bad] = _texts(_with_exponent_letters(letters[~bad])).astype(np.float64)
+    except ValueError:
+        for i in np.flatnonzero(~bad):
+            found = real(fields[i].decode("latin-1").strip("\0 "))
+            bad[i] = found is None
+            values[i] = found or 0.0
+    np.logical_or(bad, ~np.isfinite(values), out=bad)
+    values[bad] = 0.0
+    return values, bad
+
+
+def format_real(value: float, width: int = 16) -> str:
+    """Shortest text of at most ``width`` characters closest to ``value``, always with a point.
+
+    Sixteen columns hold 10 to 15 significant digits (a double has up to 17), eight hold 2 to 7.
+    """
+    if value == 0.0:
+        return "0."
+    fitting = [
+        text
+        for style in (_plain, _exponential)
+        if (text := _longest(style, value, width)) is not None
+    ]
+    return min(fitting, key=lambda text: abs((real(text) or 0.0) - value), default="")
+
+
+def _longest(style: Callable[[float, int], str | None], value: float, width: int) -> str | None:
+    """Text with the most digits that fits and stays finite."""
+    for digits in range(min(17, width), 0, -1):
+        text = style(value, digits)
+        if text is None:
+            return None
+        if len(text) <= width and real(text) is not None:
+            return text
+    return None
+
+
+def _plain(value: float, digits: int) -> str | None:
+    exponent = math.floor(math.log10(abs(value)))
+    if not -4 <= exponent <= 15:
+        return None
+    text = f"{value:.{max(digits - 1 - exponent, 0)}f}"
+    if "." not in text:
+        return text + "."
+    text = text.rstrip("0")
+    sign = "-" if text.startswith("-") else ""
+    body = text.removeprefix("-")
+    return sign + (body.removeprefix("0") if body.startswith("0.") and body != "0." else body)
+
+
+def _exponential(value: float, digits: int) -> str:
+    mantissa, exponent = f"{value:.{digits - 1}E}".split("E")
+    mantissa = mantissa.rstrip("0") if "." in mantissa else mantissa + "."
+    return f"{mantissa}{int(exponent):+d}"

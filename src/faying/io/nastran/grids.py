@@ -1,0 +1,154 @@
+"""GRID, GRDSET: nodes, their coordinate systems and permanent supports."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import FormatError
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.coordinates import Systems, read_frames
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Grids:
+    """Nodes of a deck.
+
+    Attributes
+    ----------
+    ids : (n_node,)
+    nodes : (n_node, 3) [length]
+        Basic coordinates.
+    permanent
+        Permanent supports (PS): component digits to node indices.
+    """
+
+    ids: Indices
+    nodes: Matrix
+    systems: Systems
+    permanent: Mapping[str, Indices]
+    order: Indices
+
+    def index(self, ids: Indices) -> Indices:
+        """Return the indices (n,) of nodes given by id, -1 where there is none."""
+        if not len(self.ids):
+            return np.full(len(ids), -1, dtype=np.int64)
+        position = np.searchsorted(self.ids, ids, sorter=self.order)
+        found = self.order[np.minimum(position, len(self.order) - 1)]
+        return np.where(self.ids[found] == ids, found, -1)
+
+    def of_column(self, cards: Cards, field: int) -> Indices:
+        """Node indices (n,) of field j of every card.
+
+        Raises
+        ------
+        FormatError
+            If a grid point does not exist.
+        """
+        ids = cards.integers(field)
+        index = self.index(ids)
+        missing = np.flatnonzero(index < 0)
+        if missing.size:
+            card = int(missing[0])
+            raise cards.error(card, _missing(int(ids[card])), field)
+        return index
+
+    def one(self, card: Card, field: int) -> int:
+        """Node index of field j of one card."""
+        number = card.integer(field)
+        index = int(self.index(np.array([number]))[0])
+        if index < 0:
+            raise card.error(_missing(number), field)
+        return index
+
+    def several(self, card: Card, ids: list[int]) -> Indices:
+        """Node indices (n,) of ids that stand on one card."""
+        numbers = np.array(ids, dtype=np.int64)
+        index = self.index(numbers)
+        if (index < 0).any():
+            raise card.error(_missing(int(numbers[index < 0][0])))
+        return index
+
+
+def _missing(number: int) -> str:
+    return f"GRID {number} is not in the deck; define it or correct the id"
+
+
+def read_grids(cards: Mapping[str, Cards]) -> Grids:
+    """Read nodes and coordinate systems.
+
+    Raises
+    ------
+    FormatError
+        If there is no GRID, an id occurs twice, or a coordinate system is missing.
+    """
+    grid = cards.get("GRID")
+    if grid is None:
+        message = "the deck has no GRID; is it Nastran bulk data?"
+        raise FormatError(message)
+    position, displacement, support = _defaults(cards)
+    ids = grid.integers(0)
+    order = np.argsort(ids, kind="stable")
+    _check_ids(grid, ids, order)
+    given = np.stack([grid.reals(j, 0.0) for j in (2, 3, 4)], axis=1)
+    system_in = grid.integers(1, position)
+    system_out = grid.integers(5, displacement)
+
+    def locate(number: int, card: Card) -> tuple[int, Matrix]:
+        at = int(np.searchsorted(ids, number, sorter=order))
+        if at == len(order) or ids[order[at]] != number:
+            raise card.error(_missing(number))
+        return int(system_in[order[at]]), given[order[at]]
+
+    frames = read_frames(cards, locate)
+    for field, systems in ((1, system_in), (5, system_out)):
+        unknown = np.flatnonzero(~np.isin(systems, list(frames)))
+        if unknown.size:
+            card = int(unknown[0])
+            text = f"coordinate system {systems[card]} is not in the deck; define it (CORD2R, ...)"
+            raise grid.error(card, text, field)
+    nodes = given.copy()
+    for number in np.unique(system_in[system_in != 0]).tolist():
+        here = system_in == number
+        nodes[here] = frames[number].to_basic(given[here])
+    return Grids(
+        ids=ids,
+        nodes=nodes,
+        systems=Systems(frames=frames, nodes=nodes, displacement=system_out),
+        permanent=_permanent(grid, support),
+        order=order,
+    )
+
+
+def _defaults(cards: Mapping[str, Cards]) -> tuple[int, int, str]:
+    found = list(cards.get("GRDSET", ()))
+    if len(found) > 1:
+        text = f"a second GRDSET; the first is at {found[0].where()}, keep one"
+        raise found[1].error(text)
+    if not found:
+        return 0, 0, ""
+    return found[0].integer(1, 0), found[0].integer(5, 0), found[0].text(6)
+
+
+def _check_ids(grid: Cards, ids: Indices, order: Indices) -> None:
+    if (ids <= 0).any():
+        card = int(np.flatnonzero(ids <= 0)[0])
+        raise grid.error(card, f"id {ids[card]} must be positive")
+    twice = np.flatnonzero(np.diff(ids[order]) == 0)
+    if twice.size:
+        first, second = order[twice[0]], order[twice[0] + 1]
+        text = f"id {ids[second]} is already used at {grid.where(int(first))}; renumber one"
+        raise grid.error(int(second), text)
+
+
+def _permanent(grid: Cards, default: str) -> dict[str, Indices]:
+    column = grid.column(6)
+    blank = ~grid.given(6)
+    result: dict[str, Indices] = {}
+    for raw in np.unique(column[~blank]):
+        result[raw.decode("latin-1").strip("\0 ")] = np.flatnonzero(column == raw)
+    if default:
+        nodes = np.flatnonzero(blank)
+        result[default] = np.union1d(result.get(default, nodes), nodes)
+    return {digits: nodes for digits, nodes in result.items() if digits != "0" and len(nodes)}

@@ -1,0 +1,113 @@
+"""FORCE, MOMENT, LOAD: nodal loads by load set."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import FormatError
+from faying.io.nastran.cards import Cards
+from faying.io.nastran.grids import Grids
+from faying.model.assembly import NodalLoads
+
+UNSUPPORTED = (
+    *("ACCEL", "ACCEL1", "DEFORM", "FORCE1", "FORCE2", "GRAV", "GMLOAD", "LSEQ", "MOMENT1"),
+    *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "PLOAD4", "QVOL", "RFORCE", "SLOAD", "TEMPRB"),
+)
+"""Static loads that are not read; what uses them is left out or, if selected, refused."""
+
+_Part = tuple[Indices, Matrix]
+
+
+def read_loads(
+    cards: Mapping[str, Cards], grids: Grids, chosen: int | None, ignored: list[str]
+) -> dict[str, NodalLoads]:
+    """Read load sets; the one case control selects comes first.
+
+    A set that uses a kind of load that is not supported is left out, with a note, unless case
+    control selects it.
+
+    Raises
+    ------
+    FormatError
+        If a grid, coordinate system or load set is missing, or the selected set is not supported.
+    """
+    parts: dict[int, list[_Part]] = {}
+    for name, first in (("FORCE", 0), ("MOMENT", 3)):
+        if name in cards:
+            _add(cards[name], grids, first, parts)
+    spoiled = _unsupported(cards)
+    for card in cards.get("LOAD", ()):
+        number = card.integer(0)
+        overall = card.real(1, 1.0)
+        combined: list[_Part] = []
+        for at in range(2, len(card), 2):
+            if not card.text(at) and not card.text(at + 1):
+                continue
+            factor, member = overall * card.real(at), card.integer(at + 1)
+            if member in spoiled:
+                spoiled.setdefault(number, spoiled[member])
+            elif member not in parts or member == number:
+                text = f"load set {member} is not in the deck; define it (FORCE, MOMENT)"
+                raise card.error(text, at)
+            combined += [(nodes, factor * forces) for nodes, forces in parts.get(member, [])]
+        if number in parts:
+            text = f"load set {number} also has cards of its own; give the LOAD another id"
+            raise card.error(text)
+        parts[number] = combined
+    for number, reason in spoiled.items():
+        if number == chosen:
+            message = f"{reason}: this kind of load is not supported; use FORCE and MOMENT"
+            raise FormatError(message)
+        ignored.append(f"load set {number} ({reason} is not supported)")
+        parts.pop(number, None)
+    if chosen is not None and chosen not in parts:
+        ignored.append(f"case control LOAD = {chosen} (no FORCE, MOMENT or LOAD of that set)")
+    order = sorted(parts, key=lambda number: (number != chosen, number))
+    return {str(number): _merged(parts[number]) for number in order}
+
+
+def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) -> None:
+    sets = cards.integers(0)
+    nodes = grids.of_column(cards, 1)
+    system = cards.integers(2, 0)
+    vectors = np.stack([cards.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
+    vectors = vectors * cards.reals(3)[:, None]
+    for number in np.unique(system[system != 0]).tolist():
+        here = np.flatnonzero(system == number)
+        if number not in grids.systems.frames:
+            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
+            raise cards.error(int(here[0]), text, 2)
+        axes = grids.systems.frames[number].directions(grids.nodes[nodes[here]])
+        vectors[here] = np.einsum("ni,nij->nj", vectors[here], axes)
+    forces = np.zeros((len(cards), 6))
+    forces[:, first : first + 3] = vectors
+    if not np.isfinite(forces).all():
+        card = int(np.flatnonzero(~np.isfinite(forces).all(axis=1))[0])
+        text = "the load is too large for a number"
+        raise cards.error(card, text)
+    for number in np.unique(sets).tolist():
+        parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
+
+
+def _unsupported(cards: Mapping[str, Cards]) -> dict[int, str]:
+    """Load set to the place of its first load that is not supported."""
+    found: dict[int, str] = {}
+    for name in UNSUPPORTED:
+        if name in cards:
+            numbers, first = np.unique(cards[name].integers(0), return_index=True)
+            for number, card in zip(numbers.tolist(), first.tolist(), strict=True):
+                found.setdefault(number, cards[name].where(card))
+    return found
+
+
+def _merged(parts: list[_Part]) -> NodalLoads:
+    """Sum the loads at each node."""
+    if not parts:
+        return NodalLoads(nodes=np.zeros(0, dtype=np.int64), forces=np.zeros((0, 6)))
+    nodes = np.concatenate([n for n, _ in parts])
+    forces = np.concatenate([f for _, f in parts])
+    unique, which = np.unique(nodes, return_inverse=True)
+    total = np.zeros((len(unique), 6))
+    np.add.at(total, which, forces)
+    return NodalLoads(nodes=unique, forces=total)

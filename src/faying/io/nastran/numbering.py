@@ -1,0 +1,161 @@
+"""Ids a deck needs where an assembly has names, values or ids that clash."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying.exceptions import FormatError
+from faying.model.assembly import Assembly, BeamSection, Material
+
+LARGEST = 99_999_999
+"""Largest id that fits the eight columns of a small field."""
+
+SectionKey = tuple[BeamSection, Material, bool]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Numbering:
+    """Ids of a deck.
+
+    Attributes
+    ----------
+    sections
+        Section, material and whether shear-flexible (PBEAM) to property id.
+    supports, equations
+        Set id of the assembly to that of the deck (only 0 changes).
+    changed
+        (family, id) of elements whose id was taken.
+    spc, mpc
+        Sets that case control selects.
+    """
+
+    materials: Mapping[Material, int]
+    sections: Mapping[SectionKey, int]
+    supports: Mapping[int, int]
+    equations: Mapping[int, int]
+    loads: Mapping[str, int]
+    changed: Mapping[tuple[str, int], int]
+    spc: int
+    mpc: int
+
+    def element(self, family: str, number: int) -> int:
+        """Return the id of an element in the deck."""
+        return self.changed.get((family, number), number)
+
+    @staticmethod
+    def flexible(section: BeamSection) -> bool:
+        """Whether the section is flexible in shear."""
+        return bool(np.isfinite(section.shear_factor_y) or np.isfinite(section.shear_factor_z))
+
+
+def number_assembly(assembly: Assembly) -> Numbering:
+    """Give everything in an assembly an id of its own.
+
+    Raises
+    ------
+    FormatError
+        If an id does not fit eight columns.
+    """
+    supports = _sets(support.id for support in assembly.supports)
+    equations = _sets(equation.id for equation in assembly.equations)
+    return Numbering(
+        materials=_materials(assembly),
+        sections=_sections(assembly),
+        supports=supports,
+        equations=equations,
+        loads=_named(list(assembly.loads)),
+        changed=_elements(assembly),
+        spc=_joined(supports),
+        mpc=_joined(equations),
+    )
+
+
+def _fits(number: int, what: str) -> int:
+    if number > LARGEST:
+        message = f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST + 1}"
+        raise FormatError(message)
+    return number
+
+
+def _sets(numbers: Iterable[int]) -> dict[int, int]:
+    found = list(dict.fromkeys(numbers))
+    free = max([*found, 0]) + 1
+    return {n: _fits(n if n > 0 else free, "constraint set") for n in found}
+
+
+def _joined(sets: Mapping[int, int]) -> int:
+    values = set(sets.values())
+    return next(iter(values)) if len(values) == 1 else max(values, default=0) + 1
+
+
+def _named(names: list[str]) -> dict[str, int]:
+    """Numbers that names say themselves, free ones for the others."""
+    numbers: dict[str, int] = {}
+    for name in names:
+        own = name.isascii() and name.isdigit() and name == str(int(name)) and int(name) > 0
+        if own and int(name) <= LARGEST:
+            numbers[name] = int(name)
+    free = max(numbers.values(), default=0)
+    for name in names:
+        if name not in numbers:
+            free += 1
+            numbers[name] = _fits(free, "number")
+    return {name: numbers[name] for name in names}
+
+
+def _materials(assembly: Assembly) -> dict[Material, int]:
+    found = list(
+        dict.fromkeys([*assembly.materials.values(), *(beam.material for beam in assembly.beams)])
+    )
+    names = [material.name for material in found]
+    # Different materials of one name get names that are no numbers.
+    labels = [
+        name if name and names.count(name) == 1 else f"{name}#{i}" for i, name in enumerate(names)
+    ]
+    numbers = _named(labels)
+    return {material: numbers[label] for material, label in zip(found, labels, strict=True)}
+
+
+def _sections(assembly: Assembly) -> dict[SectionKey, int]:
+    taken = {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)}
+    wanted: dict[SectionKey, int] = {}
+    for beam in assembly.beams:
+        key = (beam.section, beam.material, Numbering.flexible(beam.section))
+        wanted.setdefault(key, beam.property)
+    free = max([*taken, *wanted.values(), 0])
+    numbers: dict[SectionKey, int] = {}
+    for key, number in wanted.items():
+        if number <= 0 or number in taken:
+            free += 1
+            numbers[key] = _fits(free, "property")
+        else:
+            numbers[key] = _fits(number, "property")
+        taken.add(numbers[key])
+    return numbers
+
+
+def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
+    families: tuple[tuple[str, list[int]], ...] = (
+        ("cell", [n for block in assembly.mesh.blocks for n in block.ids.tolist()]),
+        ("beam", [beam.id for beam in assembly.beams]),
+        ("spring", [spring.id for spring in assembly.springs]),
+        ("mass", [mass.id for mass in assembly.masses]),
+        ("rigid", [coupling.id for coupling in assembly.rigid_couplings]),
+        ("average", [coupling.id for coupling in assembly.average_couplings]),
+    )
+    free = max((n for _, ids in families for n in ids), default=0)
+    taken: set[int] = set()
+    changed: dict[tuple[str, int], int] = {}
+    for family, ids in families:
+        if len(set(ids)) < len(ids):
+            twice = next(n for n in ids if ids.count(n) > 1)
+            message = f"{family} id {twice} occurs twice; give each its own id"
+            raise FormatError(message)
+        for number in ids:
+            new = number
+            if number <= 0 or number in taken:
+                free += 1
+                new = changed[family, number] = free
+            taken.add(_fits(new, "element"))
+    return changed

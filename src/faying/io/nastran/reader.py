@@ -1,0 +1,139 @@
+"""Read a Nastran deck into an :class:`~faying.model.assembly.Assembly`."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from faying.exceptions import FormatError
+from faying.io.nastran.beams import read_beams
+from faying.io.nastran.cards import Cards, read_cards
+from faying.io.nastran.case_control import read_case_control
+from faying.io.nastran.couplings import read_average_couplings, read_rigid_couplings
+from faying.io.nastran.equations import read_equations
+from faying.io.nastran.grids import read_grids
+from faying.io.nastran.loads import UNSUPPORTED, read_loads
+from faying.io.nastran.masses import read_masses
+from faying.io.nastran.materials import read_materials
+from faying.io.nastran.parameters import HARMLESS, mass_factor
+from faying.io.nastran.sections import read_sections
+from faying.io.nastran.sets import read_sets
+from faying.io.nastran.solids import check_element_ids, element_sets, read_solids
+from faying.io.nastran.source import read_source
+from faying.io.nastran.springs import read_springs
+from faying.io.nastran.supports import read_supports
+from faying.model.assembly import Assembly
+from faying.model.mesh import Mesh
+
+ELEMENTS = ("CHEXA", "CPENTA", "CTETRA", "CBAR", "CBEAM", "CELAS1", "CELAS2", "CONM2")
+RIGID = ("RBE2", "RBE3")
+_READ = frozenset(
+    (
+        *ELEMENTS,
+        *RIGID,
+        *UNSUPPORTED,
+        *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
+        *("GRID", "GRDSET", "PSOLID", "MAT1", "PBAR", "PBARL", "PBEAM", "PBEAML", "PELAS"),
+        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "SPCR", "FORCE", "MOMENT", "LOAD"),
+        *("BAROR", "BEAMOR", "PARAM", "SET1", "BSURF", "BSURFS", "BCPROP"),
+    )
+)
+_REMEDIES = {
+    "CPYRAM": "mesh with CHEXA, CPENTA (6 nodes) or CTETRA",
+    "CROD": "use CBAR",
+    "CONROD": "use CBAR",
+    "CBUSH": "use CELAS2",
+    "RBAR": "use RBE2",
+    "RBE1": "use RBE2 or MPC",
+    "PLSOLID": "use PSOLID",
+    "MAT9": "use MAT1; only isotropic materials are supported",
+    "CMASS2": "use CONM2",
+    "CONM1": "use CONM2",
+}
+
+
+def read_deck(path: str | Path) -> Assembly:
+    """Read Nastran bulk data (small, large and free field) with its INCLUDE files.
+
+    What is read: GRID, GRDSET, CORD1R/C/S, CORD2R/C/S, CHEXA (8, 20), CPENTA (6), CTETRA (4, 10),
+    CBAR, CBEAM, PBAR, PBARL, PBEAM, PBEAML (constant sections), PSOLID, MAT1, RBE2, RBE3, MPC,
+    MPCADD, SPC, SPC1, SPCADD, FORCE, MOMENT, LOAD, CELAS1, CELAS2, PELAS, CONM2, SET1, BSURF,
+    BSURFS, BCPROP and PARAM,WTMASS.
+
+    Case control selects SPC, MPC and LOAD (global level or first subcase). Without a selection all
+    SPC and all MPC sets of the deck apply. All load sets are returned, the selected one first.
+
+    Parameters
+    ----------
+    path
+        The deck. INCLUDE is relative to the including file.
+
+    Returns
+    -------
+    Assembly
+        In the basic frame. ``element_sets`` has ``pid:<n>`` for every property of solids;
+        ``ignored`` names everything harmless that was left out.
+
+    Raises
+    ------
+    FormatError
+        With file and line: a missing file or include, a malformed field, a reference to something
+        that is not there, a duplicate id, or a card that changes the physics and is not supported.
+
+    Notes
+    -----
+    About 0.5 s for 50 000 nodes and bricks; 400 bytes of memory a line at most.
+    """
+    path = Path(path)
+    source = read_source(path)
+    bulk = read_cards(source.bulk)
+    cards = bulk.cards()
+    ignored: list[str] = []
+    control = read_case_control(source.control, ignored)
+    _check_supported(cards, ignored)
+    # Overflow is caught by the finiteness checks, where the culprit can be named.
+    with np.errstate(over="ignore", invalid="ignore"):
+        factor = mass_factor(cards, ignored)
+        grids = read_grids(cards)
+        if not np.isfinite(grids.nodes).all():
+            message = f"{path}: coordinates are too large for a number; check the units"
+            raise FormatError(message)
+        materials = read_materials(cards, factor, ignored)
+        solids = read_solids(cards, grids, materials, ignored)
+        check_element_ids([cards[name] for name in ELEMENTS if name in cards])
+        check_element_ids([cards[name] for name in RIGID if name in cards])
+        by_property = element_sets(solids.blocks)
+        node_sets, more_sets = read_sets(cards, grids, by_property, ignored)
+        return Assembly(
+            mesh=Mesh(
+                nodes=grids.nodes,
+                node_ids=grids.ids,
+                blocks=solids.blocks,
+                node_sets=node_sets,
+                element_sets={**by_property, **more_sets},
+            ),
+            materials=solids.materials,
+            element=solids.element,
+            beams=tuple(read_beams(cards, grids, read_sections(cards, materials))),
+            springs=tuple(read_springs(cards, grids, ignored)),
+            masses=tuple(read_masses(cards, grids, factor)),
+            rigid_couplings=tuple(read_rigid_couplings(cards, grids)),
+            average_couplings=tuple(read_average_couplings(cards, grids)),
+            equations=tuple(read_equations(cards, grids, control.mpc)),
+            supports=tuple(read_supports(cards, grids, control.spc)),
+            loads=read_loads(cards, grids, control.load, ignored),
+            name=path.stem,
+            ignored=tuple(ignored),
+        )
+
+
+def _check_supported(cards: Mapping[str, Cards], ignored: list[str]) -> None:
+    for name, found in cards.items():
+        if name in _READ:
+            continue
+        if name in HARMLESS:
+            ignored.append(f"{len(found)} {name}")
+            continue
+        remedy = _REMEDIES.get(name, "remove it, or model it with supported cards")
+        message = f"the card is not supported and may change the structure; {remedy}"
+        raise found.error(0, message)

@@ -1,0 +1,222 @@
+"""PBAR, PBARL, PBEAM, PBEAML: constant cross-sections of beams."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.solids import material_of
+from faying.model.assembly import BeamSection, Material
+
+Property = tuple[BeamSection, Material]
+
+_DIMENSIONS = {"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4}
+_MASS_REMEDY = "put it into the density of a material of its own (RHO + NSM / A)"
+_STATIONS = ("YES", "YESA", "NO")
+
+
+def read_sections(
+    cards: Mapping[str, Cards], materials: Mapping[int, Material]
+) -> dict[str, dict[int, Property]]:
+    """Return sections by element card (CBAR, CBEAM) and property id.
+
+    K1, K2 left blank are rigid in shear on PBAR and 1.0 on PBEAM; 0.0 is rigid on both. PBARL and
+    PBEAML take shear factors from :func:`dimensioned_section`.
+
+    Raises
+    ------
+    FormatError
+        If a section tapers, has non-structural mass, a product of inertia or an offset.
+    """
+    result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
+    origin: dict[tuple[str, int], Card] = {}
+    readers = (
+        ("PBAR", "CBAR", _pbar),
+        ("PBARL", "CBAR", _pbarl),
+        ("PBEAM", "CBEAM", _pbeam),
+        ("PBEAML", "CBEAM", _pbeaml),
+    )
+    for name, element, read in readers:
+        for card in cards.get(name, ()):
+            number = card.integer(0)
+            if number in result[element]:
+                before = origin[element, number].where()
+                text = f"property {number} is already defined at {before}; renumber one"
+                raise card.error(text)
+            origin[element, number] = card
+            material = material_of(card, 1, materials)
+            result[element][number] = (_checked(card, read(card, material)), material)
+    return result
+
+
+def _checked(card: Card, section: BeamSection) -> BeamSection:
+    values = (section.area, section.inertia_y, section.inertia_z, section.torsion)
+    if not section.area > 0 or min(values) < 0 or not all(map(math.isfinite, values)):
+        text = (
+            f"A = {values[0]:g}, I2 = {values[1]:g}, I1 = {values[2]:g}, J = {values[3]:g}; "
+            "the area must be positive and no inertia negative"
+        )
+        raise card.error(text)
+    return section
+
+
+def _factor(card: Card, field: int, default: float) -> float:
+    value = card.real(field, default)
+    if value < 0:
+        text = f"shear factor {value:g} must not be negative"
+        raise card.error(text, field)
+    return value or math.inf
+
+
+def _pbar(card: Card, _: Material) -> BeamSection:
+    card.refuse_non_zero([6], "non-structural mass", _MASS_REMEDY)
+    card.refuse_non_zero([18], "I12", "turn the orientation vector to the principal axes")
+    return BeamSection(
+        area=card.real(2),
+        inertia_z=card.real(3, 0.0),
+        inertia_y=card.real(4, 0.0),
+        torsion=card.real(5, 0.0),
+        shear_factor_y=_factor(card, 16, 0.0),
+        shear_factor_z=_factor(card, 17, 0.0),
+    )
+
+
+def _pbeam(card: Card, _: Material) -> BeamSection:
+    card.refuse_non_zero([7], "non-structural mass", _MASS_REMEDY)
+    card.refuse_non_zero([5], "I12", "turn the orientation vector to the principal axes")
+    row = 8
+    if card.text(row) not in _STATIONS:
+        row += 8
+    while card.text(row) in _STATIONS:
+        _check_station(card, row)
+        row += 16 if card.text(row) == "YES" else 8
+    card.refuse_non_zero([row + 4, row + 5], "non-structural inertia", "use a CONM2 at the node")
+    card.refuse_non_zero([row + 6, row + 7], "warping", "leave CW blank")
+    card.refuse_non_zero(range(row + 8, row + 16), "an offset of mass or neutral axis", "remove it")
+    return BeamSection(
+        area=card.real(2),
+        inertia_z=card.real(3),
+        inertia_y=card.real(4),
+        torsion=card.real(6, 0.0),
+        shear_factor_y=_factor(card, row, 1.0),
+        shear_factor_z=_factor(card, row + 1, 1.0),
+    )
+
+
+def _check_station(card: Card, row: int) -> None:
+    for j in range(2, 8):
+        if card.text(row + j) and card.real(row + j) != card.real(j, 0.0):
+            text = (
+                f"the section changes along the beam (field {j + 2}); tapered beams are not "
+                "supported, split the beam into constant pieces"
+            )
+            raise card.error(text, row + j)
+
+
+def _pbarl(card: Card, material: Material) -> BeamSection:
+    kind, sizes = _sizes(card)
+    card.refuse_non_zero([8 + len(sizes)], "non-structural mass", _MASS_REMEDY)
+    return _dimensioned(card, kind, sizes, material)
+
+
+def _pbeaml(card: Card, material: Material) -> BeamSection:
+    kind, sizes = _sizes(card)
+    after = 8 + len(sizes)
+    card.refuse_non_zero([after], "non-structural mass", _MASS_REMEDY)
+    field = after + 1
+    while field < len(card):
+        if card.text(field) not in ("", *_STATIONS):
+            text = f"expected YES or NO, found '{card.text(field)}'; check the number of dimensions"
+            raise card.error(text, field)
+        for j, size in enumerate((*sizes, 0.0)):
+            here = field + 2 + j
+            if card.text(here) and card.real(here) != size:
+                text = "a section that changes along the beam is not supported, split the beam"
+                raise card.error(text, here)
+        field += 3 + len(sizes)
+    return _dimensioned(card, kind, sizes, material)
+
+
+def _sizes(card: Card) -> tuple[str, list[float]]:
+    kind = card.text(3)
+    if kind not in _DIMENSIONS or card.text(2) not in ("", "MSCBML0", "MSCBMLO"):
+        text = (
+            f"section '{kind}' of group '{card.text(2)}' is not supported; supported are "
+            f"{', '.join(_DIMENSIONS)} of MSCBML0, or give A, I1, I2, J on PBAR or PBEAM"
+        )
+        raise card.error(text)
+    sizes = [card.real(8 + j) for j in range(_DIMENSIONS[kind])]
+    if not min(sizes) > 0 and not (kind == "TUBE" and sizes[0] > 0 == sizes[1]):
+        text = "dimensions of the section must be positive"
+        raise card.error(text, 8)
+    return kind, sizes
+
+
+def _dimensioned(card: Card, kind: str, sizes: Sequence[float], material: Material) -> BeamSection:
+    if (kind == "TUBE" and sizes[1] >= sizes[0]) or (
+        kind == "BOX" and (2 * sizes[3] >= sizes[0] or 2 * sizes[2] >= sizes[1])
+    ):
+        text = f"the walls of the {kind} fill its inside; correct the dimensions"
+        raise card.error(text, 8)
+    return dimensioned_section(kind, sizes, material.poissons_ratio)
+
+
+def dimensioned_section(kind: str, sizes: Sequence[float], nu: float) -> BeamSection:
+    """Return the section of PBARL and PBEAML.
+
+    Parameters
+    ----------
+    kind
+        ROD (radius), TUBE (outer, inner radius), BAR (width along local z, height along local y)
+        or BOX (width, height, thickness of the top and bottom, thickness of the sides).
+    sizes
+        DIM1, DIM2, ... [length].
+    nu
+        Poisson's ratio, on which the shear factors depend.
+
+    Notes
+    -----
+    Shear factors of ROD, TUBE and BAR: G. R. Cowper, "The shear coefficient in Timoshenko's beam
+    theory", J. Appl. Mech. 33 (1966) 335-340. BOX: the area of the walls parallel to the shear.
+    Nastran's own factors come from a finite element solution of the section and differ by a few
+    per cent. Torsion of BAR: the usual approximation to Saint-Venant's series (W. C. Young,
+    Roark's formulas for stress and strain), of BOX: Bredt's thin-walled formula.
+    """
+    if kind in ("ROD", "TUBE"):
+        outer, inner = sizes[0], sizes[1] if kind == "TUBE" else 0.0
+        inertia = math.pi / 4 * (outer**4 - inner**4)
+        ratio = (1 + (inner / outer) ** 2) ** 2
+        thin = (20 + 12 * nu) * (inner / outer) ** 2
+        shear = 6 * (1 + nu) * ratio / ((7 + 6 * nu) * ratio + thin)
+        return BeamSection(
+            area=math.pi * (outer**2 - inner**2),
+            inertia_y=inertia,
+            inertia_z=inertia,
+            torsion=2 * inertia,
+            shear_factor_y=shear,
+            shear_factor_z=shear,
+        )
+    width, height = sizes[:2]
+    if kind == "BAR":
+        long, short = max(width, height), min(width, height)
+        slender = 1 - short**4 / (12 * long**4)
+        shear = 10 * (1 + nu) / (12 + 11 * nu)
+        return BeamSection(
+            area=width * height,
+            inertia_z=width * height**3 / 12,
+            inertia_y=height * width**3 / 12,
+            torsion=long * short**3 * (1 / 3 - 0.21 * short / long * slender),
+            shear_factor_y=shear,
+            shear_factor_z=shear,
+        )
+    cover, side = sizes[2:]
+    within, below = width - 2 * side, height - 2 * cover
+    area = width * height - within * below
+    enclosed = (width - side) * (height - cover)
+    return BeamSection(
+        area=area,
+        inertia_z=(width * height**3 - within * below**3) / 12,
+        inertia_y=(height * width**3 - below * within**3) / 12,
+        torsion=2 * enclosed**2 / ((width - side) / cover + (height - cover) / side),
+        shear_factor_y=2 * side * height / area,
+        shear_factor_z=2 * cover * width / area,
+    )

@@ -1,0 +1,229 @@
+"""CHEXA, CPENTA, CTETRA and PSOLID: solid elements, their materials and formulation."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.grids import Grids
+from faying.model.assembly import Material
+from faying.model.mesh import CellBlock
+
+_FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
+_REFUSED_NODES = {"CPENTA": "use CPENTA with 6 nodes, CTETRA with 10 or CHEXA with 20"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Family:
+    """Elements one card can describe: number of nodes to mesh cell kind."""
+
+    card: str
+    kinds: tuple[tuple[int, str], ...]
+    most: int
+
+
+_FAMILIES = (
+    _Family(card="CHEXA", kinds=((8, "hex8"), (20, "hex20")), most=20),
+    _Family(card="CPENTA", kinds=((6, "wedge6"),), most=15),
+    _Family(card="CTETRA", kinds=((4, "tet4"), (10, "tet10")), most=10),
+)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Solids:
+    """Solid elements of a deck; ``element`` is the formulation of hex8."""
+
+    blocks: tuple[CellBlock, ...]
+    materials: Mapping[int, Material]
+    element: str
+
+
+def read_solids(
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    materials: Mapping[int, Material],
+    ignored: list[str],
+) -> Solids:
+    """Read solid elements and the properties they use.
+
+    Eight-node bricks are ``"incompatible"`` when their PSOLID leaves IN and ISOP at the defaults
+    (IN blank, 0 or BUBBLE; ISOP blank, 0 or REDUCED) and ``"standard"`` for ISOP = FULL (1) with
+    IN = TWO (2) or THREE (3). MSC Nastran Quick Reference Guide, PSOLID, remark 6. Decks that mix
+    the two or ask for another scheme are refused.
+
+    Raises
+    ------
+    FormatError
+        If a node, property or material is missing, or an element is of an unsupported kind.
+    """
+    blocks: list[CellBlock] = []
+    users: dict[int, tuple[Cards, int]] = {}
+    for family in _FAMILIES:
+        if family.card in cards:
+            blocks += _blocks(cards[family.card], family, grids)
+            _note_properties(cards[family.card], users)
+    properties = _properties(cards)
+    used: dict[int, Material] = {}
+    for number, (users_cards, card) in users.items():
+        if number not in properties:
+            text = f"property {number} is not a PSOLID of the deck; define it"
+            raise users_cards.error(card, text, 1)
+        used[number] = _material(properties[number], materials)
+    bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
+    _note_schemes(blocks, properties, ignored)
+    return Solids(
+        blocks=tuple(blocks),
+        materials=used,
+        element=_formulation([properties[n] for n in sorted(bricks)], ignored),
+    )
+
+
+def _note_schemes(
+    blocks: list[CellBlock], properties: Mapping[int, Card], ignored: list[str]
+) -> None:
+    """Say where elements without a choice of formulation differ from what the deck asks for."""
+    notes = {
+        "wedge6": "bubble functions of CPENTA (the standard six-node wedge is used)",
+        "hex20": "reduced shear integration of CHEXA with 20 nodes (full integration is used)",
+    }
+    for block in blocks:
+        used = np.unique(block.properties).tolist() if block.kind in notes else []
+        if any(properties[number].text(5) not in ("FULL", "1") for number in used):
+            ignored.append(notes[block.kind])
+
+
+def _blocks(cards: Cards, family: _Family, grids: Grids) -> list[CellBlock]:
+    given = np.stack([cards.given(2 + j) for j in range(family.most)], axis=1)
+    count = given.sum(axis=1)
+    leading = given.cumsum(axis=1)[:, -1] == (given * np.arange(1, family.most + 1)).max(axis=1)
+    sizes = [size for size, _ in family.kinds]
+    wrong = np.flatnonzero(~np.isin(count, sizes) | ~leading)
+    if wrong.size:
+        card = int(wrong[0])
+        text = (
+            f"{count[card]} nodes; supported are {' or '.join(map(str, sizes))} without gaps"
+            f"{'; ' + _REFUSED_NODES[cards.name] if cards.name in _REFUSED_NODES else ''}"
+        )
+        raise cards.error(card, text)
+    result = []
+    for size, kind in family.kinds:
+        these = cards.take(count == size)
+        if len(these):
+            nodes = np.stack([grids.of_column(these, 2 + j) for j in range(size)], axis=1)
+            _check_distinct(these, nodes)
+            result.append(
+                CellBlock(
+                    kind=kind, nodes=nodes, ids=these.integers(0), properties=property_ids(these)
+                )
+            )
+    return result
+
+
+def _check_distinct(cards: Cards, nodes: Indices) -> None:
+    twice = np.flatnonzero((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1))
+    if twice.size:
+        text = "the same node twice; collapsed elements are not supported, use CPENTA or CTETRA"
+        raise cards.error(int(twice[0]), text)
+
+
+def property_ids(cards: Cards) -> Indices:
+    """Property id (n,) of elements; blank is the element id."""
+    return np.where(cards.given(1), cards.integers(1, 0), cards.integers(0))
+
+
+def _note_properties(cards: Cards, users: dict[int, tuple[Cards, int]]) -> None:
+    numbers, first = np.unique(property_ids(cards), return_index=True)
+    for number, card in zip(numbers.tolist(), first.tolist(), strict=True):
+        users.setdefault(number, (cards, card))
+
+
+def _properties(cards: Mapping[str, Cards]) -> dict[int, Card]:
+    found: dict[int, Card] = {}
+    for card in cards.get("PSOLID", ()):
+        number = card.integer(0)
+        if number in found:
+            text = f"property {number} is already defined at {found[number].where()}; renumber one"
+            raise card.error(text)
+        found[number] = card
+    return found
+
+
+def _material(card: Card, materials: Mapping[int, Material]) -> Material:
+    if card.text(6) not in ("", "SMECH"):
+        text = f"FCTN = {card.text(6)} is not supported; only structural solids (SMECH) are"
+        raise card.error(text)
+    return material_of(card, 1, materials)
+
+
+def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Material:
+    """Return the material a property refers to."""
+    number = card.integer(field)
+    if number not in materials:
+        text = f"material {number} is not a MAT1 of the deck; define it"
+        raise card.error(text, field)
+    return materials[number]
+
+
+def _formulation(properties: list[Card], ignored: list[str]) -> str:
+    choices: dict[str, Card] = {}
+    for card in properties:
+        network, scheme = card.text(3), card.text(5)
+        if network in ("", "0", "BUBBLE") and scheme in ("", "0", "REDUCED"):
+            choices.setdefault("incompatible", card)
+        elif scheme in ("FULL", "1") and network in _FULL_NETWORKS:
+            choices.setdefault("standard", card)
+            if network in ("THREE", "3"):
+                ignored.append("PSOLID IN = THREE (CHEXA with 8 nodes use 2 x 2 x 2 points)")
+        else:
+            text = (
+                f"IN = '{network}' with ISOP = '{scheme}' is not supported for CHEXA; leave both "
+                "blank (bubble functions) or give IN = TWO and ISOP = FULL (standard)"
+            )
+            raise card.error(text)
+    if len(choices) == 2:
+        text = (
+            f"CHEXA of this PSOLID are standard, those of {choices['incompatible'].where()} have "
+            "bubble functions; faying uses one formulation in a model, choose one"
+        )
+        raise choices["standard"].error(text)
+    return next(iter(choices), "incompatible")
+
+
+def element_sets(blocks: tuple[CellBlock, ...]) -> dict[str, Indices]:
+    """``pid:<n>`` to the ids of the elements with that property."""
+    sets: dict[str, list[Indices]] = {}
+    for block in blocks:
+        for number in np.unique(block.properties).tolist():
+            sets.setdefault(f"pid:{number}", []).append(block.ids[block.properties == number])
+    return {name: np.concatenate(parts) for name, parts in sets.items()}
+
+
+def check_element_ids(groups: list[Cards]) -> None:
+    """Refuse an element id that occurs twice in a deck.
+
+    Raises
+    ------
+    FormatError
+        Naming both places.
+    """
+    if not groups:
+        return
+    ids = np.concatenate([cards.integers(0) for cards in groups])
+    group = np.repeat(np.arange(len(groups)), [len(cards) for cards in groups])
+    within = np.concatenate([np.arange(len(cards)) for cards in groups])
+    order = np.argsort(ids, kind="stable")
+    twice = np.flatnonzero(np.diff(ids[order]) == 0)
+    if twice.size:
+        first, second = int(order[twice[0]]), int(order[twice[0] + 1])
+        before = groups[group[first]].where(int(within[first]))
+        message = f"element {ids[second]} is already used at {before}; renumber one"
+        raise groups[group[second]].error(int(within[second]), message)
+    if (ids <= 0).any():
+        at = int(np.flatnonzero(ids <= 0)[0])
+        error: FormatError = groups[group[at]].error(
+            int(within[at]), f"element id {ids[at]} must be positive"
+        )
+        raise error

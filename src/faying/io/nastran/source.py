@@ -1,0 +1,171 @@
+"""The lines of a deck with its INCLUDE files spliced in, split into case control and bulk data."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+
+_INCLUDE = re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?", re.IGNORECASE)
+_BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
+_END = re.compile(rb"^\s*ENDDATA\b")
+_CONTROL = re.compile(rb"^\s*(?:CEND\b|SOL\s+\S|SUBCASE\s+\d)")
+_DEEPEST = 20
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Lines:
+    """Consecutive lines and where each comes from.
+
+    Attributes
+    ----------
+    text
+        Upper-case lines without line ends.
+    number, file : (n_line,)
+        Line number, counted from 1, in the file ``files[file]``.
+    """
+
+    text: list[bytes]
+    number: Indices
+    file: Indices
+    files: tuple[str, ...]
+
+    def __getitem__(self, part: slice) -> "Lines":
+        return Lines(
+            text=self.text[part], number=self.number[part], file=self.file[part], files=self.files
+        )
+
+    def where(self, line: int) -> str:
+        """Return file:line."""
+        return f"{self.files[self.file[line]]}:{self.number[line]}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Source:
+    """Case control lines (with everything before them) and bulk data lines of a deck."""
+
+    control: Lines
+    bulk: Lines
+
+
+def read_source(path: Path) -> Source:
+    """Read a deck and its includes and find where the bulk data begin and end.
+
+    A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
+
+    Raises
+    ------
+    FormatError
+        If a file is missing, includes itself, or BEGIN BULK is missing or names a superelement.
+    """
+    files: list[str] = []
+    parts = _expand(path, files, ())
+    lines = Lines(
+        text=[line for text, _, _ in parts for line in text],
+        number=np.concatenate(
+            [np.arange(first, first + len(t), dtype=np.int64) for t, first, _ in parts]
+        ),
+        file=np.repeat([f for _, _, f in parts], [len(t) for t, _, _ in parts]).astype(np.int64),
+        files=tuple(files),
+    )
+    return _sections(lines, path)
+
+
+def _sections(lines: Lines, path: Path) -> Source:
+    begin, end = 0, len(lines.text)
+    # Only lines that start like the keyword reach the regular expression.
+    begins = [i for i, t in enumerate(lines.text) if t.lstrip()[:5] == b"BEGIN" and _BEGIN.match(t)]
+    if begins:
+        begin = begins[0] + 1
+        for i in begins:
+            match = _BEGIN.match(lines.text[i])
+            rest = match.group(1).partition(b"$")[0].strip() if match else b""
+            if rest or i != begins[0]:
+                message = (
+                    f"{lines.where(i)}: '{_shown(lines.text[i])}' starts another bulk data "
+                    "section; superelement decks are not supported, merge them into one section"
+                )
+                raise FormatError(message)
+    elif any(_CONTROL.match(text) for text in lines.text[:2000]):
+        message = f"{path}: executive or case control but no BEGIN BULK line; add it"
+        raise FormatError(message)
+    for i in range(begin, end):
+        if lines.text[i].lstrip()[:7] == b"ENDDATA" and _END.match(lines.text[i]):
+            end = i
+            break
+    return Source(control=lines[: max(begin - 1, 0)], bulk=lines[begin:end])
+
+
+def _shown(line: bytes) -> str:
+    return line.decode("latin-1").strip()[:60]
+
+
+def _read(path: Path, included_from: str) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        origin = f"{included_from}: INCLUDE: " if included_from else ""
+        reason = "is not there" if isinstance(error, FileNotFoundError) else "cannot be read"
+        message = f"{origin}Nastran deck '{path}' {reason}; check the path"
+        raise FormatError(message) from error
+    except ValueError as error:  # a path with a NUL character
+        message = f"{included_from}: INCLUDE names an impossible path; correct it"
+        raise FormatError(message) from error
+
+
+def _expand(
+    path: Path, files: list[str], parents: tuple[Path, ...], included_from: str = ""
+) -> list[tuple[list[bytes], int, int]]:
+    """Pieces (lines, number of the first, index of the file) of a file and what it includes."""
+    data = _read(path, included_from)
+    here = path.resolve()
+    if here in parents or len(parents) >= _DEEPEST:
+        message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
+        raise FormatError(message)
+    index = len(files)
+    files.append(str(path) if not parents else path.name)
+    upper = data.upper().splitlines()
+    if b"INCLUDE" not in data.upper():
+        return [(upper, 1, index)]
+    original = data.splitlines()
+    parts: list[tuple[list[bytes], int, int]] = []
+    start = line = 0
+    while line < len(original):
+        match = _INCLUDE.match(original[line])
+        if match is None:
+            line += 1
+            continue
+        parts.append((upper[start:line], start + 1, index))
+        origin = f"{files[index]}:{line + 1}"
+        name, line = _file_name(original, line, match.end(), origin)
+        parts += _expand(path.parent / name, files, (*parents, here), origin)
+        start = line
+    parts.append((upper[start:], start + 1, index))
+    return parts
+
+
+def _file_name(lines: list[bytes], line: int, at: int, origin: str) -> tuple[str, int]:
+    """File name of an INCLUDE (quoted, over several lines perhaps, or bare) and the next line."""
+    quote = lines[line][at - 1 : at]
+    if quote not in (b"'", b'"'):
+        bare = lines[line][at:].partition(b"$")[0].strip()
+        return _decoded(bare, origin), line + 1
+    text = lines[line][at:]
+    while quote not in text and line + 1 < len(lines):
+        line += 1
+        text = text.rstrip() + lines[line].strip()
+    name, closing, _ = text.partition(quote)
+    if not closing:
+        message = f"{origin}: the quoted file name of INCLUDE does not end; close the quote"
+        raise FormatError(message)
+    return _decoded(name.strip(), origin), line + 1
+
+
+def _decoded(name: bytes, origin: str) -> str:
+    if not name:
+        message = f"{origin}: INCLUDE names no file; give one in quotes"
+        raise FormatError(message)
+    return name.decode("utf-8", "surrogateescape")

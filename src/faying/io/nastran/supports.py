@@ -1,0 +1,120 @@
+"""SPC, SPC1, SPCADD and permanent supports: components held at zero."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.io.nastran.cards import Cards
+from faying.io.nastran.components import components
+from faying.io.nastran.couplings import id_list
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.selection import selected_sets
+from faying.model.assembly import Support
+
+_Held = dict[tuple[int, tuple[int, ...]], list[Indices]]
+"""Set id and components to node indices."""
+
+
+def read_supports(cards: Mapping[str, Cards], grids: Grids, chosen: int | None) -> list[Support]:
+    """Read the selected SPC sets; without a selection in case control, all of them.
+
+    Supports of one set with the same components are joined. Where a displacement coordinate system
+    makes their directions differ from the basic ones, nodes with equal directions are joined.
+    Permanent supports of GRID have the id 0.
+
+    Raises
+    ------
+    FormatError
+        If a set or grid is missing, or a displacement other than zero is prescribed.
+    """
+    held: _Held = {}
+    members: set[int] = set()
+    for name in ("SPC", "SPC1"):
+        if name in cards:
+            members |= set(cards[name].integers(0).tolist())
+    for name in ("SPCD", "SPCR"):
+        for card in cards.get(name, ()):
+            text = "prescribed displacements are not supported; remove it or use a force"
+            raise card.error(text)
+    sets = selected_sets(cards, "SPCADD", members, chosen)
+    for digits, nodes in grids.permanent.items():
+        held.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
+    if "SPC" in cards:
+        _single(cards["SPC"], grids, sets, held)
+    if "SPC1" in cards:
+        _lists(cards["SPC1"], grids, sets, held)
+    supports: list[Support] = []
+    for (number, numbers), parts in held.items():
+        supports += _supports(number, numbers, np.unique(np.concatenate(parts)), grids)
+    return supports
+
+
+def _permanent_error(text: str) -> FormatError:
+    return FormatError(f"GRID or GRDSET: permanent support (PS): {text}")
+
+
+def _single(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
+    cards = cards.take(np.isin(cards.integers(0), list(sets)))
+    for first in (1, 4):
+        these = cards.take(cards.given(first))
+        nodes = grids.of_column(these, first)
+        moved = np.flatnonzero(these.reals(first + 2, 0.0))
+        if moved.size:
+            text = "a prescribed displacement other than zero is not supported; use a force"
+            raise these.error(int(moved[0]), text, first + 2)
+        _collect(these, nodes, first + 1, held)
+
+
+def _collect(cards: Cards, nodes: Indices, field: int, held: _Held) -> None:
+    """Add one node per card, grouped by set and components."""
+    if not len(cards):
+        return
+    keys = np.array(
+        [
+            f"{number} {digits}"
+            for number, digits in zip(cards.integers(0).tolist(), cards.words(field), strict=True)
+        ]
+    )
+    names, first, which = np.unique(keys, return_index=True, return_inverse=True)
+    for i, name in enumerate(names.tolist()):
+        card = int(first[i])
+        number, _, digits = name.partition(" ")
+        chosen = components(digits, lambda text, card=card: cards.error(card, text, field))  # type: ignore[misc]
+        held.setdefault((int(number), chosen), []).append(nodes[which == i])
+
+
+def _lists(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
+    for card in cards.take(np.isin(cards.integers(0), list(sets))):
+        key = (card.integer(0), components(card.text(1), card.error))
+        texts = [text for text in card.texts[2:] if text]
+        ids = id_list(card, texts)
+        if "THRU" in texts:
+            # The reference guide: points of a range need not exist.
+            found = grids.index(np.array(ids, dtype=np.int64))
+            nodes = found[found >= 0]
+        else:
+            nodes = grids.several(card, ids)
+        if not len(nodes):
+            text = "none of its GRIDs is in the deck; define them or remove the card"
+            raise card.error(text)
+        held.setdefault(key, []).append(nodes)
+
+
+def _supports(number: int, numbers: tuple[int, ...], nodes: Indices, grids: Grids) -> list[Support]:
+    axes = grids.systems.axes_of(nodes)
+    basic = np.isclose(axes, np.eye(3), rtol=0, atol=1e-14).all(axis=(1, 2))
+    result = []
+    if basic.any():
+        result.append(Support(id=number, nodes=nodes[basic], components=numbers))
+    turned, axes = nodes[~basic], axes[~basic]
+    # Rounding at 1e-12 joins nodes whose directions differ by arithmetic only.
+    keys = np.round(axes.reshape(-1, 9), 12)
+    _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    which = which.ravel()
+    for i, at in enumerate(first.tolist()):
+        result.append(
+            Support(id=number, nodes=turned[which == i], components=numbers, axes=axes[at])
+        )
+    return result

@@ -1,0 +1,295 @@
+"""Write an :class:`~faying.model.assembly.Assembly` as a Nastran deck."""
+
+import os
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import FormatError
+from faying.io.nastran.components import digits_of, frame_independent
+from faying.io.nastran.fields import format_real
+from faying.io.nastran.layout import Value, large, small
+from faying.io.nastran.numbering import LARGEST, Numbering, number_assembly
+from faying.model.assembly import Assembly, Support
+from faying.model.mesh import CellBlock
+
+_CARDS = {
+    "hex8": "CHEXA",
+    "hex20": "CHEXA",
+    "tet4": "CTETRA",
+    "tet10": "CTETRA",
+    "wedge6": "CPENTA",
+}
+
+
+def write_deck(
+    assembly: Assembly, path: str | Path, *, title: str = "", loads: str | None = None
+) -> None:
+    """Write a deck that Nastran can run as a linear static analysis (SOL 101).
+
+    All load sets are written; case control selects ``loads`` (the first one by default). Supports
+    of several sets are joined by SPCADD, equations by MPCADD. Shear-flexible beams become CBEAM,
+    others CBAR. The file appears complete or not at all.
+
+    Parameters
+    ----------
+    assembly
+        Without matrices from elsewhere.
+    title
+        One line for the output of the other program; the assembly's name by default.
+    loads
+        Name of the load set to select.
+
+    Raises
+    ------
+    FormatError
+        If the assembly cannot be said in bulk data (matrices, ids above 99 999 999, several
+        support directions at a node), or the file cannot be written.
+
+    Notes
+    -----
+    Real numbers take 16 columns: 10 to 15 digits. Set names, facets and ids that clash are not
+    kept; load sets and materials whose names are no numbers are numbered (comments tell).
+    """
+    path = Path(path)
+    text = _deck(assembly, title or assembly.name, loads)
+    try:
+        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent or None)
+        try:
+            with os.fdopen(handle, "w", encoding="ascii", errors="replace") as file:
+                file.writelines(text)
+            # mkstemp makes files private; a deck gets the permissions of any new file.
+            mask = os.umask(0)
+            os.umask(mask)
+            Path(temporary).chmod(0o666 & ~mask)
+            Path(temporary).replace(path)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        message = f"'{path}' cannot be written: {error.strerror}"
+        raise FormatError(message) from error
+
+
+def _deck(assembly: Assembly, title: str, loads: str | None) -> list[str]:
+    if assembly.matrices is not None:
+        message = (
+            "the assembly holds matrices from another program, which bulk data cannot express; "
+            "export the reduced model instead (faying export --to nastran)"
+        )
+        raise FormatError(message)
+    if loads is not None and loads not in assembly.loads:
+        known = ", ".join(assembly.loads) or "none"
+        message = f"the assembly has no load set '{loads}'; load sets are {known}"
+        raise FormatError(message)
+    numbering = number_assembly(assembly)
+    selected = loads if loads is not None else next(iter(assembly.loads), None)
+    control = [f"TITLE = {' '.join(title.split())[:60]}"]
+    control += [f"SPC = {numbering.spc}"] if assembly.supports else []
+    control += [f"MPC = {numbering.mpc}"] if assembly.equations else []
+    control += [f"LOAD = {numbering.loads[selected]}"] if selected is not None else []
+    bulk = [
+        *_properties(assembly, numbering),
+        *_grids(assembly),
+        *(line for b in assembly.mesh.blocks for line in _block(b, assembly, numbering)),
+        *_lines(assembly, numbering),
+        *_couplings(assembly, numbering),
+        *_constraints(assembly, numbering),
+        *_loads(assembly, numbering),
+    ]
+    head = ["SOL 101", "CEND", *control, "DISPLACEMENT = ALL", "BEGIN BULK"]
+    return ["\n".join([*head, *bulk, "ENDDATA"]), "\n"]
+
+
+def _turned(support: Support) -> bool:
+    return support.axes is not None and not frame_independent(support.components)
+
+
+def _grids(assembly: Assembly) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    if len(ids) and not 0 < ids.min() <= ids.max() <= LARGEST:
+        message = f"node ids must lie between 1 and {LARGEST}; found {ids.min()} to {ids.max()}"
+        raise FormatError(message)
+    system = np.zeros(len(ids), dtype=np.int64)
+    number = 0
+    for support in assembly.supports:
+        if _turned(support) and support.axes is not None:
+            number += 1
+            yield from _system(number, support.axes)
+            if system[support.nodes].any():
+                node = ids[support.nodes[system[support.nodes] != 0][0]]
+                message = f"node {node} has supports along several axes; Nastran allows one set"
+                raise FormatError(message)
+            system[support.nodes] = number
+    _check_turned(assembly, np.flatnonzero(system))
+    # Coordinates of structured meshes repeat; each distinct value is formatted once.
+    values, which = np.unique(assembly.mesh.nodes, return_inverse=True)
+    texts = [format_real(value).ljust(16) for value in values.tolist()]
+    rows = which.reshape(-1, 3).tolist()
+    for node, (x, y, z), turned in zip(ids.tolist(), rows, system.tolist(), strict=True):
+        yield (
+            f"GRID*   {node:<16d}{'':16}{texts[x]}{texts[y]}\n"
+            f"*       {texts[z]}{turned or '':<16}".rstrip()
+        )
+
+
+def _system(number: int, axes: Matrix) -> Iterator[str]:
+    yield large("CORD2R", [number, 0, 0.0, 0.0, 0.0, *axes[2].tolist(), *axes[0].tolist()])
+
+
+def _check_turned(assembly: Assembly, nodes: Indices) -> None:
+    """Refuse component-wise constraints at nodes whose displacement system is not the basic one."""
+    if not len(nodes):
+        return
+    used = {node for equation in assembly.equations for node, _, _ in equation.terms}
+    used |= {node for spring in assembly.springs for node, _ in spring.ends}
+    for rigid in assembly.rigid_couplings:
+        used |= set() if frame_independent(rigid.components) else set(rigid.nodes.tolist())
+    for mean in assembly.average_couplings:
+        used |= set() if frame_independent(mean.components) else set(mean.nodes.tolist())
+        used |= set() if frame_independent(mean.reference_components) else {mean.reference}
+    for other in assembly.supports:
+        used |= (
+            set()
+            if _turned(other) or frame_independent(other.components)
+            else set(other.nodes.tolist())
+        )
+    both = used & set(nodes.tolist())
+    if both:
+        message = (
+            f"node {assembly.mesh.node_ids[min(both)]} is supported along turned axes and also "
+            "enters springs, equations or supports along basic ones; Nastran allows one set"
+        )
+        raise FormatError(message)
+
+
+def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    for material, own in numbering.materials.items():
+        if material.name and material.name != str(own):
+            yield f"$ material {own} is '{' '.join(material.name.split())[:50]}'"
+        e, nu, rho = material.youngs_modulus, material.poissons_ratio, material.density
+        yield large("MAT1", [own, e, None, nu, rho])
+    kinds: dict[int, set[str]] = {}
+    for block in assembly.mesh.blocks:
+        for number in np.unique(block.properties).tolist():
+            kinds.setdefault(number, set()).add(block.kind)
+    for number, found in kinds.items():
+        if number not in assembly.materials:
+            message = f"property {number} has no material; add it to Assembly.materials"
+            raise FormatError(message)
+        network, scheme = _scheme(found, assembly.element)
+        made_of = numbering.materials[assembly.materials[number]]
+        yield small("PSOLID", [number, made_of, None, network, None, scheme])
+    for (section, material, shear), number in numbering.sections.items():
+        made_of = numbering.materials[material]
+        main = [section.area, section.inertia_z, section.inertia_y]
+        factors = [
+            0.0 if np.isinf(k) else k for k in (section.shear_factor_y, section.shear_factor_z)
+        ]
+        if shear:
+            stress = [0.0] * 8
+            yield large(
+                "PBEAM", [number, made_of, *main, 0.0, section.torsion, None, *stress, *factors]
+            )
+        else:
+            yield large("PBAR", [number, made_of, *main, section.torsion])
+
+
+def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
+    """IN and ISOP of PSOLID for which Nastran's element is the one faying uses."""
+    if "hex8" in kinds:
+        return ("TWO", "FULL") if element == "standard" else (None, None)
+    if "hex20" in kinds:
+        return "THREE", "FULL"
+    return ("TWO", "FULL") if "wedge6" in kinds else (None, None)
+
+
+def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    name = _CARDS[block.kind]
+    ids = [numbering.element("cell", number) for number in block.ids.tolist()]
+    nodes = assembly.mesh.node_ids[block.nodes].tolist()
+    for number, pid, row in zip(ids, block.properties.tolist(), nodes, strict=True):
+        yield small(name, [number, pid, *row])
+
+
+def _lines(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    turned = {n for s in assembly.supports if _turned(s) for n in s.nodes.tolist()}
+    for beam in assembly.beams:
+        start, end = beam.nodes
+        shear = numbering.flexible(beam.section)
+        pid = numbering.sections[beam.section, beam.material, shear]
+        flag = "BGG" if start in turned else None
+        fields = [numbering.element("beam", beam.id), pid, int(ids[start]), int(ids[end])]
+        yield large("CBEAM" if shear else "CBAR", [*fields, *beam.orientation, flag])
+    for spring in assembly.springs:
+        ends = [value for node, c in spring.ends for value in (int(ids[node]), c + 1)]
+        yield large("CELAS2", [numbering.element("spring", spring.id), spring.stiffness, *ends])
+    for mass in assembly.masses:
+        i = mass.inertia
+        # The off-diagonal fields of CONM2 are ∫ x y dm, the negative of the tensor's entries.
+        tensor = [i[0][0], -i[1][0], i[1][1], -i[2][0], -i[2][1], i[2][2]]
+        fields = [numbering.element("mass", mass.id), int(ids[mass.node]), 0]
+        yield large("CONM2", [*fields, mass.mass, 0.0, 0.0, 0.0, None, *tensor])
+
+
+def _couplings(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    for rigid in assembly.rigid_couplings:
+        number = numbering.element("rigid", rigid.id)
+        head: list[Value] = [number, int(ids[rigid.reference]), digits_of(rigid.components)]
+        yield small("RBE2", [*head, *ids[rigid.nodes].tolist()])
+    for mean in assembly.average_couplings:
+        number = numbering.element("average", mean.id)
+        groups: list[Value] = []
+        previous = None
+        for weight, node in zip(mean.weights.tolist(), ids[mean.nodes].tolist(), strict=True):
+            if weight != previous:
+                groups += [weight, digits_of(mean.components)]
+                previous = weight
+            groups.append(node)
+        reference: list[Value] = [int(ids[mean.reference]), digits_of(mean.reference_components)]
+        yield large("RBE3", [number, None, *reference, *groups])
+
+
+def _constraints(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    for support in assembly.supports:
+        number = numbering.supports[support.id]
+        held = ids[support.nodes].tolist()
+        yield small("SPC1", [number, digits_of(support.components), *held])
+    yield from _combined("SPCADD", numbering.spc, numbering.supports.values())
+    for equation in assembly.equations:
+        fields: list[Value] = []
+        for i, (node, component, coefficient) in enumerate(equation.terms):
+            head: list[Value] = (
+                [numbering.equations[equation.id] if i == 0 else None] if i % 2 == 0 else []
+            )
+            fields += [*head, int(ids[node]), component + 1, coefficient]
+            fields += [None] if i % 2 else []
+        yield large("MPC", fields)
+    yield from _combined("MPCADD", numbering.mpc, numbering.equations.values())
+
+
+def _combined(name: str, number: int, members: Iterable[int]) -> Iterator[str]:
+    sets = sorted(set(members))
+    if len(sets) > 1:
+        yield small(name, [number, *sets])
+
+
+def _loads(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    for name, loads in assembly.loads.items():
+        number = numbering.loads[name]
+        if name != str(number):
+            yield f"$ load set {number} is '{' '.join(name.split())[:50]}'"
+        for node, force in zip(ids[loads.nodes].tolist(), loads.forces.tolist(), strict=True):
+            for card, part in (("FORCE", force[:3]), ("MOMENT", force[3:])):
+                if any(part):
+                    yield large(card, [number, node, 0, 1.0, *part])
+        if not loads.forces.any() and len(ids):
+            # Nastran refuses a selected load set without a card.
+            yield large("FORCE", [number, int(ids[0]), 0, 0.0, 1.0, 0.0, 0.0])
