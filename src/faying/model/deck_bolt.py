@@ -1,0 +1,84 @@
+"""Bolts of a deck: the one of their beams or springs that is tightened."""
+
+from collections import defaultdict
+
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Beam, Spring
+from faying.model.specs import BoltSpec
+
+
+def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
+    """Return the element of a deck's bolt that is tightened: the middle one of its chain.
+
+    Parameters
+    ----------
+    assembly
+        With beams or springs.
+    spec
+        With ``elements``, ids in any order that form one chain end to end.
+
+    Returns
+    -------
+    Beam or Spring
+        Of an even number, the one before the middle, counted from the end listed first.
+
+    Raises
+    ------
+    ModelError
+        If an id is not a beam or an axial spring, or the elements do not form one chain.
+    """
+    if not spec.elements:
+        message = f"bolt '{spec.name}' names no elements; give the ids of its beam elements"
+        raise ModelError(message)
+    chosen = [_line_element(assembly, spec, i) for i in dict.fromkeys(spec.elements)]
+    chain = _chain(spec, chosen)
+    return chain[(len(chain) - 1) // 2]
+
+
+def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam | Spring:
+    """Look up a beam or axial spring by id."""
+    for beam in assembly.beams:
+        if beam.id == element_id:
+            return beam
+    for spring in assembly.springs:
+        if spring.id == element_id:
+            components = {component for _, component in spring.ends}
+            if len(spring.ends) == 2 and len(components) == 1 and components <= {0, 1, 2}:
+                return spring
+            message = (
+                f"bolt '{spec.name}': spring {element_id} is not axial; it must join the same "
+                "translation (1, 2 or 3) of two nodes"
+            )
+            raise ModelError(message)
+    message = (
+        f"bolt '{spec.name}': element {element_id} is no beam and no spring; "
+        "name the beam elements of the bolt's shank"
+    )
+    raise ModelError(message)
+
+
+def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]:
+    """Order elements end to end."""
+    at_node: dict[int, list[Beam | Spring]] = defaultdict(list)
+    for element in elements:
+        for node in _nodes(element):
+            at_node[node].append(element)
+    loose = [node for element in elements for node in _nodes(element) if len(at_node[node]) == 1]
+    chain: list[Beam | Spring] = []
+    node = loose[0] if loose else -1
+    while following := [e for e in at_node.get(node, []) if e not in chain]:
+        chain.append(following[0])
+        node = next(n for n in _nodes(following[0]) if n != node)
+    if len(chain) != len(elements) or len(loose) != 2:
+        ids = ", ".join(str(element.id) for element in elements)
+        message = (
+            f"bolt '{spec.name}': elements {ids} do not form one chain end to end; "
+            "list the shank's elements only"
+        )
+        raise ModelError(message)
+    return chain
+
+
+def _nodes(element: Beam | Spring) -> tuple[int, ...]:
+    """Node indices of a line element."""
+    return element.nodes if isinstance(element, Beam) else tuple(node for node, _ in element.ends)
