@@ -1,1 +1,140 @@
-"""faying: contact pressure in bolted joints at the cost of a reduced model."""
+"""faying: contact pressure in bolted joints at the cost of a reduced model.
+
+The names below are in the order of the work: model, preload, basis, reduced model, solution,
+comparison.
+
+>>> import faying as fy
+>>> model = fy.lap_joint(element_size=5.0)
+>>> preloaded = fy.preload(model, {"bolt": 10e3})
+>>> basis = fy.craig_bampton(preloaded, normal_modes=10)
+>>> rom = fy.reduce(preloaded, basis, compliance=True)
+>>> load = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
+>>> fast, full = fy.solve_static(rom, load), fy.solve_static(preloaded, load)
+>>> fy.compare(fast, full).max_relative_error < 1e-8
+True
+"""
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+__version__ = version("faying")
+
+if TYPE_CHECKING:
+    from faying.contact.problem import contact_problem
+    from faying.linalg.factorization import factorize
+    from faying.model.assembly import Material
+    from faying.model.build import build_model
+    from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+    from faying.reduction.basis import Basis
+    from faying.reduction.compliance import interface_compliance
+    from faying.reduction.craig_bampton import craig_bampton
+    from faying.reduction.jim_a import jim_a
+    from faying.reduction.jim_b import jim_b
+    from faying.reduction.pod import pod
+    from faying.reduction.reduced_model import ReducedModel, reduce
+    from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
+    from faying.simulation.accuracy import Accuracy, compare, relative_error
+    from faying.simulation.frequencies import preloaded_frequencies
+    from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
+    from faying.simulation.load import History, Load
+    from faying.simulation.newton import solve_static_newton
+    from faying.simulation.preload import Sticking, preload, tighten
+    from faying.simulation.solution import Solution
+    from faying.simulation.static import solve_static, solve_static_cases
+    from faying.simulation.transient import solve_transient
+    from faying.sources import from_matrices, lap_joint, read_nastran
+
+# Names are imported when first used, so that `faying --help` need not wait for SciPy.
+_HOMES = {
+    "lap_joint": "faying.sources",
+    "read_nastran": "faying.sources",
+    "from_matrices": "faying.sources",
+    "build_model": "faying.model.build",
+    "Material": "faying.model.assembly",
+    "InterfaceSpec": "faying.model.specs",
+    "BoltSpec": "faying.model.specs",
+    "BoundarySpec": "faying.model.specs",
+    "Rayleigh": "faying.model.specs",
+    "contact_problem": "faying.contact.problem",
+    "factorize": "faying.linalg.factorization",
+    "interface_compliance": "faying.reduction.compliance",
+    "preload": "faying.simulation.preload",
+    "tighten": "faying.simulation.preload",
+    "Sticking": "faying.simulation.preload",
+    "Load": "faying.simulation.load",
+    "History": "faying.simulation.load",
+    "Basis": "faying.reduction.basis",
+    "pod": "faying.reduction.pod",
+    "craig_bampton": "faying.reduction.craig_bampton",
+    "jim_a": "faying.reduction.jim_a",
+    "jim_b": "faying.reduction.jim_b",
+    "LoadBox": "faying.reduction.snapshots",
+    "static_snapshots": "faying.reduction.snapshots",
+    "step_snapshots": "faying.reduction.snapshots",
+    "ReducedModel": "faying.reduction.reduced_model",
+    "reduce": "faying.reduction.reduced_model",
+    "solve_static": "faying.simulation.static",
+    "solve_static_cases": "faying.simulation.static",
+    "solve_static_newton": "faying.simulation.newton",
+    "solve_transient": "faying.simulation.transient",
+    "ImplicitEuler": "faying.simulation.integrators",
+    "GeneralizedAlpha": "faying.simulation.integrators",
+    "Solution": "faying.simulation.solution",
+    "preloaded_frequencies": "faying.simulation.frequencies",
+    "compare": "faying.simulation.accuracy",
+    "relative_error": "faying.simulation.accuracy",
+    "Accuracy": "faying.simulation.accuracy",
+}
+
+__all__ = [
+    "Accuracy",
+    "Basis",
+    "BoltSpec",
+    "BoundarySpec",
+    "GeneralizedAlpha",
+    "History",
+    "ImplicitEuler",
+    "InterfaceSpec",
+    "Load",
+    "LoadBox",
+    "Material",
+    "Rayleigh",
+    "ReducedModel",
+    "Solution",
+    "Sticking",
+    "build_model",
+    "compare",
+    "contact_problem",
+    "craig_bampton",
+    "factorize",
+    "from_matrices",
+    "interface_compliance",
+    "jim_a",
+    "jim_b",
+    "lap_joint",
+    "pod",
+    "preload",
+    "preloaded_frequencies",
+    "read_nastran",
+    "reduce",
+    "relative_error",
+    "solve_static",
+    "solve_static_cases",
+    "solve_static_newton",
+    "solve_transient",
+    "static_snapshots",
+    "step_snapshots",
+    "tighten",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        message = f"module 'faying' has no attribute '{name}'"
+        raise AttributeError(message)
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -1,7 +1,7 @@
 """Models in one call: the built-in lap joint, a Nastran deck, matrices."""
 
 from collections.abc import Sequence
-from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from faying.model.build import build_model
@@ -40,7 +40,7 @@ def lap_joint(*, damping: Rayleigh | None = None, **parameters: Any) -> Model:
 
 
 def read_nastran(
-    path: str | PathLike[str],
+    path: str | Path,
     *,
     interfaces: Sequence[InterfaceSpec] = AUTO,
     bolts: Sequence[BoltSpec] = (),

@@ -8,10 +8,8 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, frozen
 from faying.linalg.factorization import Factorization, SingularMatrixError, factorize
+from faying.linalg.partial import port_compliance
 from faying.model.system import PortCompliance
-
-COLUMN_BLOCK = 256
-"""Right-hand sides solved at once; bounds the memory of dense intermediates."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -123,12 +121,7 @@ class Structure:
         -----
         One back-substitution per pair (three where curved) and bolt, in blocks.
         """
-        ports = self._inner_ports
-        compliance = np.empty((ports.shape[0], ports.shape[0]))
-        for start in range(0, ports.shape[0], COLUMN_BLOCK):
-            columns = slice(start, start + COLUMN_BLOCK)
-            compliance[:, columns] = ports @ self.solve_held(ports[columns].T.toarray())
-        return (compliance + compliance.T) / 2
+        return port_compliance(self._inner_ports[:, self.interior], self.interior_factor)
 
     @cached_property
     def bolt_shapes(self) -> Matrix:

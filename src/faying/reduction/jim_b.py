@@ -33,9 +33,9 @@ def jim_b(
     """
     start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
     at_pairs = model.contact.interpolation.T @ contact_forces
-    nodal = model.contact.relative_operator.T
-    loaded = np.flatnonzero(np.diff(nodal.tocsr().indptr))
-    modes = pod(nodal.tocsr()[loaded] @ at_pairs, count=joint_modes).vectors
+    nodal = model.structure.relative_operator.T.tocsr()
+    loaded = np.flatnonzero(np.diff(nodal.indptr))
+    modes = pod(nodal[loaded] @ at_pairs, count=joint_modes).vectors
     patterns = np.zeros((model.structure.n_dof, modes.shape[1]))
     patterns[loaded] = modes
     shapes = model.structure.solve_held(patterns)

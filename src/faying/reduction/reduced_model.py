@@ -141,12 +141,12 @@ def residual_compliance(model: Model, basis: Basis) -> Matrix:
     stiffness = fixed.T @ (model.K @ fixed)
     n_relative = len(seen)
     full = model.structure.held_compliance[:n_relative, :n_relative]
-    residual = full - seen @ np.linalg.solve(stiffness, seen.T)
+    residual: Matrix = full - seen @ np.linalg.solve(stiffness, seen.T)
     return (residual + residual.T) / 2
 
 
 def _projected(image: Matrix, phi: Matrix) -> Matrix:
-    product = phi.T @ image
+    product: Matrix = phi.T @ image
     return (product + product.T) / 2
 
 

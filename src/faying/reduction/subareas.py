@@ -27,7 +27,7 @@ def subareas(interface: Interface, count: int) -> Indices:
         raise ModelError(message)
     facet = interface.face_of_point
     n_facet = int(facet.max()) + 1
-    area = np.bincount(facet, interface.weights, n_facet)
+    area: Vector = np.bincount(facet, interface.weights, n_facet).astype(float)
     moment = [np.bincount(facet, interface.weights * x, n_facet) for x in interface.points.T]
     centres = np.array(moment).T / area[:, None]
     part = np.zeros(n_facet, dtype=np.int64)

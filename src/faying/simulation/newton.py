@@ -97,9 +97,7 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         closed = G[active]
         corner = sp.diags_array(-flexibility[active])
         saddle = sp.block_array([[model.K, -closed.T], [-closed, corner]]).tocsc()
-        solution = spla.splu(saddle).solve(
-            np.concatenate([external, contact.initial_gap[active]])
-        )
+        solution = spla.splu(saddle).solve(np.concatenate([external, contact.initial_gap[active]]))
         u, forces = solution[:n], np.zeros(contact.n_points)
         forces[active] = solution[n:]
         slack = contact.initial_gap + G @ u + flexibility * forces

@@ -4,14 +4,41 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from faying._typing import Mask, Matrix, Vector
+from faying.contact.sticking import sticking_stiffness, stuck_pairs
 from faying.exceptions import ConvergenceError, ModelError
+from faying.model.model import Model
 from faying.model.system import System, initial_bolt_forces
-from faying.simulation.static import port_forces
+from faying.simulation.static import port_forces, solve_static
 
 FORCE_TOLERANCE = 1e-12
 """Deviation of a bolt force from its target over the largest target, at which Newton stops."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sticking:
+    """Where the parts are taken to stick together in tangential direction (§15.4.2).
+
+    Attributes
+    ----------
+    threshold
+        Fraction of an interface's largest preload pressure above which node pairs stick.
+    stiffness : [force/length]
+        Tangential penalty of each pair, in both directions.
+    """
+
+    threshold: float = 0.5
+    stiffness: float = 1e6
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.threshold < 1 and self.stiffness > 0):
+            message = (
+                f"sticking: threshold {self.threshold:g} must lie in [0, 1) and stiffness "
+                f"{self.stiffness:g} must be positive"
+            )
+            raise ModelError(message)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -84,6 +111,52 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
         stages=(*stages, "all to nominal"),
         bolt_forces=np.array([*history, reached]),
     )
+
+
+def preload(
+    model: Model,
+    forces: Mapping[str, float],
+    *,
+    sticking: Sticking | None = None,
+    increments: int = 10,
+) -> Model:
+    """Return the model with its bolts tightened to final forces and locked.
+
+    Parameters
+    ----------
+    forces
+        Bolt name to final axial force [force], in tightening order.
+    sticking
+        If given, pairs pressed hard enough are tied in tangential direction and the bolts are
+        tightened again, so that their forces are final in the model that is returned.
+
+    Raises
+    ------
+    ModelError, ConvergenceError
+        As :func:`tighten`.
+
+    Notes
+    -----
+    Ties change the stiffness: with ``sticking`` the structure is factorized once more.
+    """
+    tightened = tighten(model, forces, increments=increments)
+    locked = model.with_bolt_forces(tightened.initial_forces)
+    if sticking is None:
+        return locked
+    tied = with_sticking(locked, sticking)
+    return tied.with_bolt_forces(tighten(tied, forces, increments=1).initial_forces)
+
+
+def with_sticking(model: Model, sticking: Sticking) -> Model:
+    """Return a preloaded model with tangential penalties where the parts stick (§15.4.2)."""
+    pressure = solve_static(model).pressure
+    stuck: dict[str, Mask] = {}
+    added = sp.csr_array(model.K.shape)
+    for name, points in model.contact.slices.items():
+        interface = model.interfaces[name]
+        stuck[name] = stuck_pairs(interface, pressure[points], sticking.threshold)
+        added = added + sticking_stiffness(interface, model.dofs, stuck[name], sticking.stiffness)
+    return model.with_stiffness(added, stuck)
 
 
 def _check(forces: Mapping[str, float], names: list[str]) -> None:

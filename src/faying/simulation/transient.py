@@ -8,6 +8,7 @@ from faying._typing import Vector
 from faying.contact.condensed import CondensedContact
 from faying.exceptions import ModelError
 from faying.linalg.factorization import Factorization, factorize
+from faying.linalg.partial import port_compliance
 from faying.model.system import System, input_forces
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
@@ -72,7 +73,7 @@ def solve_transient(
         raise ModelError(message)
     scheme = ImplicitEuler() if integrator is None else integrator
     start = solve_static(system) if initial is None else initial
-    times = step * np.arange(round(duration / step) + 1)
+    times: Vector = step * np.arange(round(duration / step) + 1, dtype=np.float64)
     inputs = load.inputs(system, times)
     external = input_forces(system, inputs)
     effective = factorize(scheme.effective_matrix(system, step))
@@ -116,15 +117,8 @@ def _condense_step(
     system: System, scheme: Integrator, effective: Factorization
 ) -> CondensedContact:
     """Compliance of one time step, P A⁻¹ Pᵀ times the weight of the new forces."""
-    operator = system.contact.relative_operator
-    compliance = np.empty((operator.shape[0], operator.shape[0]))
-    block = 256  # bounds the dense right-hand sides
-    for first in range(0, len(compliance), block):
-        columns = operator[first : first + block].T
-        dense = columns.toarray() if hasattr(columns, "toarray") else columns
-        compliance[:, first : first + block] = operator @ effective.solve(dense)
-    symmetric = (compliance + compliance.T) / 2
-    return CondensedContact(contact=system.contact, compliance=scheme.force_weight * symmetric)
+    compliance = port_compliance(system.contact.relative_operator, effective)
+    return CondensedContact(contact=system.contact, compliance=scheme.force_weight * compliance)
 
 
 def _initial_motion(

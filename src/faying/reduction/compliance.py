@@ -1,0 +1,26 @@
+"""Interface compliance of a model: gap per contact force."""
+
+from faying._typing import Matrix
+from faying.linalg.factorization import Factorization
+from faying.linalg.partial import port_compliance
+from faying.model.model import Model
+
+
+def interface_compliance(model: Model, factor: Factorization | None = None) -> Matrix:
+    """Compute S = G K⁻¹ Gᵀ (n_point, n_point) [length/force], design §3.
+
+    Parameters
+    ----------
+    factor
+        Factorization of ``model.K``; by default the one the model keeps.
+
+    Notes
+    -----
+    One back-substitution per pair of nodes (three where an interface is curved), not per contact
+    point, in blocks of bounded memory.
+    """
+    if factor is None:
+        relative = model.port_compliance.relative
+    else:
+        relative = port_compliance(model.contact.relative_operator, factor)
+    return model.contact.at_points(relative)
