@@ -52,7 +52,3 @@ def main() -> None:
     except FayingError as error:
         typer.echo(f"faying: {error}", err=True)
         sys.exit(BAD_INPUT)
-
-
-if __name__ == "__main__":
-    main()

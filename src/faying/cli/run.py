@@ -28,10 +28,6 @@ def run(
 
 def compute(path: Path, out: Path, *, resume: bool) -> None:
     """Run the study of a file into a folder and exit with 1 if something did not converge."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from faying.study.run import run as run_study
     from faying.study.schema import read_study
 
     study = read_study(path)
@@ -39,6 +35,11 @@ def compute(path: Path, out: Path, *, resume: bool) -> None:
         message = f"{path.name} has no [[load_case]]; add one, there is nothing to compute"
         raise StudyError(message)
     usable_folder(out)
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from faying.study.run import run as run_study
+
     console = Console(stderr=True)
     with Progress(console=console, transient=True) as progress:
         result = run_study(study, out, resume=resume, progress=progress)

@@ -21,9 +21,9 @@ EXPECTED = {
     "int_type": ("a whole number", "write it without quotes and decimal point"),
     "string_type": ("a text", "put it in quotes"),
     "bool_type": ("true or false", "write it without quotes"),
-    "tuple_type": ("a list", "write [first, second, ...]"),
-    "dict_type": ("a table", "write { key = value } or a [table] of its own"),
-    "model_type": ("a table", "write { key = value } or a [table] of its own"),
+    "tuple_type": ("a list", "write [first, second, ...], or [[name]] above a table"),
+    "dict_type": ("one table", "write { key = value }, or [name] above it"),
+    "model_type": ("one table", "write { key = value }, or [name] above it"),
     "path_type": ("a file name", "put it in quotes"),
 }
 """Validation error to what was expected and how to write it."""
@@ -77,11 +77,22 @@ def nearest(found: str, known: Iterable[str]) -> str:
     "did you mean 'preload'?"
     """
     names = [str(name) for name in known]
+    meant = guess(found, names)
+    return meant or (f"known are {quoted(names)}" if names else "there is none")
+
+
+def guess(found: str, names: Iterable[str]) -> str:
+    """Say which known name is meant, or nothing if none is near."""
     lower = {name.lower(): name for name in names}
     close = get_close_matches(found.lower(), list(lower), n=1)
-    if close:
-        return f"did you mean '{lower[close[0]]}'?"
-    return f"known are {quoted(names)}" if names else "none is known here"
+    return f"did you mean '{lower[close[0]]}'?" if close else ""
+
+
+def one_of(found: object, names: Sequence[str]) -> str:
+    """Say that something else than one of a few names was found, and which is meant."""
+    text = f"found {shown(found)}, expected one of {quoted(names)}"
+    meant = guess(str(found), names)
+    return f"{text}; {meant}" if meant else text
 
 
 def quoted(names: Iterable[object]) -> str:
@@ -115,36 +126,39 @@ def translated(source: StudySource, error: Mapping[str, Any]) -> Problem:
     if kind == OWN_TYPE:
         return Problem(location, f"{place}: {error['msg']}")
     if kind == "literal_error":
-        known = [str(name) for name in context["expected"].replace(" or ", ", ").split(", ")]
+        known = context["expected"].replace(" or ", ", ").split(", ")
         names = [name.strip("'") for name in known]
-        text = f"{place}: found {shown(found)}, expected one of {quoted(names)}"
-        return Problem(location, f"{text}; {nearest(str(found), names)}")
-    expected, remedy = _expectation(kind, context, str(error["msg"]))
-    return Problem(location, f"{place}: found {shown(found)}, expected {expected}; {remedy}")
+        return Problem(location, f"{place}: {one_of(found, names)}")
+    expected = _expectation(kind, context, str(error["msg"]))
+    return Problem(location, f"{place}: found {shown(found)}, expected {expected}")
 
 
 def shown(value: object) -> str:
     """Return a value as TOML would write it, shortened."""
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "a list of tables"
     text = f"'{value}'" if isinstance(value, str) else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _expectation(kind: str, context: Mapping[str, Any], message: str) -> tuple[str, str]:
+def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
     """Say what was expected in place of a value, and how to mend it."""
     bounds = {
         "greater_than": "greater than {gt:g}",
         "greater_than_equal": "{ge:g} or more",
         "less_than": "less than {lt:g}",
         "less_than_equal": "{le:g} or less",
-        "too_short": "at least {min_length} entries",
+        "too_short": "{min_length} or more entries",
         "too_long": "at most {max_length} entries",
         "string_too_short": "a text that is not empty",
     }
     if kind in bounds:
-        return bounds[kind].format(**context), "correct the value"
-    return EXPECTED.get(kind, (message[:1].lower() + message[1:], "correct the value"))
+        return bounds[kind].format(**context)
+    return "; ".join(EXPECTED.get(kind, (message[:1].lower() + message[1:],)))
 
 
 def _described(location: Location) -> str:

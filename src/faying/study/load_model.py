@@ -15,8 +15,9 @@ from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.study.consistency import boundary_problems
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
+from faying.study.section import Section
 from faying.study.sets import with_study_sets
-from faying.study.tables import BoltSection, MaterialSection, Section, Study
+from faying.study.tables import BoltSection, MaterialSection, Study
 
 Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
 
@@ -123,8 +124,12 @@ def _bare(assembly: Assembly) -> JointDescription:
 
 
 def _overridden(material: Material, section: MaterialSection) -> Material:
-    values = {"youngs_modulus": section.E, "poissons_ratio": section.nu, "density": section.rho}
-    return replace(material, **{key: value for key, value in values.items() if value is not None})
+    return replace(
+        material,
+        youngs_modulus=material.youngs_modulus if section.E is None else section.E,
+        poissons_ratio=material.poissons_ratio if section.nu is None else section.nu,
+        density=material.density if section.rho is None else section.rho,
+    )
 
 
 def _with_materials(assembly: Assembly, study: Study) -> Assembly:

@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from faying.exceptions import StudyError
 from faying.study.consistency import inconsistencies
-from faying.study.errors import StudySource, reject, translated
+from faying.study.errors import Problem, StudySource, reject, translated
 from faying.study.positions import line_numbers
 from faying.study.tables import Study
 
@@ -43,8 +43,7 @@ def read_study(path: Path | str) -> Study:
     try:
         study = Study.model_validate(data, context=source)
     except ValidationError as error:
-        entries = error.errors(include_url=False)
-        reject(source, [translated(source, dict(entry)) for entry in entries])
+        reject(source, _mistakes(source, error))
         raise
     reject(source, inconsistencies(study))
     return study
@@ -59,3 +58,17 @@ def _text(path: Path) -> str:
     except OSError as error:
         message = f"cannot read study file {path}: {error.strerror}; check the path"
     raise StudyError(message)
+
+
+def _mistakes(source: StudySource, error: ValidationError) -> list[Problem]:
+    """Translate a validation error, without the consequences of mistakes in other ones.
+
+    A list whose entries are refused counts as too short as well.
+    """
+    entries = error.errors(include_url=False)
+    inner = {entry["loc"][:depth] for entry in entries for depth in range(len(entry["loc"]))}
+    return [
+        translated(source, dict(entry))
+        for entry in entries
+        if entry["type"] != "too_short" or entry["loc"] not in inner
+    ]

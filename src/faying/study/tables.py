@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, PrivateAttr, StringConstraints
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 
-from faying.study.errors import StudySource, nearest, quoted, shown
+from faying.study.errors import StudySource, one_of, quoted, shown
 from faying.study.section import (
     Count,
     ExistingFile,
@@ -58,10 +58,7 @@ def _source(value: Any) -> Any:
             f"{quoted(SOURCES)} (matrices of your own solver enter through 'matrices')"
         )
         raise refusal(message)
-    message = (
-        f"found {shown(value)}, expected one of {quoted(SOURCES)}; {nearest(str(value), SOURCES)}"
-    )
-    raise refusal(message)
+    raise refusal(one_of(value, SOURCES))
 
 
 class MatrixFiles(Section):
@@ -336,11 +333,18 @@ class OutputSection(Section):
     report: Switch = True
 
 
+def _units(label: str) -> str:
+    if len(label.split("-")) == 3 and all(label.split("-")):
+        return label
+    message = f"found {shown(label)}, expected length-mass-time of a consistent set, as in 'mm-t-s'"
+    raise refusal(message)
+
+
 class Study(Section):
     """A study file, read and checked. Paths in it are absolute."""
 
     title: str = ""
-    units: Annotated[str, StringConstraints(pattern=r"^[^\s-]+-[^\s-]+-[^\s-]+$")] = "mm-t-s"
+    units: Annotated[Name, AfterValidator(_units)] = "mm-t-s"
     model: ModelSection
     materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
     interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")

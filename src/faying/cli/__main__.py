@@ -1,0 +1,5 @@
+"""``python -m faying.cli``."""
+
+from faying.cli import main
+
+main()

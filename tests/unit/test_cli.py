@@ -1,0 +1,143 @@
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import pytest
+
+from faying import cli
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "nastran_deck.toml"
+
+
+def call(monkeypatch, capsys, *arguments):
+    """Run the command line in this process; return status, standard output and error."""
+    monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
+    # wide enough that rich does not wrap what the tests look for
+    monkeypatch.setenv("COLUMNS", "200")
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    return ended.value.code or 0, *capsys.readouterr()
+
+
+@pytest.fixture
+def runner(monkeypatch):
+    """A stand-in for the runner that records its calls and reports convergence as told."""
+    calls = []
+    result = SimpleNamespace(converged=True, summary={})
+
+    def run(study, out, *, resume, progress):
+        calls.append((study, out, resume))
+        return result
+
+    module = ModuleType("faying.study.run")
+    module.run = run
+    monkeypatch.setitem(sys.modules, "faying.study.run", module)
+    return SimpleNamespace(calls=calls, result=result)
+
+
+def test_start_up_imports_nothing_heavy():
+    heavy = ["numpy", "scipy", "matplotlib", "pydantic", "skfem", "h5py"]
+    code = f"import sys, faying.cli; print([m for m in {heavy} if m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("command", ["demo", "run", "check", "report"])
+def test_every_command_has_help(monkeypatch, capsys, command):
+    status, out, _ = call(monkeypatch, capsys, command, "--help")
+    assert status == 0
+    assert f"faying {command}" in out
+
+
+def test_version(monkeypatch, capsys):
+    status, out, _ = call(monkeypatch, capsys, "--version")
+    assert status == 0
+    assert out.startswith("faying 0.")
+
+
+@pytest.mark.parametrize("arguments", [["run"], ["runn"], ["check", "--colour"], ["demo", "extra"]])
+def test_usage_errors_end_with_status_2(monkeypatch, capsys, arguments):
+    status, out, err = call(monkeypatch, capsys, *arguments)
+    assert status == 2
+    assert out == ""
+    assert "Error" in err
+
+
+def test_bad_study_is_one_message_and_no_traceback(tmp_path):
+    path = tmp_path / "STUDY.toml"
+    path.write_text(EXAMPLE.read_text().replace("preload", "prelaod"))
+    for command in ("run", "check"):
+        arguments = [sys.executable, "-m", "faying.cli", command, str(path)]
+        found = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path, check=False)
+        assert found.returncode == 2
+        assert found.stdout == ""
+        assert "did you mean 'preload'?" in found.stderr
+        assert "Traceback" not in found.stderr
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_run_passes_the_study_on(monkeypatch, capsys, runner, tmp_path):
+    out = tmp_path / "results"
+    status, text, _ = call(monkeypatch, capsys, "run", EXAMPLE, "--out", out, "--resume")
+    assert status == 0
+    assert str(out) in text
+    ((study, folder, resume),) = runner.calls
+    assert (study.path, folder, resume) == (EXAMPLE, out, True)
+
+
+def test_run_names_its_folder_after_the_study(monkeypatch, capsys, runner, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert call(monkeypatch, capsys, "run", EXAMPLE)[0] == 0
+    assert (tmp_path / "nastran_deck-results").is_dir()
+    assert runner.calls[0][2] is False
+
+
+def test_missing_convergence_is_status_1(monkeypatch, capsys, runner, tmp_path):
+    runner.result.converged = False
+    status, _, err = call(monkeypatch, capsys, "run", EXAMPLE, "--out", tmp_path)
+    assert status == 1
+    assert "summary.json" in err
+
+
+@pytest.mark.parametrize(("options", "title"), [([], ""), (["--quick"], ", coarse")])
+def test_demo_runs_the_packaged_study(monkeypatch, capsys, runner, tmp_path, options, title):
+    assert call(monkeypatch, capsys, "demo", "--out", tmp_path, *options)[0] == 0
+    assert runner.calls[0][0].title == f"Bolted cantilever{title}"
+
+
+def test_results_cannot_go_into_a_file(monkeypatch, capsys, runner, tmp_path):
+    (tmp_path / "file").write_text("")
+    status, _, err = call(monkeypatch, capsys, "run", EXAMPLE, "--out", tmp_path / "file")
+    assert status == 2
+    assert "cannot write to folder" in err
+    assert runner.calls == []
+
+
+def test_nothing_to_compute(monkeypatch, capsys, runner, tmp_path):
+    path = tmp_path / "idle.toml"
+    path.write_text(
+        '[model]\nsource = "lap-joint"\n[[bolt]]\nname = "bolt"\npreload = 1.0\n'
+        '[reduction]\nmethods = ["compliance"]\n'
+    )
+    status, _, err = call(monkeypatch, capsys, "run", path)
+    assert status == 2
+    assert "no [[load_case]]" in err
+
+
+def test_check_tells_what_was_understood(monkeypatch, capsys):
+    status, out, _ = call(monkeypatch, capsys, "check", EXAMPLE)
+    assert status == 0
+    # 224 bricks of 5 x 5 x 5 mm and 7.82e-9 t/mm³ make 2.1896e-4 t; the M6 bar adds 4.42e-6 t
+    for expected in ["224 hex8 (incompatible)", "0.000223382", "rigid couplings (RBE2)", "gauss-2"]:
+        assert expected in out
+    joint = next(line for line in out.splitlines() if line.strip().startswith("joint"))
+    # 28 faces of 25 mm²; the automatic penalty is 10 E/h = 10 · 210000 / 5
+    assert joint.split() == ["joint", "28", "44", "112", "gauss-2", "700", "0", "420000"]
+
+
+def test_report_needs_results(monkeypatch, capsys, tmp_path):
+    status, _, err = call(monkeypatch, capsys, "report", tmp_path)
+    assert status == 2
+    assert "no results.h5" in err
