@@ -1,6 +1,7 @@
 """Read a Nastran deck into an :class:`~faying.model.assembly.Assembly`."""
 
 from collections.abc import Mapping
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -52,7 +53,7 @@ _REMEDIES = {
 }
 
 
-def read_deck(path: str | Path) -> Assembly:
+def read_deck(path: str | PathLike[str]) -> Assembly:
     """Read Nastran bulk data (small, large and free field) with its INCLUDE files.
 
     What is read: GRID, GRDSET, CORD1R/C/S, CORD2R/C/S, CHEXA (8, 20), CPENTA (6), CTETRA (4, 10),

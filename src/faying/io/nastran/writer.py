@@ -26,7 +26,7 @@ _CARDS = {
 
 
 def write_deck(
-    assembly: Assembly, path: str | Path, *, title: str = "", loads: str | None = None
+    assembly: Assembly, path: str | os.PathLike[str], *, title: str = "", loads: str | None = None
 ) -> None:
     """Write a deck that Nastran can run as a linear static analysis (SOL 101).
 
@@ -132,7 +132,7 @@ def _grids(assembly: Assembly) -> Iterator[str]:
     for node, (x, y, z), turned in zip(ids.tolist(), rows, system.tolist(), strict=True):
         yield (
             f"GRID*   {node:<16d}{'':16}{texts[x]}{texts[y]}\n"
-            f"*       {texts[z]}{turned or '':<16}".rstrip()
+            f"*       {texts[z]}{turned or ''}".rstrip()
         )
 
 

@@ -1,0 +1,323 @@
+"""Mass, damping and stiffness of another program as an assembly, from memory or from files."""
+
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix
+from faying.exceptions import FormatError, ModelError
+from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
+from faying.model.assembly import (
+    Assembly,
+    AverageCoupling,
+    Beam,
+    Equation,
+    FaceSet,
+    MatrixBlock,
+    PointMass,
+    RigidCoupling,
+    Spring,
+    Support,
+)
+from faying.model.mesh import Mesh
+
+FACE_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
+
+# Programs write ten digits or more and sum element matrices in varying order; a difference of
+# 1e-8 of the largest entry is beyond both and means an unsymmetric matrix.
+_SYMMETRY = 1e-8
+
+_Path = str | PathLike[str]
+
+
+def matrices_assembly(
+    M: SparseMatrix | npt.ArrayLike,
+    K: SparseMatrix | npt.ArrayLike,
+    C: SparseMatrix | npt.ArrayLike | None = None,
+    *,
+    nodes: npt.ArrayLike,
+    dofs: npt.ArrayLike | None = None,
+    node_ids: npt.ArrayLike | None = None,
+    faces: Mapping[str, npt.ArrayLike] | None = None,
+    node_sets: Mapping[str, npt.ArrayLike] | None = None,
+    beams: Sequence[Beam] = (),
+    springs: Sequence[Spring] = (),
+    masses: Sequence[PointMass] = (),
+    rigid_couplings: Sequence[RigidCoupling] = (),
+    average_couplings: Sequence[AverageCoupling] = (),
+    equations: Sequence[Equation] = (),
+    supports: Sequence[Support] = (),
+    name: str = "matrices",
+) -> Assembly:
+    """Check matrices against their tables and wrap them as an assembly.
+
+    Parameters
+    ----------
+    M, C, K : (n, n)
+        Sparse or dense; ``M`` and ``K`` symmetric. Differences below 1e-8 of the largest entry
+        are averaged away.
+    nodes : (n_node, 3) [length]
+    dofs : (n, 2)
+        Node id and component 1..6 of each row. Without it, rows run through the nodes in their
+        order with three or six components each, whichever fits the size.
+    node_ids : (n_node,)
+        1, 2, 3, … if None.
+    faces
+        Names of interface sides to node ids (n_face, 3 | 4 | 6 | 8), corners first,
+        counter-clockwise seen from outside the body.
+    node_sets
+        Names to node ids.
+    beams, springs, masses, rigid_couplings, average_couplings, equations, supports
+        Passed through; they refer to nodes by index.
+
+    Raises
+    ------
+    ModelError
+        Naming the matrix, row and column, or the node id, that does not fit.
+    """
+    points = np.asarray(nodes, dtype=np.float64).reshape(-1, 3)
+    ids = np.arange(1, len(points) + 1) if node_ids is None else np.asarray(node_ids)
+    mesh = _mesh(points, np.asarray(ids, dtype=np.int64))
+    table = _every_node(mesh, np.shape(K)) if dofs is None else np.asarray(dofs)
+    index, component = _rows(mesh, table)
+    label = _Label(mesh.node_ids[index], component)
+    mass, stiffness = _checked("M", M, label), _checked("K", K, label)
+    damping = None if C is None else _checked("C", C, label)
+    mass, stiffness = _symmetric("M", mass, label), _symmetric("K", stiffness, label)
+    _check_mass(mass, label)
+    face_sets = {key: _face_set(mesh, key, value) for key, value in (faces or {}).items()}
+    for key, value in (node_sets or {}).items():
+        mesh = mesh.with_node_set(key, np.unique(mesh.node_index(np.asarray(value))))
+    return Assembly(
+        mesh=mesh,
+        matrices=MatrixBlock(M=mass, C=damping, K=stiffness, nodes=index, components=component),
+        face_sets=face_sets,
+        beams=tuple(beams),
+        springs=tuple(springs),
+        masses=tuple(masses),
+        rigid_couplings=tuple(rigid_couplings),
+        average_couplings=tuple(average_couplings),
+        equations=tuple(equations),
+        supports=tuple(supports),
+        name=name,
+    )
+
+
+def read_matrices(
+    M: _Path,
+    K: _Path,
+    C: _Path | None = None,
+    *,
+    nodes: _Path,
+    dofs: _Path | None = None,
+    faces: _Path | None = None,
+    node_sets: _Path | None = None,
+    **parts: Any,
+) -> Assembly:
+    """Read matrices and tables from files.
+
+    Parameters
+    ----------
+    M, C, K
+        ``.npz``, ``.mtx`` or ``.mat``, see :func:`faying.io.matrix_files.read_matrix`.
+    nodes
+        Rows of id, x, y, z (``.csv``, ``.txt``, ``.npz``).
+    dofs
+        Node id and component 1..6 of each matrix row (``.csv``, ``.txt``, ``.npz``). Without it,
+        rows run through the nodes with three or six components each, whichever fits.
+    faces, node_sets
+        Rows of set name, node id, node id, …; or an ``.npz`` with one array per set.
+    **parts
+        Those of :func:`matrices_assembly`: couplings, supports, ``name``, …
+
+    Raises
+    ------
+    FormatError
+        If a file cannot be read.
+    ModelError
+        If the contents do not fit together.
+    """
+    ids, points = read_node_table(nodes)
+    rows = None if dofs is None else read_dof_table(dofs)
+    sides = read_id_sets(faces, "face set") if faces is not None else {}
+    named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
+    return matrices_assembly(
+        read_matrix(M, "M"),
+        read_matrix(K, "K"),
+        None if C is None else read_matrix(C, "C"),
+        nodes=points,
+        node_ids=ids,
+        dofs=rows,
+        faces={key: _stacked(key, value) for key, value in sides.items()},
+        node_sets={key: np.concatenate(value) for key, value in named.items()},
+        **parts,
+    )
+
+
+class _Label:
+    """Says which node and component a matrix row belongs to."""
+
+    def __init__(self, ids: Indices, components: Indices) -> None:
+        self.ids, self.components = ids, components
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __call__(self, row: int) -> str:
+        known = row < len(self)
+        place = f", node {self.ids[row]} component {self.components[row] + 1}" if known else ""
+        return f"row {row + 1}{place}"
+
+
+def _mesh(points: Matrix, ids: Indices) -> Mesh:
+    mesh = Mesh(nodes=points, node_ids=ids)
+    unique, count = np.unique(ids, return_counts=True)
+    if (count > 1).any():
+        message = f"node table: node {unique[count > 1][0]} occurs twice; keep one row"
+        raise ModelError(message)
+    if not np.isfinite(points).all():
+        message = f"node table: node {ids[~np.isfinite(points).all(axis=1)][0]} is not finite"
+        raise ModelError(message)
+    return mesh
+
+
+def _every_node(mesh: Mesh, shape: tuple[int, ...]) -> Indices:
+    """Rows of a matrix that holds three, or six, components of every node in order."""
+    n_node = len(mesh.node_ids)
+    for size in (3, 6):
+        if shape == (size * n_node, size * n_node):
+            components = np.tile(np.arange(1, size + 1), n_node)
+            return np.stack([np.repeat(mesh.node_ids, size), components], axis=1)
+    message = (
+        f"matrix K has shape {shape} for {n_node} nodes, neither 3 nor 6 rows a node; give the "
+        "dof table (node id and component 1..6 of each row)"
+    )
+    raise ModelError(message)
+
+
+def _rows(mesh: Mesh, dofs: npt.NDArray[Any]) -> tuple[Indices, Indices]:
+    """Node index and component 0..5 of each row."""
+    if dofs.ndim != 2 or dofs.shape[1] != 2 or dofs.dtype.kind not in "iu":
+        message = (
+            f"dof table: shape {dofs.shape} of {dofs.dtype}; expected whole numbers (n, 2): "
+            "node id and component 1..6 of each row"
+        )
+        raise ModelError(message)
+    table = dofs.astype(np.int64)
+    unknown = np.flatnonzero(~np.isin(table[:, 0], mesh.node_ids))
+    if unknown.size:
+        row = int(unknown[0])
+        message = f"dof table: row {row + 1} names node {table[row, 0]}, which is not a node"
+        raise ModelError(message)
+    wrong = np.flatnonzero((table[:, 1] < 1) | (table[:, 1] > 6))
+    if wrong.size:
+        row = int(wrong[0])
+        message = f"dof table: row {row + 1} has component {table[row, 1]}; expected 1 to 6"
+        raise ModelError(message)
+    _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[which.ravel()] != np.arange(len(table)))
+    if again.size:
+        row = int(again[0])
+        message = (
+            f"dof table: node {table[row, 0]} component {table[row, 1]} stands in rows "
+            f"{first[which.ravel()[row]] + 1} and {row + 1}; each belongs to one row"
+        )
+        raise ModelError(message)
+    return mesh.node_index(table[:, 0]), table[:, 1] - 1
+
+
+def _checked(name: str, matrix: Any, label: _Label) -> SparseMatrix:
+    shape = np.shape(matrix) if not sp.issparse(matrix) else matrix.shape
+    if len(shape) != 2 or shape[0] != shape[1]:
+        message = f"matrix {name} has shape {tuple(shape)}; it must be square"
+        raise ModelError(message)
+    if shape[0] != len(label):
+        message = (
+            f"matrix {name} has {shape[0]} rows but the dof table {len(label)}; each row of the "
+            "table names one row of M, C and K"
+        )
+        raise ModelError(message)
+    if not sp.issparse(matrix):
+        matrix = np.asarray(matrix)
+    if matrix.dtype.kind not in "fiub":
+        message = f"matrix {name} is of type {matrix.dtype}; it must be real"
+        raise ModelError(message)
+    result = sp.csr_array(matrix, dtype=np.float64, copy=True)
+    result.sum_duplicates()
+    bad = np.flatnonzero(~np.isfinite(result.data))
+    if bad.size:
+        row = int(np.searchsorted(result.indptr, bad[0], side="right")) - 1
+        column = int(result.indices[bad[0]])
+        message = (
+            f"matrix {name}: entry ({row + 1}, {column + 1}) is {result.data[bad[0]]} "
+            f"({label(row)}); it must be finite"
+        )
+        raise ModelError(message)
+    result.eliminate_zeros()
+    return result
+
+
+def _symmetric(name: str, matrix: SparseMatrix, label: _Label) -> SparseMatrix:
+    largest = float(np.abs(matrix.data).max(initial=0.0))
+    difference = sp.coo_array(matrix - matrix.T)
+    if not difference.nnz:
+        return matrix
+    worst = int(np.abs(difference.data).argmax())
+    size = abs(float(difference.data[worst]))
+    if size <= _SYMMETRY * largest:
+        return sp.csr_array((matrix + matrix.T) * 0.5)
+    row, column = sorted((int(difference.row[worst]), int(difference.col[worst])))
+    if sp.triu(matrix, 1).nnz == 0 or sp.tril(matrix, -1).nnz == 0:
+        remedy = "only one triangle is stored: add the transpose without the diagonal"
+    else:
+        remedy = "faying needs symmetric matrices (no follower forces, friction or gyroscopics)"
+    message = (
+        f"matrix {name} is not symmetric: entries ({row + 1}, {column + 1}) and its mirror "
+        f"differ by {size:.3g} ({label(row)}; {label(column)}), {size / largest:.1g} of the "
+        f"largest entry; {remedy}"
+    )
+    raise ModelError(message)
+
+
+def _check_mass(mass: SparseMatrix, label: _Label) -> None:
+    diagonal = mass.diagonal()
+    if len(diagonal) and diagonal.min() < 0:
+        row = int(diagonal.argmin())
+        message = f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; mass is positive"
+        raise ModelError(message)
+    for component in range(3):
+        motion = (label.components == component).astype(np.float64)
+        total = float(motion @ (mass @ motion))
+        if motion.any() and not total > 0:
+            axis = "xyz"[component]
+            message = (
+                f"matrix M: the mass moving along {axis} is rᵀMr = {total:g}; it must be positive. "
+                "Check that M and K are not swapped and that the dof table is in row order"
+            )
+            raise ModelError(message)
+
+
+def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
+    table = np.asarray(ids)
+    if table.ndim != 2 or table.shape[1] not in FACE_KINDS or table.dtype.kind not in "iu":
+        message = (
+            f"face set '{name}': shape {table.shape} of {table.dtype}; expected node ids "
+            "(n_face, 3, 4, 6 or 8)"
+        )
+        raise ModelError(message)
+    nodes = mesh.node_index(table.ravel()).reshape(table.shape)
+    return FaceSet(kind=FACE_KINDS[table.shape[1]], nodes=nodes)
+
+
+def _stacked(name: str, rows: list[Indices]) -> Indices:
+    sizes = sorted({len(row) for row in rows})
+    if len(sizes) != 1:
+        shown = " and ".join(map(str, sizes))
+        message = f"face set '{name}' has faces of {shown} nodes; make one set of each kind"
+        raise FormatError(message)
+    return np.stack(rows)
