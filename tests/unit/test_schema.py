@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 import faying.study
-from faying.exceptions import StudyError
+from faying.exceptions import ModelError, StudyError
 from faying.study.history import read_history
-from faying.study.load_model import load_model
+from faying.study.load_model import build, load_model
+from faying.study.loads import case_load, training_box
 from faying.study.positions import line_numbers
 from faying.study.schema import Study, read_study
 from faying.study.tables import METHODS
@@ -130,6 +131,12 @@ BROKEN = [
     ('kind = "step"', 'kind = "history"', ["needs a 'file'"]),
     ("value = -500.0", 'file = "h.csv"', ["'h.csv' does not exist", "forces number 1"]),
     (", value = -500.0", "", ["either 'value' or 'file'"]),
+    (
+        'component = "Mx", value = 20e3',
+        'component = "Fz", value = 20e3',
+        ["[[load_case]] number 2, forces number 2", "tip.Fz is loaded by number 1"],
+    ),
+    ('component = "Mx", min', 'component = "Fz", min', ["box", "number 2", "tip.Fz"]),
     ("value = -500.0", "value = -500.0, valu = 3", ["unknown key 'valu'", "'value'"]),
     ("periods = 2.0", "periods = 2.0\nduration = 1.0", ["'duration' and 'periods'"]),
     ("periods = 2.0\nsteps_per_period = 100", "periods = 2.0", ["needs a time step"]),
@@ -374,3 +381,29 @@ def test_deck_materials_and_bolt_nodes(tmp_path):
     assert (materials[1].youngs_modulus, materials[2].youngs_modulus) == (210e3, 70e3)
     with pytest.raises(StudyError, match="no material 'stel'"):
         load_model(study(tmp_path, text + "[material.stel]\nE = 7e4\n"))
+
+
+def test_loads_of_the_demo(tmp_path):
+    demo = study(tmp_path, DEMO)
+    assert case_load(demo.load_cases[1]).forces == {"tip.Fz": -500.0, "tip.Mx": 20e3}
+    box = training_box(demo.reduction.training)
+    assert box.ranges == {"tip.Fz": (-750.0, 750.0), "tip.Mx": (-30e3, 30e3)}
+    assert (box.levels, box.preload_factors) == (5, (0.5, 1.0, 1.5))
+
+
+def test_boundaries_without_the_component_of_a_load(tmp_path):
+    text = (
+        SMALL
+        + """
+[[boundary]]
+name = "corner"
+node = 30
+[[load_case]]
+name = "twist"
+kind = "static"
+forces = [{ boundary = "corner", component = "Mx", value = 1.0 }]
+"""
+    )
+    # a node of solids alone has no rotations
+    with pytest.raises(ModelError, match="'corner' takes no load 'Mx'; it has Fx, Fy, Fz"):
+        build(study(tmp_path, text))

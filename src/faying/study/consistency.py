@@ -1,6 +1,6 @@
 """What the values of a study file must be together. One rule, one function."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 
 from faying.exceptions import StudyError
@@ -8,7 +8,7 @@ from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
-from faying.study.tables import LoadCaseSection, Study, Timed
+from faying.study.tables import LoadCaseSection, Loading, Study, Timed
 
 MATERIAL_OF_GENERATOR = "steel"
 
@@ -130,6 +130,7 @@ def _reduction(study: Study) -> Iterator[Problem]:
             "[reduction.training] with box = [{ boundary, component, min, max }]"
         )
         yield _in_table(study, ("reduction",), text)
+    yield from _repeated(study, ("reduction", "training", "box"), training.box)
     for i, side in enumerate(training.box):
         if not side.min < side.max:
             location = ("reduction", "training", "box", i, "min")
@@ -175,6 +176,7 @@ def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator
 
 
 def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
+    yield from _repeated(study, (*location, "forces"), case.forces)
     for j, force in enumerate(case.forces):
         here: Location = (*location, "forces", j)
         if (force.value is None) == (force.file is None):
@@ -191,6 +193,14 @@ def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator
     if case.kind == "history" and not any(force.file for force in case.forces):
         text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"
         yield _in_table(study, location, text)
+
+
+def _repeated(study: Study, location: Location, loads: Sequence[Loading]) -> Iterator[Problem]:
+    targets = [load.target for load in loads]
+    for i, target in enumerate(targets):
+        if target in targets[:i]:
+            text = f"{target} is loaded by number {targets.index(target) + 1} already; merge them"
+            yield _in_table(study, (*location, i), text)
 
 
 def _material(study: Study) -> Iterator[Problem]:

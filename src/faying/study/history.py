@@ -1,36 +1,12 @@
 """Load histories: two columns of a csv file, time and value."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from faying._typing import Vector, frozen
+from faying._typing import Matrix
 from faying.exceptions import StudyError
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class History:
-    """A load over time, linear between its samples.
-
-    Attributes
-    ----------
-    times : (n,) [time]
-        Strictly increasing.
-    values : (n,) [force] or [force·length]
-    """
-
-    times: Vector
-    values: Vector
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "times", frozen(self.times))
-        object.__setattr__(self, "values", frozen(self.values))
-
-    def at(self, times: Vector) -> Vector:
-        """Return the load at instants (n_time,); outside the samples the nearest one holds."""
-        values: Vector = np.interp(times, self.times, self.values)
-        return values
+from faying.simulation.load import History
 
 
 def read_history(path: Path) -> History:
@@ -86,7 +62,7 @@ def _row(path: Path, number: int, line: str) -> tuple[float, float]:
     return float(cells[0]), float(cells[1])
 
 
-def _check(path: Path, lines: list[int], rows: Vector) -> None:
+def _check(path: Path, lines: list[int], rows: Matrix) -> None:
     """Refuse what cannot be interpolated."""
     if len(rows) < 2:
         message = f"{path}: found {len(rows)} samples, expected two or more lines 'time, value'"

@@ -15,6 +15,7 @@ from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.study.consistency import boundary_problems
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
+from faying.study.loads import check_loads
 from faying.study.section import Section
 from faying.study.sets import with_study_sets
 from faying.study.tables import BoltSection, MaterialSection, Study
@@ -78,7 +79,7 @@ def build(study: Study) -> Model:
         As :func:`load_model` and :func:`faying.model.build.build_model`.
     """
     loaded = load_model(study)
-    return build_model(
+    model = build_model(
         loaded.assembly,
         interfaces=loaded.interfaces,
         bolts=loaded.bolts,
@@ -86,6 +87,8 @@ def build(study: Study) -> Model:
         damping=loaded.damping,
         units=loaded.units,
     )
+    check_loads(study, model)
+    return model
 
 
 def _lap_joint(study: Study) -> JointDescription:

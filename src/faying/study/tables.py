@@ -237,11 +237,21 @@ class Timed(Section):
     steps_per_period: Count | None = None
 
 
-class BoxSide(Section):
-    """One side of the box of training loads: a boundary load between ``min`` and ``max``."""
+class Loading(Section):
+    """A component of a boundary's load."""
 
     boundary: Name
     component: ForceComponent
+
+    @property
+    def target(self) -> str:
+        """Key of the component in a :class:`faying.simulation.load.Load`."""
+        return f"{self.boundary}.{self.component}"
+
+
+class BoxSide(Loading):
+    """One side of the box of training loads: a boundary load between ``min`` and ``max``."""
+
     min: Number
     max: Number
 
@@ -259,10 +269,11 @@ class TrainingSection(Timed):
         Bolt forces of the static runs over their nominal values.
     dynamics
         Whether step responses at nominal preload are training runs too, (15.28): all combinations
-        of ``min``, 0 and ``max`` of each side but no load at all; by default over one period in a
-        hundred steps.
+        of the smallest, middle and largest value of each side but the middle one; by default over
+        one period in a hundred steps.
     subareas
-        Loaded patches of method A per interface, (15.23); None is one per node pair.
+        Loaded patches of method A over all interfaces together, (15.23); None leaves the number
+        to :func:`faying.reduction.jim_a.jim_a`.
     weight
         Inner product of method A's POD, (15.22).
     """
@@ -284,11 +295,9 @@ class ReductionSection(Section):
     training: TrainingSection = TrainingSection()
 
 
-class ForceSection(Section):
+class ForceSection(Loading):
     """A load on a boundary: a constant ``value``, or a history ``file`` (csv: time, value)."""
 
-    boundary: Name
-    component: ForceComponent
     value: Number | None = None
     file: ExistingFile | None = None
 

@@ -1,0 +1,53 @@
+"""From the tables of a study to the loads it computes."""
+
+import numpy as np
+
+from faying.model.model import Model
+from faying.reduction.snapshots import LoadBox
+from faying.simulation.load import History, Load
+from faying.study.history import read_history
+from faying.study.tables import ForceSection, LoadCaseSection, Study, TrainingSection
+
+
+def case_load(case: LoadCaseSection) -> Load:
+    """Return the load of a case; histories are read from their files.
+
+    Raises
+    ------
+    StudyError
+        If a history file has changed since the study was read and cannot be used any more.
+    """
+    return Load({force.target: _amount(force) for force in case.forces}, name=case.name)
+
+
+def training_box(training: TrainingSection) -> LoadBox:
+    """Return the box of training loads.
+
+    Raises
+    ------
+    ModelError
+        If the study has none.
+    """
+    return LoadBox(
+        ranges={side.target: (side.min, side.max) for side in training.box},
+        levels=training.levels,
+        preload_factors=training.preload_factors,
+    )
+
+
+def check_loads(study: Study, model: Model) -> None:
+    """Refuse loads on components that a boundary of the model does not have.
+
+    Raises
+    ------
+    ModelError
+        The message names the boundary and its components.
+    """
+    start = np.zeros(1)
+    training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
+    for load in (*map(case_load, study.load_cases), training):
+        load.inputs(model, start)
+
+
+def _amount(force: ForceSection) -> float | History:
+    return read_history(force.file) if force.file else force.value or 0.0
