@@ -3,6 +3,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.io
+import scipy.sparse as sp
 
 import faying.study
 from faying.exceptions import ModelError, StudyError
@@ -407,3 +409,36 @@ forces = [{ boundary = "corner", component = "Mx", value = 1.0 }]
     # a node of solids alone has no rotations
     with pytest.raises(ModelError, match="'corner' takes no load 'Mx'; it has Fx, Fy, Fz"):
         build(study(tmp_path, text))
+
+
+MATRICES = """
+[model]
+source = "matrices"
+files = { M = "M.mtx", K = "K.mtx", nodes = "nodes.csv", dofs = "dofs.csv", faces = "faces.csv" }
+[[interface]]
+name = "joint"
+minus = "below"
+plus = "above"
+[[boundary]]
+name = "tip"
+node = 7
+[reduction]
+methods = ["compliance"]
+"""
+
+
+def test_matrices_are_a_source(tmp_path):
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    points = [(*corner, 0) for corner in square] * 2
+    nodes = [f"{i + 1},{x},{y},{z}" for i, (x, y, z) in enumerate(points)]
+    (tmp_path / "nodes.csv").write_text("\n".join(nodes) + "\n")
+    (tmp_path / "dofs.csv").write_text("".join(f"{i},3\n" for i in range(1, 9)))
+    (tmp_path / "faces.csv").write_text("below,1,2,3,4\nabove,5,8,7,6\n")
+    for name in ("M.mtx", "K.mtx"):
+        scipy.io.mmwrite(tmp_path / name, sp.eye_array(8).tocoo())
+    loaded = load_model(study(tmp_path, MATRICES))
+    assert loaded.assembly.matrices.K.shape == (8, 8)
+    assert set(loaded.assembly.face_sets) == {"below", "above"}
+    (tmp_path / "K.mtx").unlink()
+    with pytest.raises(StudyError, match="'K' in .model.files. .*'K.mtx' does not exist"):
+        study(tmp_path, MATRICES)

@@ -70,6 +70,7 @@ class MatrixFiles(Section):
     nodes: ExistingFile
     dofs: ExistingFile | None = None
     faces: ExistingFile | None = None
+    node_sets: ExistingFile | None = None
 
 
 def _named_set(value: Any) -> Any:
@@ -282,6 +283,7 @@ class TrainingSection(Timed):
     levels: Annotated[Count, Field(ge=2)] = 5
     preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
     dynamics: Switch = True
+    system: Literal["full", "reduced"] = "full"
     subareas: Count | None = None
     weight: Literal["K", "I"] = "K"
 
