@@ -14,8 +14,8 @@ from faying.model.specs import InterfaceSpec
 _FACING = -0.7
 """Largest cosine between the outward normals of facets that lie on each other."""
 
-_SHARP = np.radians(30.0)
-"""A facet that turns more than this towards all of its neighbours is beside an edge, not curved."""
+_SHARP = np.radians(15.0)
+"""Normals that turn more than this towards a corner belong to an edge or chamfer, not to an arc."""
 
 
 def check_no_mismatch(
@@ -129,19 +129,20 @@ def _inside(points: Matrix, corners: Matrix, normals: Matrix) -> Mask:
 def _arc_height(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
     """Estimate how far the true surface stands off each facet: h θ / 4, θ the turn at its nodes.
 
-    θ is the smallest angle between the facet's normal and the mean normal at its corners: zero
-    beside a sharp edge of a flat surface, h / 2R on a cylinder. Of edges h the longest counts.
+    θ is the largest angle between the facet's normal and the mean normal at its corners that is
+    not an edge's: zero on a flat surface, h / 2R on a cylinder. Of edges h the longest counts.
     """
     index = facets.corners
     mean = np.zeros((int(index.max()) + 1, 3))
     np.add.at(mean, index, np.broadcast_to(normals[:, None], (*index.shape, 3)))
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     mean /= np.where(length > 0, length, 1.0)
-    cosine = np.einsum("fcd,fd->fc", mean[index], normals).max(axis=1)
-    # arccos of a rounded cosine near one is accurate to 1e-8 only: flat has to be flat.
-    turn = np.where(cosine > 1 - 1e-12, 0.0, np.arccos(np.clip(cosine, -1.0, 1.0)))
+    # The chord between unit normals: unlike arccos it keeps zero at zero.
+    turn = np.linalg.norm(mean[index] - normals[:, None], axis=2)
+    turn = np.where(turn < _SHARP, turn, 0.0).max(axis=1)
     edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    return np.where(turn < _SHARP, edge * turn / 4, 0.0)
+    height: Vector = edge * turn / 4
+    return height
 
 
 def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -> float:

@@ -105,7 +105,7 @@ def _matches(assembly: Assembly, spec: InterfaceSpec) -> _Matches:
     keys = np.sort(np.append(labels, -1)[facets.nodes], axis=1)
     _check_not_collapsed(keys, facets, assembly, spec, tolerance)
     first, second = _coincident_facets(keys, side, facets, assembly, spec)
-    _check_opposite(facet_area_vectors(nodes, facets), first, second, facets, assembly, spec)
+    _check_facing(facet_area_vectors(nodes, facets), first, second, facets, assembly, spec)
     matched = np.zeros(len(facets), dtype=bool)
     matched[first] = matched[second] = True
     check_no_mismatch(assembly, spec, facets, side, matched, tolerance)
@@ -258,12 +258,12 @@ def _check_not_collapsed(
         message = (
             f"interface '{spec.name}': nodes of one facet "
             f"{facet_place(assembly, facets, rows[0])} are within the tolerance "
-            f"{tolerance:g} of each other; give a tolerance well below the facets' edges, or repair the facet"
+            f"{tolerance:g} of each other; lower the tolerance, or repair the facet"
         )
         raise ModelError(message)
 
 
-def _check_opposite(
+def _check_facing(
     vectors: Matrix,
     first: Indices,
     second: Indices,
@@ -271,7 +271,15 @@ def _check_opposite(
     assembly: Assembly,
     spec: InterfaceSpec,
 ) -> None:
-    """Refuse coincident facets that face the same way."""
+    """Refuse coincident facets that are the same one or face the same way."""
+    keys = facets.corner_keys
+    shared = np.flatnonzero((keys[first] == keys[second]).all(axis=1))
+    if shared.size:
+        message = (
+            f"interface '{spec.name}': both sides select the same {shared.size} facets, for "
+            f"example {facet_place(assembly, facets, first[shared[0]])}; name one body per side"
+        )
+        raise ModelError(message)
     same = np.flatnonzero(np.einsum("fd,fd->f", vectors[first], vectors[second]) >= 0)
     if same.size:
         message = (

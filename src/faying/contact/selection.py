@@ -22,9 +22,8 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     selection
         A name is looked for among face sets, then node sets (exterior facets with *all* nodes in
         the set), then element sets (exterior facets of these elements); ``"body 0"``,
-        ``"body 1"``, … are the separate bodies. A number is a property id or, if no element has
-        this property, an element id. Several numbers are element ids or, if not all of them are,
-        property ids.
+        ``"body 1"``, … are the separate bodies. One or several numbers are property ids or, if not
+        all of them are, element ids.
 
     Returns
     -------
@@ -54,7 +53,7 @@ def _resolve(assembly: Assembly, selection: Selection) -> Facets:
     if numbers.ndim != 1 or not np.issubdtype(numbers.dtype, np.integer):
         message = f"cannot select facets by {selection!r}; give a set name, an id or a list of ids"
         raise ModelError(message)
-    return _by_number(assembly, numbers.astype(np.int64), single=np.ndim(selection) == 0)
+    return _by_number(assembly, numbers.astype(np.int64))
 
 
 def _by_name(assembly: Assembly, name: str) -> Facets:
@@ -72,17 +71,17 @@ def _by_name(assembly: Assembly, name: str) -> Facets:
     if name in (names := _body_names(assembly)):
         return exterior.taken(exterior.bodies == names.index(name))
     if name.isdecimal():
-        return _by_number(assembly, np.array([int(name)]), single=True)
+        return _by_number(assembly, np.array([int(name)]))
     raise ModelError(_unknown(assembly, name))
 
 
-def _by_number(assembly: Assembly, numbers: Indices, *, single: bool) -> Facets:
+def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
     exterior = exterior_facets(assembly.mesh)
     blocks = assembly.mesh.blocks
     elements = np.concatenate([np.empty(0, np.int64), *(block.ids for block in blocks)])
     properties = np.concatenate([np.empty(0, np.int64), *(b.properties for b in blocks)])
-    meanings = [(elements, exterior.elements), (properties, exterior.properties)]
-    for known, owner in reversed(meanings) if single else meanings:
+    meanings = [(properties, exterior.properties), (elements, exterior.elements)]
+    for known, owner in meanings:
         if np.isin(numbers, known).all():
             return exterior.taken(np.isin(owner, numbers))
     missing = numbers[~np.isin(numbers, elements)]

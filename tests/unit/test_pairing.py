@@ -1,0 +1,316 @@
+"""Pairing: exterior facets, selections, matching, and what is said when facets do not match."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from faying.contact.pairing import exterior_facets, find_interfaces, pair_facets, select_facets
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, FaceSet
+from faying.model.lap_joint import lap_joint_assembly
+from faying.model.mesh import CellBlock, Mesh
+from faying.model.specs import InterfaceSpec
+
+AUTO = InterfaceSpec(name="joint")
+NAMED = InterfaceSpec(name="joint", minus="lower", plus="upper")
+
+
+def brick(origin, size, counts):
+    """Nodes and hex8 cells of a box."""
+    axes = [o + s * np.linspace(0, 1, n + 1) for o, s, n in zip(origin, size, counts, strict=True)]
+    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
+    index = np.arange(len(nodes)).reshape([n + 1 for n in counts])
+    low, high = slice(None, -1), slice(1, None)
+    corners = [(low, low), (high, low), (high, high), (low, high)]
+    cells = [index[x, y, z].ravel() for z in (low, high) for x, y in corners]
+    return nodes, np.column_stack(cells)
+
+
+def blocks(*bricks, names=("lower", "upper", "third")):
+    """An assembly of bricks, each with property, element set and nodes of its own."""
+    nodes, cell_blocks, sets, first_node, first_id = [], [], {}, 0, 1
+    for number, (coordinates, cells) in enumerate(bricks):
+        ids = np.arange(first_id, first_id + len(cells))
+        properties = np.full(len(cells), number + 1)
+        cell_blocks.append(
+            CellBlock(kind="hex8", nodes=cells + first_node, ids=ids, properties=properties)
+        )
+        sets[names[number]] = ids
+        nodes.append(coordinates)
+        first_node, first_id = first_node + len(coordinates), first_id + len(cells)
+    mesh = Mesh(
+        nodes=np.concatenate(nodes),
+        node_ids=10 + np.arange(first_node),
+        blocks=tuple(cell_blocks),
+        element_sets=sets,
+    )
+    return Assembly(mesh=mesh)
+
+
+LOWER = brick((0, 0, -1), (4, 3, 1), (4, 3, 1))
+
+
+def lap(shift=(0.0, 0.0, 0.0), counts=(4, 3, 1)):
+    """Two plates that overlap on x in [1, 4]: nine facets of each when they match."""
+    return blocks(LOWER, brick(np.array([1.0, 0, 0]) + shift, (4, 3, 1), counts))
+
+
+def assert_aligned(assembly, faces):
+    for entry in faces:
+        np.testing.assert_allclose(
+            assembly.mesh.nodes[entry.minus], assembly.mesh.nodes[entry.plus], atol=1e-12
+        )
+
+
+def test_exterior_of_a_box():
+    facets = exterior_facets(lap().mesh)
+    one_box = 2 * (4 * 3 + 4 * 1 + 3 * 1)
+    assert len(facets) == 2 * one_box
+    np.testing.assert_array_equal(np.bincount(facets.bodies), [one_box, one_box])
+    np.testing.assert_array_equal(facets.properties, facets.bodies + 1)
+    # Every facet's nodes are nodes of its element.
+    cells = np.concatenate([block.nodes for block in lap().mesh.blocks])
+    owner = cells[facets.elements - 1]
+    assert (facets.nodes[:, :4, None] == owner[:, None, :]).any(axis=2).all()
+
+
+@pytest.mark.parametrize("shape", ["hex8", "hex20", "tet4", "tet10", "wedge6"])
+def test_exterior_area_vectors_add_up_to_nothing_and_to_the_surface(shape):
+    joint = lap_joint_assembly(element_size=5.0, shape=shape, hole_radius=None).assembly
+    facets = exterior_facets(joint.mesh)
+    corners = joint.mesh.nodes[facets.corners]
+    vectors = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    # A closed surface; the rounding of some thousand facets of 25 mm².
+    np.testing.assert_allclose(vectors.sum(axis=0), 0, atol=1e-9)
+    one_plate = 2 * (75 * 20 + 75 * 10 + 20 * 10)
+    assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(2 * one_plate, rel=1e-12)
+    # They point outwards: ∫ x·n dA is three times the volume.
+    flux = np.einsum("fd,fd->", corners[:, :3].mean(axis=1), vectors)
+    assert flux == pytest.approx(3 * 2 * 75 * 20 * 10, rel=1e-12)
+
+
+def test_a_mixed_mesh_has_no_inner_facets_outside():
+    """A wedge on a brick share their quadrilateral."""
+    nodes = np.array(
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1],
+         [0.5, 0, 2], [0.5, 1, 2]], dtype=float
+    )  # fmt: skip
+    one = np.array([1])
+    mesh = Mesh(
+        nodes=nodes,
+        node_ids=np.arange(10),
+        blocks=(
+            CellBlock(kind="hex8", nodes=np.arange(8)[None], ids=one, properties=one),
+            CellBlock(kind="wedge6", nodes=[[4, 8, 5, 7, 9, 6]], ids=2 * one, properties=one),
+        ),
+    )
+    by_kind = exterior_facets(mesh).by_kind()
+    assert {kind: len(facets) for kind, facets in by_kind.items()} == {"tri3": 2, "quad4": 7}
+    top = [4, 5, 6, 7]
+    assert not any(sorted(row) == top for row in by_kind["quad4"].nodes[:, :4].tolist())
+
+
+def test_selections_name_the_same_facets():
+    joint = lap()
+    exterior = exterior_facets(joint.mesh)
+    upper = exterior.nodes[exterior.bodies == 1]
+    for selection in ("upper", 2, "2", [2], "body 1", joint.mesh.element_sets["upper"].tolist()):
+        np.testing.assert_array_equal(select_facets(joint, selection).nodes, upper)
+    assert (select_facets(joint, [2, 3]).elements <= 3).all()
+
+
+def test_a_node_set_selects_facets_with_all_their_nodes():
+    joint = lap()
+    top = np.flatnonzero((joint.mesh.nodes[:, 2] == 0) & (np.arange(len(joint.mesh.nodes)) < 40))
+    named = replace(joint, mesh=joint.mesh.with_node_set("top", top))
+    assert len(select_facets(named, "top")) == 12
+
+
+def test_a_face_set_knows_its_owners():
+    joint = lap()
+    above = exterior_facets(joint.mesh).by_kind()["quad4"]
+    chosen = above.taken(above.bodies == 1)
+    # Other first corner, same facet.
+    faces = FaceSet(kind="quad4", nodes=np.roll(chosen.nodes[:, :4], 1, axis=1))
+    found = select_facets(replace(joint, face_sets={"f": faces}), "f")
+    np.testing.assert_array_equal(found.elements, chosen.elements)
+    np.testing.assert_array_equal(found.nodes[:, :4], faces.nodes)
+
+
+def test_unknown_selections_are_refused_with_near_names():
+    with pytest.raises(ModelError, match=r"'uper'; did you mean 'upper'"):
+        select_facets(lap(), "uper")
+    with pytest.raises(ModelError, match=r"interface 'joint', minus side: .*'uper'"):
+        pair_facets(lap(), replace(NAMED, minus="uper"))
+    with pytest.raises(ModelError, match=r"element with id 777.*properties are 1, 2"):
+        select_facets(lap(), [1, 777])
+    mesh = lap().mesh.with_node_set("corner", np.array([0]))
+    with pytest.raises(ModelError, match="no exterior facet"):
+        select_facets(Assembly(mesh=mesh), "corner")
+    with pytest.raises(ModelError, match="cannot select"):
+        select_facets(lap(), [0.5])
+
+
+@pytest.mark.parametrize("spec", [AUTO, NAMED, replace(NAMED, plus="auto"), replace(NAMED, plus=2)])
+def test_the_overlap_matches_node_on_node(spec):
+    joint = lap()
+    (faces,) = pair_facets(joint, spec)
+    assert faces.kind == "quad4"
+    assert faces.minus.shape == (9, 4)
+    assert_aligned(joint, (faces,))
+    corners = joint.mesh.nodes[faces.minus]
+    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    # Out of the lower body.
+    assert (normals[:, 2] > 0).all()
+    assert faces.minus.max() < 40 <= faces.plus.min()
+
+
+def test_swapped_sides_swap_the_normal():
+    joint = lap()
+    (faces,) = pair_facets(joint, replace(NAMED, minus="upper", plus="lower"))
+    assert faces.minus.min() >= 40
+    assert_aligned(joint, (faces,))
+
+
+def test_auto_takes_the_body_with_the_smallest_node_id_as_minus():
+    joint = lap()
+    ids = joint.mesh.node_ids[::-1]
+    (faces,) = pair_facets(replace(joint, mesh=replace(joint.mesh, node_ids=ids)), AUTO)
+    assert faces.minus.min() >= 40
+
+
+def test_auto_finds_one_interface_per_pair_of_bodies():
+    """A base, and two blocks on it that also touch each other: three nodes in one place."""
+    joint = blocks(
+        LOWER,
+        brick((0, 0, 0), (2, 3, 1), (2, 3, 1)),
+        brick((2, 0, 0), (2, 3, 1), (2, 3, 1)),
+    )
+    found = find_interfaces(joint, AUTO)
+    sizes = {name: sum(len(f.minus) for f in faces) for name, faces in found.items()}
+    assert sizes == {"joint-1": 6, "joint-2": 6, "joint-3": 3}
+    for faces in found.values():
+        assert_aligned(joint, faces)
+    assert list(find_interfaces(lap(), AUTO)) == ["joint"]
+
+
+def test_a_side_may_consist_of_several_touching_bodies():
+    joint = blocks(
+        LOWER,
+        brick((0, 0, 0), (2, 3, 1), (2, 3, 1)),
+        brick((2, 0, 0), (2, 3, 1), (2, 3, 1)),
+    )
+    (faces,) = pair_facets(joint, replace(NAMED, plus=[2, 3]))
+    assert len(faces.minus) == 12
+    assert_aligned(joint, (faces,))
+
+
+@pytest.mark.parametrize("shape", ["hex8", "hex20", "tet4", "tet10", "wedge6"])
+@pytest.mark.parametrize("curvature", [0.0, 2e-3])
+def test_every_kind_of_facet_matches(shape, curvature):
+    joint = lap_joint_assembly(
+        element_size=5.0, shape=shape, curvature=curvature, hole_radius=None
+    ).assembly
+    faces = pair_facets(joint, AUTO)
+    assert sum(len(entry.minus) for entry in faces) in (32, 64)
+    assert_aligned(joint, faces)
+
+
+def test_a_gap_within_the_tolerance_is_bridged():
+    joint = lap(shift=(0, 0, 0.05))
+    (faces,) = pair_facets(joint, replace(NAMED, tolerance=0.06))
+    assert len(faces.minus) == 9
+    with pytest.raises(ModelError, match=r"is empty.*0\.05 apart \(tolerance 0\.01\)"):
+        pair_facets(joint, NAMED)
+
+
+def test_non_matching_faces_are_refused_with_numbers():
+    """Upper facets 4/5 as long: only the nodes at x = 1 coincide."""
+    joint = lap(counts=(5, 3, 1))
+    for spec in (NAMED, AUTO, replace(NAMED, minus="upper", plus="lower")):
+        with pytest.raises(ModelError, match="non-matching faces") as caught:
+            pair_facets(joint, spec)
+        assert "miss each other by up to 0.4" in str(caught.value) or spec.minus == "upper"
+        assert "tolerance 0.008" in str(caught.value)
+    with pytest.raises(ModelError, match=r"9 of 38 facets of minus='lower' and 12 of 46"):
+        pair_facets(joint, NAMED)
+
+
+def test_a_single_shifted_node_is_refused_not_dropped():
+    joint = lap()
+    nodes = joint.mesh.nodes.copy()
+    moved = int(np.flatnonzero((nodes == [2.0, 1.0, 0.0]).all(axis=1))[-1])
+    nodes[moved, 0] += 0.1
+    with pytest.raises(ModelError, match=r"up to 0\.1 \(tolerance 0\.009") as caught:
+        pair_facets(replace(joint, mesh=replace(joint.mesh, nodes=nodes)), NAMED)
+    assert "9 of 38 facets of minus='lower'" in str(caught.value)
+    assert "8 of them without" in str(caught.value)
+
+
+def test_other_diagonals_are_told_from_shifted_nodes():
+    """The same four nodes, cut into triangles along different diagonals."""
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    mesh = Mesh(nodes=np.vstack([square, square]), node_ids=np.arange(1, 9))
+    below = FaceSet(kind="tri3", nodes=[[0, 1, 2], [0, 2, 3]])
+    above = FaceSet(kind="tri3", nodes=[[5, 4, 7], [6, 5, 7]])
+    joint = Assembly(mesh=mesh, face_sets={"lower": below, "upper": above})
+    with pytest.raises(ModelError, match="other diagonals"):
+        pair_facets(joint, NAMED)
+
+
+def test_non_matching_curved_faces_are_found():
+    """Centres of chords stand off the other mesh's chords by more than the tolerance."""
+
+    def arc(n, radius, outwards, first):
+        angle = np.linspace(0, np.pi / 2, n + 1)
+        ring = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+        nodes = np.vstack([np.c_[ring, np.zeros(n + 1)], np.c_[ring, np.ones(n + 1)]])
+        low = np.arange(n)
+        quads = np.column_stack([low, low + 1, low + n + 2, low + n + 1]) + first
+        return nodes, quads if outwards else quads[:, ::-1]
+
+    inner, inner_faces = arc(8, 5.0, True, 0)
+    outer, outer_faces = arc(6, 5.0, False, len(inner))
+    mesh = Mesh(nodes=np.vstack([inner, outer]), node_ids=np.arange(len(inner) + len(outer)))
+    sets = {
+        "lower": FaceSet(kind="quad4", nodes=inner_faces),
+        "upper": FaceSet(kind="quad4", nodes=outer_faces),
+    }
+    with pytest.raises(ModelError, match=r"8 of 8 facets of minus.*6 of 6"):
+        pair_facets(Assembly(mesh=mesh, face_sets=sets), NAMED)
+
+
+def test_parts_far_apart_say_how_far():
+    with pytest.raises(ModelError, match=r"'joint' is empty.*2\.5 apart"):
+        pair_facets(lap(shift=(0, 0, 2.5)), NAMED)
+    with pytest.raises(ModelError, match=r"the bodies have no facet.*2\.5 apart"):
+        pair_facets(lap(shift=(0, 0, 2.5)), AUTO)
+    with pytest.raises(ModelError, match="only edges or points"):
+        pair_facets(lap(shift=(3, 0, 0)), NAMED)
+
+
+def test_bodies_that_overlap_are_refused():
+    with pytest.raises(ModelError, match="face the same way"):
+        pair_facets(blocks(LOWER, LOWER), NAMED)
+
+
+def test_a_side_named_twice_is_refused():
+    with pytest.raises(ModelError, match="select the same 38 facets"):
+        pair_facets(lap(), replace(NAMED, plus="lower"))
+    with pytest.raises(ModelError, match=r"4 facets coincide.*same facets"):
+        pair_facets(lap(), replace(NAMED, minus=[*range(1, 25)], plus=[*range(1, 25)]))
+
+
+def test_a_tolerance_beyond_the_facets_is_refused():
+    with pytest.raises(ModelError, match=r"tolerance 1\.5"):
+        pair_facets(lap(), replace(NAMED, tolerance=1.5))
+    with pytest.raises(ModelError, match="tolerance is -1"):
+        pair_facets(lap(), replace(NAMED, tolerance=-1.0))
+
+
+def test_auto_needs_two_bodies():
+    with pytest.raises(ModelError, match="one body"):
+        pair_facets(blocks(LOWER), AUTO)
+    with pytest.raises(ModelError, match="no solid elements"):
+        pair_facets(Assembly(mesh=Mesh(nodes=np.zeros((1, 3)), node_ids=[1])), AUTO)
