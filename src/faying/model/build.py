@@ -15,7 +15,7 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
 from faying.model.boundary import FORCE_NAMES, Boundary
-from faying.model.constraints import constrain
+from faying.model.constraints import constrain, movable_components
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
@@ -61,7 +61,8 @@ def build_model(
     assembly, bolts = _with_generated_bolts(assembly, bolts)
     nodal = assemble_matrices(assembly)
     used = used_components(assembly)
-    ends = [_boundary_components(assembly, spec, used) for spec in boundaries]
+    movable = movable_components(assembly, used)
+    ends = [_boundary_components(assembly, spec, movable) for spec in boundaries]
     _check_disjoint(assembly, boundaries, ends)
     dofs = constrain(assembly, used, keep=np.concatenate([*ends, np.empty(0, dtype=np.int64)]))
     damping = damping or Rayleigh()
@@ -139,9 +140,7 @@ def _interfaces(
                 message = f"two interfaces are called '{name}'; give each its own name"
                 raise ModelError(message)
             penalty = _penalty(assembly, spec, faces)
-            joints[name] = build_interface(
-                assembly, dofs, replace(spec, name=name), faces, penalty
-            )
+            joints[name] = build_interface(assembly, dofs, replace(spec, name=name), faces, penalty)
     if not joints:
         message = "the model has no interface; name one, or let faying find it with 'auto'"
         raise ModelError(message)
@@ -154,19 +153,11 @@ def _penalty(assembly: Assembly, spec: InterfaceSpec, faces: tuple[FacePairs, ..
     return automatic_penalty(assembly, faces) if spec.penalty == "auto" else float(spec.penalty)
 
 
-def _boundary_components(assembly: Assembly, spec: BoundarySpec, used: Mask) -> Indices:
-    """Rows 6 i + c of the components a boundary can carry: used or coupled, and not supported."""
+def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:
+    """Rows 6 i + c of the components that can carry a load."""
     nodes = _boundary_nodes(assembly, spec)
-    available = used.copy()
-    for rigid in assembly.rigid_couplings:
-        available[6 * rigid.reference : 6 * rigid.reference + 6] = True
-    for average in assembly.average_couplings:
-        available[6 * average.reference + np.array(average.reference_components)] = True
-    for support in assembly.supports:
-        if support.axes is None:
-            available[(6 * support.nodes[:, None] + np.array(support.components)).ravel()] = False
     rows = (6 * nodes[:, None] + np.arange(6)).ravel()
-    free: Indices = rows[available[rows]]
+    free: Indices = rows[movable[rows]]
     if not len(free):
         message = (
             f"boundary '{spec.name}' has no free component: its node "

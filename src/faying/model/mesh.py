@@ -18,7 +18,7 @@ class CellBlock:
     kind
         ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"`` or ``"wedge6"``.
     nodes : (n_cell, n_node_per_cell)
-        Indices into ``Mesh.nodes``, in the Nastran (and Abaqus) order of the element.
+        Indices into ``Mesh.nodes``, in the Nastran order of the element.
     ids : (n_cell,)
         Element ids as the user knows them; unique over all blocks of a mesh.
     properties : (n_cell,)

@@ -1,0 +1,196 @@
+"""The offline part of a run: model, preload, bases, reduced models."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import StudyError
+from faying.linalg.factorization import SingularMatrixError
+from faying.model.diagnosis import unconstrained
+from faying.model.model import Model
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.craig_bampton import craig_bampton
+from faying.reduction.jim_a import jim_a
+from faying.reduction.jim_b import jim_b
+from faying.reduction.methods import METHODS
+from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
+from faying.simulation.frequencies import preloaded_frequencies
+from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static
+from faying.study.checkpoint import Checkpoint
+from faying.study.load_model import LoadedModel, build_loaded, load_model
+from faying.study.progress import Stages
+from faying.study.tables import Study, TrainingSection
+from faying.study.timing import time_span, time_step
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PreparedJoint:
+    """A study's joint, tightened and with its sticking area.
+
+    Attributes
+    ----------
+    loaded
+        What the study says about the model.
+    model
+        With locked bolts.
+    tightening
+        How the bolts were tightened, before anything stuck.
+    preload
+        The static state at that moment (Fig. 15.3).
+    period
+        Longest period of small vibrations about the preloaded state.
+    """
+
+    loaded: LoadedModel
+    model: Model
+    tightening: Tightening
+    preload: Solution
+    period: float
+
+
+def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
+    """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
+
+    Raises
+    ------
+    ModelError
+        If a body is not held; the message names it.
+    """
+    with stages.stage("assembly"):
+        loaded = load_model(study)
+        model = build_loaded(loaded)
+    _condense(model, stages)
+    forces = {name: force for name, force in loaded.preloads.items() if force > 0}
+    with stages.stage("preload"):
+        tightening = tighten(model, forces)
+        model = model.with_bolt_forces(tightening.initial_forces)
+        preload = solve_static(model)
+    if study.sticking is not None:
+        sticking = Sticking(threshold=study.sticking.threshold, stiffness=study.sticking.stiffness)
+        tied = with_sticking(model, sticking)
+        _condense(tied, stages)
+        with stages.stage("preload"):
+            again = tighten(tied, forces, increments=1)
+            model = tied.with_bolt_forces(again.initial_forces)
+    with stages.stage("frequencies"):
+        period = 1.0 / float(preloaded_frequencies(model, 1)[0])
+    return PreparedJoint(
+        loaded=loaded, model=model, tightening=tightening, preload=preload, period=period
+    )
+
+
+def _condense(model: Model, stages: Stages) -> None:
+    """Factorize and form the interface compliance; the structure keeps both."""
+    try:
+        with stages.stage("factorization"):
+            _ = model.structure.boundary_factor
+    except SingularMatrixError as error:
+        raise unconstrained(model, error) from None
+    with stages.stage("compliance"):
+        _ = model.static_contact.flexibility
+
+
+def build_bases(
+    study: Study, joint: PreparedJoint, stages: Stages, checkpoint: Checkpoint
+) -> dict[str, Basis]:
+    """Build the bases that the study's methods need: classic, jim-a, jim-b."""
+    reduction, model = study.reduction, joint.model
+    needed = {METHODS[name].joint_modes for name in reduction.methods} - {None}
+    most = max(reduction.joint_modes)
+    with stages.stage("normal_modes"):
+        classic = craig_bampton(model, normal_modes=reduction.normal_modes)
+    bases = {"classic": classic}
+    if "jim-a" in needed:
+        with stages.stage("jim-a"):
+            bases["jim-a"] = jim_a(
+                model,
+                joint_modes=most,
+                subarea_count=reduction.training.subareas or DEFAULT_SUBAREAS,
+                weight=reduction.training.weight,
+                classic=classic,
+            )
+    if "jim-b" in needed:
+        with stages.stage("jim-b"):
+            forces = _training_forces(study, joint, classic, stages, checkpoint)
+            bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
+    return bases
+
+
+DEFAULT_SUBAREAS = 200
+"""Test loads of method A: fine enough for the 40 modes of the default study by far."""
+
+
+def _training_forces(
+    study: Study, joint: PreparedJoint, classic: Basis, stages: Stages, checkpoint: Checkpoint
+) -> Matrix:
+    """Contact forces of the training runs of method B, Eq. (15.30)."""
+    training, model = study.reduction.training, joint.model
+    box = load_box(study)
+    with stages.stage("jim-b static training"):
+        snapshots = [static_snapshots(model, box.static_loads(model))]
+    if training.dynamics:
+        prior = training.system == "reduced"
+        system = reduce(model, classic, compliance=True) if prior else model
+        loads = box.step_loads()
+        step, span = time_step(training, joint.period), time_span(training, joint.period)
+        with stages.stage("jim-b step training", len(loads) * round(span / step)) as advance:
+            kept = checkpoint.bundle(
+                "training steps",
+                lambda: {
+                    "forces": step_snapshots(
+                        system, loads, step=step, duration=span, progress=advance
+                    )
+                },
+            )
+        snapshots.append(kept["forces"])
+    return np.hstack(snapshots)
+
+
+def load_box(study: Study) -> LoadBox:
+    """Return the training box of a study.
+
+    Raises
+    ------
+    StudyError
+        If the study trains a basis but gives no box.
+    """
+    training: TrainingSection = study.reduction.training
+    if not training.box:
+        message = (
+            f"{study.path.name}: method jim-b learns from loads, but [reduction.training] has no "
+            "box; add box = [{ boundary = …, component = …, min = …, max = … }] or drop jim-b"
+        )
+        raise StudyError(message)
+    return LoadBox(
+        ranges={f"{side.boundary}.{side.component}": (side.min, side.max) for side in training.box},
+        levels=training.levels,
+        preload_factors=training.preload_factors,
+    )
+
+
+def reduced_models(
+    study: Study, model: Model, bases: Mapping[str, Basis], stages: Stages
+) -> dict[str, dict[int, ReducedModel]]:
+    """Project the model onto every basis the study names, at every number of joint modes."""
+    models: dict[str, dict[int, ReducedModel]] = {}
+    for name in study.reduction.methods:
+        method = METHODS[name]
+        basis = bases[method.joint_modes or "classic"]
+        counts = _counts(study, basis) if method.joint_modes else [0]
+        with stages.stage(f"project {name}"):
+            models[name] = {
+                count: reduce(model, basis.with_joint_modes(count), compliance=method.compliance)
+                for count in counts
+            }
+    return models
+
+
+def _counts(study: Study, basis: Basis) -> list[int]:
+    """Numbers of joint modes asked for, as far as the training gave independent ones."""
+    available = basis.count(ModeKind.JOINT)
+    return sorted({min(count, available) for count in study.reduction.joint_modes})

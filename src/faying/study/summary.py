@@ -1,0 +1,126 @@
+"""The figures of a run in one JSON document, keys as in design §6."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from faying import __version__
+from faying.reduction.methods import METHODS
+from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Response, Results
+
+
+def summarize(results: Results) -> dict[str, Any]:
+    """Return the contents of ``summary.json``.
+
+    Of transient cases, figures of the reference are the largest over time, ``iterations`` their
+    mean over the steps.
+    """
+    return {
+        "faying": __version__,
+        "title": results.title,
+        "units": results.units,
+        "converged": not results.warnings,
+        "not_converged": list(results.warnings),
+        "model": {
+            "nodes": len(results.nodes),
+            "elements": sum(len(block.ids) for block in results.blocks),
+            "dofs": results.dofs,
+            "mass": results.mass,
+        },
+        "interfaces": {name: _interface(face) for name, face in results.interfaces.items()},
+        "bolts": {
+            name: {"preload": bolt.preload, "initial_force": bolt.initial_force}
+            for name, bolt in results.bolts.items()
+        },
+        "load_cases": {name: _case(case) for name, case in results.cases.items()},
+        "timings": timings(results),
+    }
+
+
+def timings(results: Results) -> dict[str, Any]:
+    """Return wall seconds per stage of the offline work, and per method."""
+    seconds = results.timings
+    table: dict[str, Any] = {
+        stage: seconds[stage]
+        for stage in ("assembly", "factorization", "compliance", "preload", "normal_modes")
+        if stage in seconds
+    }
+    table["full"] = _per_solution([(case, case.reference) for case in results.cases.values()])
+    names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
+    for name in names:
+        solved = [
+            (case, result.response)
+            for case in results.cases.values()
+            for result in case.methods.get(name, {}).values()
+        ]
+        table[name] = {"offline": _offline(name, seconds), **_per_solution(solved)}
+    return table
+
+
+def _offline(name: str, seconds: Mapping[str, float]) -> float:
+    """Work a method needs beyond the factorization, shared parts counted for each."""
+    method = METHODS[name]
+    stages = ["normal_modes", method.joint_modes or "", f"project {name}"]
+    if method.compliance:
+        stages.append("compliance")
+    return sum(seconds.get(stage, 0.0) for stage in stages)
+
+
+def _per_solution(solved: list[tuple[CaseResult, Response]]) -> dict[str, float]:
+    """Median wall time of a static case and of a time step."""
+    static = [response.seconds for case, response in solved if case.times is None]
+    steps = [
+        response.seconds / max(len(case.times) - 1, 1)
+        for case, response in solved
+        if case.times is not None
+    ]
+    times: dict[str, float] = {}
+    if static:
+        times["per_static_case"] = float(np.median(static))
+    if steps:
+        times["per_step"] = float(np.median(steps))
+    return times
+
+
+def _interface(face: InterfaceRecord) -> dict[str, Any]:
+    hard = bool(np.isinf(face.penalty))
+    return {
+        "pairs": len(face.pairs),
+        "points": len(face.weights),
+        "area": float(face.weights.sum()),
+        "penalty": "hard" if hard else face.penalty,
+        "quadrature": face.quadrature,
+        "stuck_pairs": int(face.stuck.sum()),
+    }
+
+
+def _case(case: CaseResult) -> dict[str, Any]:
+    summary: dict[str, Any] = {
+        "kind": case.kind,
+        "reference": _reference(case.reference),
+        "methods": {
+            name: {str(count): _method(result) for count, result in sizes.items()}
+            for name, sizes in case.methods.items()
+        },
+    }
+    if case.half_step is not None:
+        summary["half_step_max_pressure"] = float(case.half_step.pressure.max(initial=0.0))
+    return summary
+
+
+def _reference(response: Response) -> dict[str, Any]:
+    total = sum(np.asarray(force) for force in response.contact_forces.values())
+    return {
+        "max_pressure": float(response.pressure.max(initial=0.0)),
+        "contact_force": float(np.max(total)),
+        "open_fraction": float(max(np.max(part) for part in response.open_fraction.values())),
+        "max_penetration": float(np.maximum(-response.gap, 0.0).max(initial=0.0)),
+        "iterations": float(np.mean(response.iterations)),
+        "bolt_force": {name: float(np.max(force)) for name, force in response.bolt_forces.items()},
+    }
+
+
+def _method(result: MethodResult) -> dict[str, float]:
+    return asdict(result.accuracy)
