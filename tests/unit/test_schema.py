@@ -440,5 +440,5 @@ def test_matrices_are_a_source(tmp_path):
     assert loaded.assembly.matrices.K.shape == (8, 8)
     assert set(loaded.assembly.face_sets) == {"below", "above"}
     (tmp_path / "K.mtx").unlink()
-    with pytest.raises(StudyError, match="'K' in .model.files. .*'K.mtx' does not exist"):
+    with pytest.raises(StudyError, match=r"'K' in .model.files. .*'K.mtx' does not exist"):
         study(tmp_path, MATRICES)

@@ -70,16 +70,15 @@ def load_model(study: Study) -> LoadedModel:
     )
 
 
-def build(study: Study) -> Model:
-    """Build the model of a study.
+def build_loaded(loaded: LoadedModel) -> Model:
+    """Build the model from what was loaded.
 
     Raises
     ------
-    FayingError
-        As :func:`load_model` and :func:`faying.model.build.build_model`.
+    ModelError
+        As :func:`faying.model.build.build_model`.
     """
-    loaded = load_model(study)
-    model = build_model(
+    return build_model(
         loaded.assembly,
         interfaces=loaded.interfaces,
         bolts=loaded.bolts,
@@ -87,6 +86,17 @@ def build(study: Study) -> Model:
         damping=loaded.damping,
         units=loaded.units,
     )
+
+
+def build(study: Study) -> Model:
+    """Build the model of a study and check that its loads find their components.
+
+    Raises
+    ------
+    FayingError
+        As :func:`load_model`, :func:`build_loaded` and :func:`faying.study.loads.check_loads`.
+    """
+    model = build_loaded(load_model(study))
     check_loads(study, model)
     return model
 

@@ -272,6 +272,9 @@ class TrainingSection(Timed):
         Whether step responses at nominal preload are training runs too, (15.28): all combinations
         of the smallest, middle and largest value of each side but the middle one; by default over
         one period in a hundred steps.
+    system
+        What the step responses are computed with: the full model, or first a reduced one, as seed
+        §15.3.4.2 recommends.
     subareas
         Loaded patches of method A over all interfaces together, (15.23); None leaves the number
         to :func:`faying.reduction.jim_a.jim_a`.
@@ -283,6 +286,7 @@ class TrainingSection(Timed):
     levels: Annotated[Count, Field(ge=2)] = 5
     preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
     dynamics: Switch = True
+    system: Literal["full", "reduced"] = "full"
     system: Literal["full", "reduced"] = "full"
     subareas: Count | None = None
     weight: Literal["K", "I"] = "K"
