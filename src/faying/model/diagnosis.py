@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Indices, Vector
 from faying.exceptions import ModelError
 from faying.linalg.factorization import SingularMatrixError
 from faying.model.bodies import bodies
@@ -46,7 +46,7 @@ def _moving_body(model: Model, node: int, size: Vector) -> str:
     return f"the body{named} with nodes {ids.min()} to {ids.max()}"
 
 
-def _element_nodes(model: Model, ids: Vector) -> Vector:
+def _element_nodes(model: Model, ids: Indices) -> Indices:
     blocks = model.assembly.mesh.blocks
     return np.concatenate([block.nodes[np.isin(block.ids, ids)].ravel() for block in blocks])
 

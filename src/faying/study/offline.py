@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import StudyError
 from faying.linalg.factorization import SingularMatrixError
 from faying.model.diagnosis import unconstrained
 from faying.model.model import Model
@@ -16,15 +15,16 @@ from faying.reduction.jim_a import jim_a
 from faying.reduction.jim_b import jim_b
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel, reduce
-from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
+from faying.reduction.snapshots import static_snapshots, step_snapshots
 from faying.simulation.frequencies import preloaded_frequencies
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.study.checkpoint import Checkpoint
 from faying.study.load_model import LoadedModel, build_loaded, load_model
+from faying.study.loads import training_box
 from faying.study.progress import Stages
-from faying.study.tables import Study, TrainingSection
+from faying.study.tables import Study
 from faying.study.timing import time_span, time_step
 
 
@@ -63,7 +63,7 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
     """
     with stages.stage("assembly"):
         loaded = load_model(study)
-        model = build_loaded(loaded)
+        model = build_loaded(study, loaded)
     _condense(model, stages)
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
     with stages.stage("preload"):
@@ -130,7 +130,7 @@ def _training_forces(
 ) -> Matrix:
     """Contact forces of the training runs of method B, Eq. (15.30)."""
     training, model = study.reduction.training, joint.model
-    box = load_box(study)
+    box = training_box(training)
     with stages.stage("jim-b static training"):
         snapshots = [static_snapshots(model, box.static_loads(model))]
     if training.dynamics:
@@ -149,28 +149,6 @@ def _training_forces(
             )
         snapshots.append(kept["forces"])
     return np.hstack(snapshots)
-
-
-def load_box(study: Study) -> LoadBox:
-    """Return the training box of a study.
-
-    Raises
-    ------
-    StudyError
-        If the study trains a basis but gives no box.
-    """
-    training: TrainingSection = study.reduction.training
-    if not training.box:
-        message = (
-            f"{study.path.name}: method jim-b learns from loads, but [reduction.training] has no "
-            "box; add box = [{ boundary = …, component = …, min = …, max = … }] or drop jim-b"
-        )
-        raise StudyError(message)
-    return LoadBox(
-        ranges={f"{side.boundary}.{side.component}": (side.min, side.max) for side in training.box},
-        levels=training.levels,
-        preload_factors=training.preload_factors,
-    )
 
 
 def reduced_models(

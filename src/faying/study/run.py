@@ -23,13 +23,12 @@ from faying.model.system import System
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.simulation.accuracy import compare
 from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler, Integrator
-from faying.simulation.load import History, Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.transient import solve_transient
 from faying.study.checkpoint import Checkpoint, open_checkpoint
 from faying.study.files import write_text
-from faying.study.history import read_history
+from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint, build_bases, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.results import (
@@ -104,15 +103,6 @@ def run(
     return RunSummary(converged=not failures, summary=summary)
 
 
-def load_of(case: LoadCaseSection) -> Load:
-    """Return the load of a load case, its histories read."""
-    forces: dict[str, float | History] = {}
-    for force in case.forces:
-        key = f"{force.boundary}.{force.component}"
-        forces[key] = read_history(force.file) if force.file else float(force.value or 0.0)
-    return Load(forces, name=case.name)
-
-
 def integrator_of(case: LoadCaseSection) -> Integrator:
     """Return the integrator of a transient load case; the seed's implicit Euler by default."""
     if case.integrator != "generalized-alpha":
@@ -177,7 +167,7 @@ def _solved(
     refinement: int = 1,
 ) -> _Solved:
     """Solve a load case with one model, or take the solution an interrupted run left."""
-    load = load_of(case)
+    load = case_load(case)
     step = time_step(case, joint.period) / refinement
     span = time_span(case, joint.period)
     total = 1 if case.kind == "static" else round(span / step)
