@@ -287,7 +287,6 @@ class TrainingSection(Timed):
     preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
     dynamics: Switch = True
     system: Literal["full", "reduced"] = "full"
-    system: Literal["full", "reduced"] = "full"
     subareas: Count | None = None
     weight: Literal["K", "I"] = "K"
 
