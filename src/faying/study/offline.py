@@ -22,7 +22,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.study.checkpoint import Checkpoint
 from faying.study.load_model import LoadedModel, build_loaded, load_model
-from faying.study.loads import training_box
+from faying.study.loads import check_loads, training_box
 from faying.study.progress import Stages
 from faying.study.tables import Study
 from faying.study.timing import time_span, time_step
@@ -63,7 +63,8 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
     """
     with stages.stage("assembly"):
         loaded = load_model(study)
-        model = build_loaded(study, loaded)
+        model = build_loaded(loaded)
+        check_loads(study, model)
     _condense(model, stages)
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
     with stages.stage("preload"):
