@@ -229,7 +229,7 @@ class Timed(Section):
     step, duration : [time]
         Time step and length.
     periods, steps_per_period
-        The same by the lowest period of the preloaded structure.
+        The same by the longest period of the preloaded structure.
     """
 
     step: Positive | None = None

@@ -1,4 +1,4 @@
-"""Time step and length of transient runs, in time or by the lowest period of the structure."""
+"""Time step and length of transient runs, in time or by the longest period of the structure."""
 
 from faying.study.history import read_history
 from faying.study.tables import LoadCaseSection, Timed
@@ -10,7 +10,7 @@ DEFAULT_STEPS_PER_PERIOD = 100
 
 
 def time_step(timed: Timed, period: float) -> float:
-    """Return the time step [time], for a structure with the given lowest period [time]."""
+    """Return the time step [time], for a structure with the given longest period [time]."""
     if timed.step is not None:
         return timed.step
     return period / (timed.steps_per_period or DEFAULT_STEPS_PER_PERIOD)
