@@ -442,3 +442,9 @@ def test_matrices_are_a_source(tmp_path):
     (tmp_path / "K.mtx").unlink()
     with pytest.raises(StudyError, match=r"'K' in .model.files. .*'K.mtx' does not exist"):
         study(tmp_path, MATRICES)
+
+
+def test_methods_are_those_the_reduction_knows():
+    from faying.reduction import methods
+
+    assert set(METHODS) == set(methods.METHODS)
