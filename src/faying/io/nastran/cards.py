@@ -51,6 +51,8 @@ class Bulk:
 
     def cards(self) -> dict[str, "Cards"]:
         """Cards by name, each in the order of the deck."""
+        if not len(self.names):
+            return {}
         names, which = np.unique(self.names, return_inverse=True)
         order = np.argsort(which, kind="stable")
         groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(names)))[:-1])

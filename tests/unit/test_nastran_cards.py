@@ -1,0 +1,344 @@
+"""What each group of cards means."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faying.exceptions import FormatError
+from faying.io.nastran import read_deck
+from faying.model.assembly import Assembly
+
+NODES = "".join(
+    f"GRID,{i},,{x},{y},{z}\n"
+    for i, x, y, z in (
+        (1, 0.0, 0.0, 0.0),
+        (2, 1.0, 0.0, 0.0),
+        (3, 1.0, 1.0, 0.0),
+        (4, 0.0, 1.0, 0.0),
+        (5, 0.0, 0.0, 1.0),
+        (6, 1.0, 0.0, 1.0),
+        (7, 1.0, 1.0, 1.0),
+        (8, 0.0, 1.0, 1.0),
+    )
+)
+STEEL = "MAT1,9,210000.,,.3,7.8-9\n"
+BRICK = "CHEXA,1,1,1,2,3,4,5,6\n,7,8\n"
+Read = Callable[..., Assembly]
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Read:
+    def run(*cards: str, head: str = "") -> Assembly:
+        path = tmp_path / "a.bdf"
+        path.write_text(head + NODES + STEEL + "\n".join(cards) + "\n")
+        return read_deck(path)
+
+    return run
+
+
+def test_cylindrical_and_spherical_grids(read: Read) -> None:
+    # System 5: origin (1, 2, 3), z along basic x, x along basic y; system 6 the same, spherical.
+    frame = "{0},0,1.,2.,3.,2.,2.,3.\n,1.,3.,3."
+    assembly = read(
+        "CORD2C,5" + frame.format(""),
+        "CORD2S,6" + frame.format(""),
+        "GRID,11,5,2.,90.,7.",
+        "GRID,12,6,2.,90.,90.",
+        "GRID,13,6,2.,0.,0.",
+    )
+    local_y = np.array([0.0, 0.0, 1.0])  # z × x of the system
+    origin = np.array([1.0, 2.0, 3.0])
+    expected = [origin + 2 * local_y + [7, 0, 0], origin + 2 * local_y, origin + [2, 0, 0]]
+    # cos 90° is 6e-17.
+    np.testing.assert_allclose(assembly.mesh.nodes[8:], expected, atol=1e-14)
+
+
+def test_chained_and_grid_based_systems(read: Read) -> None:
+    assembly = read(
+        "CORD2R,3,2,1.,0.,0.,1.,0.,1.\n,2.,0.,0.",  # in system 2, shifted by 1 along its x
+        "CORD2R,2,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.",  # x along basic y
+        "CORD1R,4,1,5,4",  # origin 1, z through 5, x through 4: the same axes
+        "GRID,20,3,1.,0.,0.",
+        "GRID,21,4,2.,1.,0.",
+    )
+    np.testing.assert_allclose(assembly.mesh.nodes[8:], [[0, 2, 0], [-1, 2, 0]], atol=1e-15)
+    with pytest.raises(FormatError, match="CORD2R: coordinate system 2 rests on .* 3"):
+        read("CORD2R,2,3,0.,0.,0.,0.,0.,1.\n,1.,0.,0.", "CORD2R,3,2,0.,0.,0.,0.,0.,1.\n,1.,0.,0.")
+    with pytest.raises(FormatError, match="on one line"):
+        read("CORD2R,2,0,0.,0.,0.,0.,0.,1.\n,0.,0.,2.")
+
+
+def test_grdset_fills_blank_fields(read: Read) -> None:
+    assembly = read("GRDSET,,2,,,,,123456", "CORD2R,2,0,5.,0.,0.,5.,0.,1.\n,6.,0.,0.", "GRID,9,0")
+    assert assembly.mesh.nodes[0].tolist() == [5, 0, 0]
+    assert assembly.mesh.nodes[8].tolist() == [0, 0, 0]
+    assert assembly.supports[0].nodes.tolist() == list(range(9))
+
+
+@pytest.mark.parametrize(
+    ("fields", "element"),
+    [
+        ("", "incompatible"),
+        (",,BUBBLE,,REDUCED", "incompatible"),
+        (",,2,,1", "standard"),
+        (",,TWO,GRID,FULL", "standard"),
+    ],
+)
+def test_formulation_of_bricks(read: Read, fields: str, element: str) -> None:
+    assembly = read(BRICK, "PSOLID,1,9" + fields)
+    assert assembly.element == element
+    assert assembly.mesh.element_sets["pid:1"].tolist() == [1]
+
+
+def test_formulations_that_are_refused(read: Read) -> None:
+    with pytest.raises(FormatError, match="IN = 'TWO' with ISOP = 'REDUCED'"):
+        read(BRICK, "PSOLID,1,9,,TWO,,REDUCED")
+    with pytest.raises(FormatError, match="one formulation"):
+        read(BRICK, BRICK.replace("CHEXA,1,1", "CHEXA,2,2"), "PSOLID,1,9", "PSOLID,2,9,,2,,1")
+    with pytest.raises(FormatError, match="FCTN = PFLUID"):
+        read(BRICK, "PSOLID,1,9,,,,,PFLUID")
+
+
+def test_quadratic_and_wedge_elements(read: Read) -> None:
+    more = "".join(f"GRID,{i},,{i}.,0.,0.\n" for i in range(11, 30))
+    ids = ",".join
+    hexa = "CHEXA,1,1,1,2,3,4,5,6\n,7,8," + ids(map(str, range(11, 17)))
+    hexa += "\n," + ids(map(str, range(17, 23)))
+    tetra = "CTETRA,2,1,1,2,3,5,11,12\n,13,14,15,16"
+    assembly = read(more, hexa, tetra, "CPENTA,3,1,1,2,3,5,6,7", "PSOLID,1,9,,,,1")
+    assert [b.kind for b in assembly.mesh.blocks] == ["hex20", "wedge6", "tet10"]
+    assert assembly.mesh.blocks[0].nodes[0].tolist() == [*range(20)]
+    with pytest.raises(FormatError, match="CPENTA: 15 nodes; supported are 6"):
+        read(more, "CPENTA,3,1,1,2,3,5,6,7\n,11,12,13,14,15,16,17,18\n,19", "PSOLID,1,9")
+
+
+def test_material_constants(read: Read) -> None:
+    brick = (BRICK, "PSOLID,1,8")
+    assert read(*brick, "MAT1,8,,80000.,.25").materials[1].youngs_modulus == 200000.0
+    assert read(*brick, "MAT1,8,200000.,80000.").materials[1].poissons_ratio == 0.25
+    with pytest.raises(FormatError, match="G = 70000, but E and NU give 80000"):
+        read(*brick, "MAT1,8,200000.,70000.,.25")
+    with pytest.raises(FormatError, match="gives 1 of E, G, NU"):
+        read(*brick, "MAT1,8,200000.")
+    with pytest.raises(FormatError, match="MAT1: material '8': Poisson's ratio is 0.6"):
+        read(*brick, "MAT1,8,200000.,,.6")
+
+
+def test_wtmass_scales_density_and_masses(read: Read) -> None:
+    assembly = read(BRICK, "PSOLID,1,9", "PARAM,WTMASS,.5", "PARAM,POST,-1", "CONM2,4,1,,3.")
+    assert assembly.materials[1].density == 3.9e-9
+    assert assembly.masses[0].mass == 1.5
+    assert assembly.ignored == ("PARAM POST",)
+    with pytest.raises(FormatError, match="CK2 scales"):
+        read("PARAM,CK2,2.")
+
+
+def test_beams_and_sections(read: Read) -> None:
+    bar, beam = read(
+        "CBAR,1,5,1,2,0.,1.,0.",
+        "CBEAM,2,6,1,5,4",
+        "PBAR,5,9,2.,3.,4.,5.",
+        "PBEAM,6,9,2.,3.,4.,,5.\n,YES,1.,2.,3.\n,1.,1.\n,.5,0.",
+    ).beams
+    assert bar.nodes == (0, 1)
+    assert bar.orientation == (0, 1, 0)
+    # I1 is for bending in plane 1, the local x-y plane.
+    assert (bar.section.area, bar.section.inertia_z, bar.section.inertia_y) == (2, 3, 4)
+    assert (bar.section.torsion, bar.section.shear_factor_y) == (5, np.inf)
+    assert beam.orientation == (0, 1, 0)  # towards grid 4
+    assert (beam.section.shear_factor_y, beam.section.shear_factor_z) == (0.5, np.inf)
+    (plain,) = read("CBEAM,2,6,1,5,4", "PBEAM,6,9,2.,3.,4.,,5.").beams
+    assert plain.section.shear_factor_y == 1.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes", "area", "i1", "i2", "torsion"),
+    [
+        ("ROD", "2.", 4 * np.pi, 4 * np.pi, 4 * np.pi, 8 * np.pi),
+        ("TUBE", "2.,1.", 3 * np.pi, 15 / 4 * np.pi, 15 / 4 * np.pi, 7.5 * np.pi),
+        # J of a square is 0.1406 a⁴ (Saint-Venant); the approximation is good to 0.5 %.
+        ("BAR", "1.,2.", 2.0, 8 / 12, 2 / 12, 0.4573),
+        # Thin square box: A = 4 a t, I = 2/3 a³ t, J = a³ t with a the mean width.
+        ("BOX", "10.01,10.01,.01,.01", 0.4, 20 / 3, 20 / 3, 10.0),
+    ],
+)
+def test_dimensioned_sections(
+    read: Read, kind: str, sizes: str, area: float, i1: float, i2: float, torsion: float
+) -> None:
+    for element, card in (("CBAR", "PBARL"), ("CBEAM", "PBEAML")):
+        (beam,) = read(f"{element},1,5,1,2,0.,1.,0.", f"{card},5,9,,{kind}\n,{sizes}").beams
+        s = beam.section
+        found = [s.area, s.inertia_z, s.inertia_y, s.torsion]
+        np.testing.assert_allclose(found, [area, i1, i2, torsion], rtol=5e-3)
+        assert 0.4 < s.shear_factor_y < 1
+
+
+@pytest.mark.parametrize(
+    ("cards", "message"),
+    [
+        ("CBAR,1,5,1,2,0.,1.,0.\n,5", r"CBAR: a pin flag '5'"),
+        ("CBAR,1,5,1,2,0.,1.,0.\n,,,.5", r"CBAR: an offset '\.5'"),
+        ("CBAR,1,5,1,2,1.,0.,0.", "zero or parallel"),
+        ("CBAR,1,5,1,1,1.,0.,0.", "no length"),
+        ("CBAR,1,4,1,2,0.,1.,0.", "property 4 is not a PBAR"),
+        ("CBEAM,1,5,1,2,0.,1.,0.", "property 5 is not a PBEAM"),
+        ("PBAR,6,9,2.,3.,4.,5.,.1", "non-structural mass"),
+        ("PBAR,6,9,0.", "area must be positive"),
+        ("PBEAM,6,9,2.,3.,4.\n,NO,1.,3.", r"a\.bdf:12: PBEAM: the section changes"),
+        ("PBARL,6,9,,HAT\n,1.,2.,3.,4.", "section 'HAT'"),
+        ("PBARL,6,9,,TUBE\n,1.,2.", "fill its inside"),
+    ],
+)
+def test_beams_that_are_refused(read: Read, cards: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read("PBAR,5,9,2.,3.,4.,5.", cards)
+
+
+def test_orientation_in_the_displacement_system_of_end_a(read: Read) -> None:
+    turned = "CORD2R,2,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0."  # x along basic y
+    cards = (turned, "GRID,9,,5.,0.,0.,2", "PBAR,5,9,2.,3.,4.,5.")
+    (beam,) = read(*cards, "CBAR,1,5,9,1,1.,0.,0.").beams
+    assert beam.orientation == (0, 1, 0)
+    with pytest.raises(FormatError, match="parallel"):
+        read(*cards, "CBAR,1,5,9,1,1.,0.,0.,BGG")
+
+
+def test_couplings(read: Read) -> None:
+    assembly = read("RBE2,1,1,123,2,THRU,5,7,1.-5", "RBE3,2,,1,123456,1.,123,2,3\n,4,2.5,123,5")
+    (rigid,), (average,) = assembly.rigid_couplings, assembly.average_couplings
+    assert (rigid.reference, rigid.nodes.tolist(), rigid.components) == (
+        0,
+        [1, 2, 3, 4, 6],
+        (0, 1, 2),
+    )
+    assert average.nodes.tolist() == [1, 2, 3, 4]
+    assert average.weights.tolist() == [1, 1, 1, 2.5]
+    assert average.components == (0, 1, 2)
+
+
+@pytest.mark.parametrize(
+    ("card", "message"),
+    [
+        ("RBE2,1,1,127,2", "components are '127'"),
+        ("RBE2,1,1,123,99", "GRID 99 is not"),
+        ("RBE2,1,1,123,1", "other than its independent"),
+        ("RBE3,1,,1,123,1.,123,2\n,UM,2,123", "a UM set"),
+        ("RBE3,1,,1,123,1.,123,2,1.\n,12,3", "different components"),
+        ("RBE3,1,,1,123,1,123,2", "'1' stands where a positive real weight"),
+    ],
+)
+def test_couplings_that_are_refused(read: Read, card: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read(card)
+
+
+TURNED = "CORD2C,2,0,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,9,2,2.,30.,0.,2\nGRID,10,2,2.,30.,1.,2"
+
+
+def test_single_components_in_a_turned_system(read: Read) -> None:
+    with pytest.raises(FormatError, match="single components of GRID 9"):
+        read(TURNED, "RBE2,1,1,1,9")
+    assert len(read(TURNED, "RBE2,1,1,123,9").rigid_couplings) == 1
+    with pytest.raises(FormatError, match="not a basic axis"):
+        read(TURNED, "CELAS2,1,5.,9,1")
+    assert read(TURNED, "CELAS2,1,5.,9,3").springs[0].ends == ((8, 2),)
+
+
+def test_supports(read: Read) -> None:
+    cards = ("SPC,1,1,12,0.,2,12", "SPC1,2,3,1,THRU,99", "SPC1,1,12,3", "SPCADD,7,1")
+    both = read(*cards).supports
+    assert [(s.id, s.nodes.tolist(), s.components) for s in both] == [
+        (1, [0, 1, 2], (0, 1)),
+        (2, list(range(8)), (2,)),
+    ]
+    (one,) = read(*cards, head="SOL 101\nCEND\nSPC = 7\nBEGIN BULK\n").supports
+    assert one.id == 1
+    head = "SOL 101\nCEND\nSPC = 1\nSUBCASE 3\n SPC = 2\nSUBCASE 4\n SPC = 1\nBEGIN BULK\n"
+    assert [s.id for s in read(*cards, head=head).supports] == [2]
+    with pytest.raises(FormatError, match="selects SPC = 8"):
+        read(*cards, head="SOL 101\nCEND\nSPC = 8\nBEGIN BULK\n")
+    with pytest.raises(FormatError, match="prescribed displacement"):
+        read("SPC,1,1,12,.5")
+    with pytest.raises(FormatError, match="SPC1: GRID 99"):
+        read("SPC1,1,3,99")
+
+
+def test_support_in_a_cylindrical_system(read: Read) -> None:
+    (support,) = read(TURNED, "SPC1,1,1,9,10").supports
+    assert support.nodes.tolist() == [8, 9]
+    assert support.axes is not None
+    c, s = np.cos(np.pi / 6), 0.5
+    # Rounding of sine and cosine.
+    np.testing.assert_allclose(support.axes, [[c, s, 0], [-s, c, 0], [0, 0, 1]], atol=1e-15)
+
+
+def test_equations(read: Read) -> None:
+    (equation,) = read("MPC,3,1,1,1.,2,1,-2.\n,,3,2,4.").equations
+    assert equation.terms == ((0, 0, 1.0), (1, 0, -2.0), (2, 1, 4.0))
+    (turned,) = read(TURNED, "MPC,3,9,1,1.,1,1,-1.").equations
+    # The radial displacement at 30°; the larger share, along x, becomes the dependent one.
+    assert [(node, c) for node, c, _ in turned.terms] == [(8, 0), (8, 1), (0, 0)]
+    np.testing.assert_allclose(
+        [a for _, _, a in turned.terms], [np.sqrt(3) / 2, 0.5, -1.0], rtol=1e-15
+    )
+    both = read(TURNED, "MPC,3,9,1,1.,1,1,-1.", "MPC,3,9,2,1.,1,2,-1.").equations
+    assert [e.terms[0][:2] for e in both] == [(8, 0), (8, 1)]
+    with pytest.raises(FormatError, match="already the dependent"):
+        read("MPC,3,1,1,1.,2,1,-2.", "MPC,3,1,1,1.,3,1,-2.")
+    assert read("MPC,3,1,1,1.,2,1,-2.", head="CEND\nMPC=4\nBEGIN BULK\nMPCADD,4,3\n").equations
+
+
+def test_loads(read: Read) -> None:
+    cards = (
+        TURNED,
+        "FORCE,1,1,,10.,1.,0.,2.",
+        "FORCE,1,9,2,2.,1.,0.,0.",  # radial at 30°
+        "MOMENT,2,1,,3.,0.,1.,0.",
+        "LOAD,5,2.,1.,1,.5,2",
+        "PLOAD4,6,1,1.",
+    )
+    assembly = read(*cards, head="SOL 101\nCEND\nLOAD = 5\nBEGIN BULK\n")
+    assert list(assembly.loads) == ["5", "1", "2"]
+    five = assembly.loads["5"]
+    assert five.nodes.tolist() == [0, 8]
+    np.testing.assert_allclose(five.forces[0], [20, 0, 40, 0, 3, 0])
+    np.testing.assert_allclose(five.forces[1, :3], [2 * np.sqrt(3), 2, 0], atol=1e-15)
+    assert any("load set 6" in text and "PLOAD4" in text for text in assembly.ignored)
+    with pytest.raises(FormatError, match="PLOAD4: this kind of load"):
+        read(*cards, head="SOL 101\nCEND\nLOAD = 6\nBEGIN BULK\n")
+    with pytest.raises(FormatError, match="load set 77"):
+        read("LOAD,5,1.,1.,77")
+
+
+def test_springs_and_masses(read: Read) -> None:
+    assembly = read(
+        "CELAS1,1,4,1,1,2,1",
+        "PELAS,4,50.,,,5,60.",
+        "CELAS2,2,7.,1,6",
+        "CONM2,3,2,0,5.\n,1.,.1,2.,.2,.3,3.",
+    )
+    assert [(s.stiffness, s.ends) for s in assembly.springs] == [
+        (50.0, ((0, 0), (1, 0))),
+        (7.0, ((0, 5),)),
+    ]
+    assert assembly.masses[0].inertia == ((1, -0.1, -0.2), (-0.1, 2, -0.3), (-0.2, -0.3, 3))
+    with pytest.raises(FormatError, match="an offset from the node"):
+        read("CONM2,3,2,0,5.,1.")
+    with pytest.raises(FormatError, match="property 9 is not a PELAS"):
+        read("CELAS1,1,9,1,1,2,1")
+
+
+def test_sets(read: Read) -> None:
+    assembly = read(
+        BRICK, "PSOLID,1,9", "SET1,4,1,THRU,6,EXCEPT,3", "BSURFS,5,,,,1,1,2,3", "BCPROP,6,1"
+    )
+    assert assembly.mesh.node_sets["set:4"].tolist() == [0, 1, 3, 4, 5]
+    assert assembly.mesh.element_sets["bsurfs:5"].tolist() == [1]
+    assert assembly.mesh.element_sets["bcprop:6"].tolist() == [1]
+
+
+def test_case_control_matrices_are_refused(read: Read) -> None:
+    with pytest.raises(FormatError, match=r"a\.bdf:3: K2GG"):
+        read(head="SOL 103\nCEND\nK2GG = STIFF\nBEGIN BULK\n")
