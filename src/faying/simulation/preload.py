@@ -6,12 +6,21 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.sticking import sticking_stiffness, stuck_pairs
 from faying.exceptions import ConvergenceError, ModelError
 from faying.model.model import Model
 from faying.model.system import System, initial_bolt_forces
 from faying.simulation.static import port_forces, solve_static
+
+NO_RESISTANCE = 1e-9
+"""Bolt force per initial force below which nothing is clamped yet."""
+
+CLAMPS_NOTHING = 1e-9
+"""Gap closed per elongation of the bolt under its own force, at or below which it is round-off."""
+
+LIMIT = 100
+"""Newton steps per increment; two or three are usual."""
 
 FORCE_TOLERANCE = 1e-12
 """Deviation of a bolt force from its target over the largest target, at which Newton stops."""
@@ -91,6 +100,7 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
     """
     names = list(system.bolts)
     _check(forces, names)
+    _check_clamping(system, forces)
     state = initial_bolt_forces(system)
     active: Mask | None = None
     stages: list[str] = []
@@ -170,26 +180,56 @@ def _check(forces: Mapping[str, float], names: list[str]) -> None:
 
 
 def _reach(
-    system: System, chosen: Vector, goal: Vector, state: Vector, active: Mask | None
+    system: System, chosen: Indices, goal: Vector, state: Vector, active: Mask | None
 ) -> tuple[Vector, Mask, Vector]:
-    """Newton on the initial forces of the chosen bolts until their forces meet the goal."""
+    """Newton on the initial forces of the chosen bolts until their forces meet the goal.
+
+    Bolt forces are the gradient of a convex function of the initial forces, piecewise linear, so
+    a Newton step that is halved until it helps always gets there. A bolt force never exceeds its
+    initial force, which makes the goal a start; where no contact resists yet, the slope vanishes
+    and initial forces are doubled instead.
+    """
+    state = state.copy()
+    state[chosen] = np.maximum(state[chosen], goal)
     tolerance = FORCE_TOLERANCE * np.abs(goal).max()
-    for _ in range(50):
-        forces, slope, active = _bolt_forces(system, state, active)
+    forces, slope, active = _bolt_forces(system, state, active)
+    for _ in range(LIMIT):
         miss = goal - forces[chosen]
         if np.abs(miss).max() <= tolerance:
             return state, active, forces
-        jacobian = slope[np.ix_(chosen, chosen)]
-        if np.linalg.cond(jacobian) > 1e12:
-            break
-        state = state.copy()
-        state[chosen] += np.linalg.solve(jacobian, miss)
+        resistance = slope[np.ix_(chosen, chosen)]
+        if np.linalg.eigvals(resistance).real.min() < NO_RESISTANCE:
+            state[chosen] *= 2
+            forces, slope, active = _bolt_forces(system, state, active)
+            continue
+        change = np.linalg.solve(resistance, miss)
+        start, distance = state.copy(), np.abs(miss).max()
+        for halving in range(30):
+            state = start.copy()
+            state[chosen] += change / 2**halving
+            forces, slope, active = _bolt_forces(system, state, active)
+            if np.abs(goal - forces[chosen]).max() < distance:
+                break
     names = [list(system.bolts)[bolt] for bolt in chosen]
     message = (
         f"bolt {', '.join(names)} does not reach its preload of {goal.max():g} (missing "
         f"{np.abs(miss).max():.3g}); check that it clamps an interface"
     )
     raise ConvergenceError(message)
+
+
+def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
+    """Refuse bolts whose tension closes no gap."""
+    ports = system.port_compliance
+    for name in forces:
+        row = ports.n_boundary + list(system.bolts).index(name)
+        closing = system.contact.interpolation @ ports.contact_columns[row]
+        if closing.max(initial=0.0) <= CLAMPS_NOTHING * ports.input_rows[row, row]:
+            message = (
+                f"bolt '{name}' clamps nothing: its tension closes no interface; check that it "
+                "joins both sides of one"
+            )
+            raise ModelError(message)
 
 
 def _bolt_forces(system: System, state: Vector, active: Mask | None) -> tuple[Vector, Matrix, Mask]:
