@@ -78,6 +78,9 @@ class ContactProblem:
         if not np.isfinite(self.g_free).all():
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
+        if not np.isfinite(self.H).all():
+            message = "the contact flexibility holds NaN or infinity; check the model's matrices"
+            raise ModelError(message)
 
     def solve(self, *, active: Mask | None = None) -> ContactForces:
         """Solve by a primal-dual active set that cannot cycle.
@@ -98,7 +101,7 @@ class ContactProblem:
         Raises
         ------
         ConvergenceError
-            If the exchanges do not end; H is then not positive semidefinite.
+            If the exchanges do not end, or H is not positive semidefinite.
 
         Notes
         -----
@@ -117,7 +120,16 @@ class ContactProblem:
         try:
             return _pivot(self.H, self.g_free, start)
         except la.LinAlgError:
+            pass
+        try:
             return _proximal_point(self.H, self.g_free, start)
+        except la.LinAlgError:
+            message = (
+                "the contact flexibility is zero or not positive semidefinite at the points in "
+                "contact; check that the stiffness matrix is symmetric and that no pressed "
+                "contact point is held on both sides"
+            )
+            raise ConvergenceError(message) from None
 
 
 def contact_problem(H: Matrix, g_free: Vector) -> ContactProblem:
