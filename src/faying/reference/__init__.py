@@ -1,0 +1,1 @@
+"""Exact answers to small contact problems, for tests, documentation and the curious."""
