@@ -1,6 +1,5 @@
 """What is written is read back, to the digits of sixteen columns."""
 
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,8 +24,8 @@ from faying.model.assembly import (
     Support,
 )
 from faying.model.lap_joint import lap_joint_assembly
-from faying.model.mesh import Mesh
 from faying.model.matrices import assemble_matrices
+from faying.model.mesh import Mesh
 
 # Sixteen columns hold at least ten digits of any number a model contains.
 DIGITS = 1e-10
@@ -185,7 +184,7 @@ def test_nothing_is_left_behind_when_writing_fails(tmp_path: Path) -> None:
     empty = Assembly(mesh=Mesh(nodes=np.zeros((1, 3)), node_ids=[10**9]))
     with pytest.raises(FormatError, match="node ids must lie between"):
         write_deck(empty, path)
-    assert (os.listdir(tmp_path), path.read_text()) == (["a.bdf"], "old")
+    assert ([p.name for p in tmp_path.iterdir()], path.read_text()) == (["a.bdf"], "old")
     with pytest.raises(FormatError, match="cannot be written"):
         write_deck(everything(), tmp_path / "no" / "a.bdf")
     eye = np.eye(1)

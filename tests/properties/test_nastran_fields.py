@@ -96,8 +96,11 @@ def test_mutated_decks_raise_only_faying_errors(deck: bytes, tmp_path, seed: int
 def _mutated(line: bytes, rng: random.Random) -> bytes:
     at = rng.randrange(len(line) + 1)
     junk = rng.choice(
-        [b"", b"X", b"1", b"-1", b"0", b".", b"1.E300", b",", b",,", b"\t", b"\xff", b"\0", b"*"]
-        + [b"THRU", b"$", b"'", b"99999999", b"9" * 20, b"1.-400", b"ENDDATA", b"\nINCLUDE 'b'"]
+        [
+            *(b"", b"X", b"1", b"-1", b"0", b".", b"1.E300", b",", b",,", b"\t", b"\xff", b"\0"),
+            *(b"*", b"THRU", b"$", b"'", b"99999999", b"9" * 20, b"1.-400", b"ENDDATA"),
+            b"\nINCLUDE 'b'",
+        ]
     )
     kind = rng.randrange(4)
     if kind == 0:

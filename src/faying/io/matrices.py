@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.exceptions import FormatError, ModelError
+from faying.io.matrix_checks import RowLabel, check_mass, checked_matrix, symmetric_matrix
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
 from faying.model.assembly import (
@@ -27,10 +27,6 @@ from faying.model.assembly import (
 from faying.model.mesh import Mesh
 
 FACE_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
-
-# Programs write ten digits or more and sum element matrices in varying order; a difference of
-# 1e-8 of the largest entry is beyond both and means an unsymmetric matrix.
-_SYMMETRY = 1e-8
 
 _Path = str | PathLike[str]
 
@@ -85,11 +81,11 @@ def matrices_assembly(
     mesh = _mesh(points, np.asarray(ids, dtype=np.int64))
     table = _every_node(mesh, np.shape(K)) if dofs is None else np.asarray(dofs)
     index, component = _rows(mesh, table)
-    label = _Label(mesh.node_ids[index], component)
-    mass, stiffness = _checked("M", M, label), _checked("K", K, label)
-    damping = None if C is None else _checked("C", C, label)
-    mass, stiffness = _symmetric("M", mass, label), _symmetric("K", stiffness, label)
-    _check_mass(mass, label)
+    label = RowLabel(mesh.node_ids[index], component)
+    mass, stiffness = checked_matrix("M", M, label), checked_matrix("K", K, label)
+    damping = None if C is None else checked_matrix("C", C, label)
+    mass, stiffness = symmetric_matrix("M", mass, label), symmetric_matrix("K", stiffness, label)
+    check_mass(mass, label)
     face_sets = {key: _face_set(mesh, key, value) for key, value in (faces or {}).items()}
     for key, value in (node_sets or {}).items():
         mesh = mesh.with_node_set(key, np.unique(mesh.node_index(np.asarray(value))))
@@ -159,21 +155,6 @@ def read_matrices(
     )
 
 
-class _Label:
-    """Says which node and component a matrix row belongs to."""
-
-    def __init__(self, ids: Indices, components: Indices) -> None:
-        self.ids, self.components = ids, components
-
-    def __len__(self) -> int:
-        return len(self.ids)
-
-    def __call__(self, row: int) -> str:
-        known = row < len(self)
-        place = f", node {self.ids[row]} component {self.components[row] + 1}" if known else ""
-        return f"row {row + 1}{place}"
-
-
 def _mesh(points: Matrix, ids: Indices) -> Mesh:
     mesh = Mesh(nodes=points, node_ids=ids)
     unique, count = np.unique(ids, return_counts=True)
@@ -229,77 +210,6 @@ def _rows(mesh: Mesh, dofs: npt.NDArray[Any]) -> tuple[Indices, Indices]:
         )
         raise ModelError(message)
     return mesh.node_index(table[:, 0]), table[:, 1] - 1
-
-
-def _checked(name: str, matrix: Any, label: _Label) -> SparseMatrix:
-    shape = np.shape(matrix) if not sp.issparse(matrix) else matrix.shape
-    if len(shape) != 2 or shape[0] != shape[1]:
-        message = f"matrix {name} has shape {tuple(shape)}; it must be square"
-        raise ModelError(message)
-    if shape[0] != len(label):
-        message = (
-            f"matrix {name} has {shape[0]} rows but the dof table {len(label)}; each row of the "
-            "table names one row of M, C and K"
-        )
-        raise ModelError(message)
-    if not sp.issparse(matrix):
-        matrix = np.asarray(matrix)
-    if matrix.dtype.kind not in "fiub":
-        message = f"matrix {name} is of type {matrix.dtype}; it must be real"
-        raise ModelError(message)
-    result = sp.csr_array(matrix, dtype=np.float64, copy=True)
-    result.sum_duplicates()
-    bad = np.flatnonzero(~np.isfinite(result.data))
-    if bad.size:
-        row = int(np.searchsorted(result.indptr, bad[0], side="right")) - 1
-        column = int(result.indices[bad[0]])
-        message = (
-            f"matrix {name}: entry ({row + 1}, {column + 1}) is {result.data[bad[0]]} "
-            f"({label(row)}); it must be finite"
-        )
-        raise ModelError(message)
-    result.eliminate_zeros()
-    return result
-
-
-def _symmetric(name: str, matrix: SparseMatrix, label: _Label) -> SparseMatrix:
-    largest = float(np.abs(matrix.data).max(initial=0.0))
-    difference = sp.coo_array(matrix - matrix.T)
-    if not difference.nnz:
-        return matrix
-    worst = int(np.abs(difference.data).argmax())
-    size = abs(float(difference.data[worst]))
-    if size <= _SYMMETRY * largest:
-        return sp.csr_array((matrix + matrix.T) * 0.5)
-    row, column = sorted((int(difference.row[worst]), int(difference.col[worst])))
-    if sp.triu(matrix, 1).nnz == 0 or sp.tril(matrix, -1).nnz == 0:
-        remedy = "only one triangle is stored: add the transpose without the diagonal"
-    else:
-        remedy = "faying needs symmetric matrices (no follower forces, friction or gyroscopics)"
-    message = (
-        f"matrix {name} is not symmetric: entries ({row + 1}, {column + 1}) and its mirror "
-        f"differ by {size:.3g} ({label(row)}; {label(column)}), {size / largest:.1g} of the "
-        f"largest entry; {remedy}"
-    )
-    raise ModelError(message)
-
-
-def _check_mass(mass: SparseMatrix, label: _Label) -> None:
-    diagonal = mass.diagonal()
-    if len(diagonal) and diagonal.min() < 0:
-        row = int(diagonal.argmin())
-        message = f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; mass is positive"
-        raise ModelError(message)
-    for component in range(3):
-        motion = (label.components == component).astype(np.float64)
-        total = float(motion @ (mass @ motion))
-        if motion.any() and not total > 0:
-            axis = "xyz"[component]
-            message = (
-                f"matrix M: the mass moving along {axis} is rᵀMr = {total:g}; it must be positive. "
-                "Check that M and K are not swapped and that the dof table is in row order"
-            )
-            raise ModelError(message)
 
 
 def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:

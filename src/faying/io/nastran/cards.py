@@ -1,25 +1,18 @@
-"""Bulk data as one flat table of fields: small, large and free field form look alike afterwards.
+"""Cards of a deck: fields by number, as columns over all cards of a name or one card at a time.
 
-A physical line contributes eight data fields (four in large field form), so that field j of a card
-is where the reference guide puts it: row j // 8, field j % 8 + 2. Everything is done for all lines
-at once; a Python loop touches only free-field lines.
+Field j of a card is where the reference guide puts it: row j // 8, field j % 8 + 2 of the row.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from faying._typing import Indices, Mask, Vector
 from faying.exceptions import FormatError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.fields import Fields
 from faying.io.nastran.source import Lines
-
-_BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
-_COLUMNS = 80
-_Letters = npt.NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -204,132 +197,3 @@ class Card:
             if text and numbers.real(text) != 0.0:
                 message = f"{what} '{text}' (field {field % 8 + 2}) is not supported; {remedy}"
                 raise self.error(message, field)
-
-
-def read_cards(lines: Lines) -> Bulk:
-    """Split bulk data lines into cards and fields.
-
-    Continuation lines must follow their parent (comments may lie between).
-
-    Raises
-    ------
-    FormatError
-        If a continuation has no parent or another one's, or a free-field line is too long.
-
-    Notes
-    -----
-    About 1 µs a line, 130 bytes of memory a line.
-    """
-    text = [_without_comment(line) for line in lines.text]
-    for i, line in enumerate(text):
-        if b"\t" in line:
-            text[i] = _without_tabs(line, lines, i)
-    letters = _letters(text)
-    kept = np.flatnonzero((letters != _BLANK).any(axis=1))
-    letters = letters[kept]
-    free = (letters == _COMMA).any(axis=1)
-    split = {int(i): _split_free(text[kept[i]], lines, int(kept[i])) for i in np.flatnonzero(free)}
-    head = letters[:, :8].copy()
-    for i, parts in split.items():
-        head[i] = np.frombuffer(parts[0].ljust(8)[:8], dtype=np.uint8)
-    first = head[:, 0]
-    continued = (first == _PLUS) | (first == _STAR) | (head == _BLANK).all(axis=1)
-    if len(kept) and continued[0]:
-        message = f"{lines.where(int(kept[0]))}: a continuation line without a card above it"
-        raise FormatError(message)
-    _check_markers(letters, continued, free, kept, lines)
-    large = (head == _STAR).any(axis=1)
-    count = np.where(large, 4, 8) + _padding(large, continued)
-    start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
-    heads = np.flatnonzero(~continued)
-    names = np.char.strip(np.ascontiguousarray(head[heads]).view("S8").ravel(), b"* \0")
-    return Bulk(
-        fields=_fields(letters, large, free, split, start),
-        names=names,
-        start=np.append(start[heads], start[-1]),
-        line_start=start[:-1],
-        line=kept,
-        lines=lines,
-    )
-
-
-def _without_comment(line: bytes) -> bytes:
-    return line.partition(b"$")[0] if b"$" in line else line
-
-
-def _without_tabs(line: bytes, lines: Lines, i: int) -> bytes:
-    if b"," in line:
-        return line.replace(b"\t", b" ")
-    if b"*" in line[:8]:
-        message = f"{lines.where(i)}: tabs in a large-field line; replace them by blanks"
-        raise FormatError(message)
-    return line.expandtabs(8)
-
-
-def _letters(text: list[bytes]) -> _Letters:
-    """Characters (n_line, 80), blank where there is nothing printable."""
-    table = np.array(text or [b""], dtype=f"S{_COLUMNS}")[: len(text)]
-    return numbers.characters(table)
-
-
-def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
-    """Name and exactly eight (large: four) data fields of a free-field line."""
-    parts = [part.strip() for part in line.split(b",")]
-    size = 4 if b"*" in parts[0] else 8
-    extra = [part for part in parts[size + 1 :] if part]
-    if len(extra) > 1 or (extra and (len(parts) > size + 2 or extra[0][:1] not in b"+*")):
-        message = (
-            f"{lines.where(i)}: a free-field line with more than {size} data fields; "
-            "continue it on a line that starts with a comma"
-        )
-        raise FormatError(message)
-    return (parts[: size + 1] + [b""] * size)[: size + 1]
-
-
-def _check_markers(
-    letters: _Letters, continued: Mask, free: Mask, kept: Indices, lines: Lines
-) -> None:
-    """Refuse continuations whose mark belongs to another card, as in a deck sorted by name."""
-    below = np.flatnonzero(continued & ~free)
-    below = below[(below > 0) & ~free[below - 1]]
-    mark = np.ascontiguousarray(letters[below, :8]).view("S8").ravel()
-    expected = np.ascontiguousarray(letters[below - 1, 72:80]).view("S8").ravel()
-    mark, expected = np.char.strip(mark, b"+* "), np.char.strip(expected, b"+* ")
-    wrong = below[(mark != b"") & (expected != b"") & (mark != expected)]
-    if wrong.size:
-        i = int(kept[wrong[0]])
-        message = (
-            f"{lines.where(i)}: this continuation does not belong to the line above (its mark "
-            "differs); put continuation lines directly below their card"
-        )
-        raise FormatError(message)
-
-
-def _padding(large: Mask, continued: Mask) -> Indices:
-    """Empty fields to add to a large-field line that a small-field line continues mid-row."""
-    padding = np.zeros(len(large), dtype=np.int64)
-    joint = np.flatnonzero(large[:-1] & ~large[1:] & continued[1:])
-    for i in joint:
-        run = 1
-        while continued[i - run + 1] and large[i - run]:
-            run += 1
-        padding[i] = 4 * (run % 2)
-    return padding
-
-
-def _fields(
-    letters: _Letters, large: Mask, free: Mask, split: dict[int, list[bytes]], start: Indices
-) -> Fields:
-    longest = max((len(part) for parts in split.values() for part in parts[1:]), default=0)
-    width = max(16, longest)
-    table = np.full((int(start[-1]), width), _BLANK, dtype=np.uint8)
-    rows = np.flatnonzero(~large & ~free)
-    at = start[rows][:, None] + np.arange(8)
-    table[at, :8] = letters[rows, 8:72].reshape(-1, 8, 8)
-    rows = np.flatnonzero(large & ~free)
-    at = start[rows][:, None] + np.arange(4)
-    table[at, :16] = letters[rows, 8:72].reshape(-1, 4, 16)
-    fields: Fields = table.view(f"S{width}").ravel()
-    for i, parts in split.items():
-        fields[start[i] : start[i] + len(parts) - 1] = parts[1:]
-    return fields

@@ -11,6 +11,9 @@ from faying.io.nastran.components import components, frame_independent
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import AverageCoupling, RigidCoupling
 
+# A range of ids that must all exist is spelled out; a longer one is a slip of the pen.
+_LONGEST = 10_000_000
+
 
 def read_rigid_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[RigidCoupling]:
     """Read RBE2; the thermal coefficient at its end is left out.
@@ -38,18 +41,25 @@ def _rigid(card: Card, grids: Grids) -> RigidCoupling:
     return RigidCoupling(id=card.integer(0), reference=reference, nodes=nodes, components=tied)
 
 
-def id_list(card: Card, texts: list[str]) -> list[int]:
-    """Return ids from fields with single numbers and ``a THRU b`` ranges."""
+def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[int]:
+    """Return ids from fields with single numbers and ``a THRU b`` ranges.
+
+    Ranges keep their known ids only, if those are given.
+    """
     ids: list[int] = []
     i = 0
     while i < len(texts):
         value = numbers.integer(texts[i])
         if texts[i] == "THRU" and ids and i + 1 < len(texts):
             last = numbers.integer(texts[i + 1])
-            if last is None or not ids[-1] <= last <= ids[-1] + 10_000_000:
+            longest = _LONGEST if known is None else 10**18
+            if last is None or not ids[-1] <= last <= ids[-1] + longest:
                 text = f"'{ids[-1]} THRU {texts[i + 1]}' is not an ascending range of ids"
                 raise card.error(text)
-            ids += range(ids[-1] + 1, last + 1)
+            if known is None:
+                ids += range(ids[-1] + 1, last + 1)
+            else:
+                ids += known[(known > ids[-1]) & (known <= last)].tolist()
             i += 2
             continue
         if value is None:

@@ -1,5 +1,6 @@
 """MAT1: isotropic material."""
 
+import math
 from collections.abc import Mapping
 
 from faying.exceptions import ModelError
@@ -31,6 +32,9 @@ def read_materials(
             text = f"material {number} is already defined at {origin[number]}; renumber one"
             raise card.error(text)
         youngs, poisson = _constants(card, number)
+        if not math.isfinite(youngs + poisson):
+            text = f"material {number}: E, G and NU are too large for a number; check the units"
+            raise card.error(text)
         try:
             found[number] = Material(
                 youngs_modulus=youngs,

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying.exceptions import FormatError
 from faying.io.nastran.beams import read_beams
-from faying.io.nastran.cards import Cards, read_cards
+from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import read_case_control
 from faying.io.nastran.couplings import read_average_couplings, read_rigid_couplings
 from faying.io.nastran.equations import read_equations
@@ -23,6 +23,7 @@ from faying.io.nastran.solids import check_element_ids, element_sets, read_solid
 from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import read_springs
 from faying.io.nastran.supports import read_supports
+from faying.io.nastran.tokenizer import read_cards
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 
@@ -63,6 +64,10 @@ def read_deck(path: str | PathLike[str]) -> Assembly:
 
     Case control selects SPC, MPC and LOAD (global level or first subcase). Without a selection all
     SPC and all MPC sets of the deck apply. All load sets are returned, the selected one first.
+
+    PSOLID decides the formulation of eight-node CHEXA: ``"incompatible"`` when IN and ISOP are
+    left at their defaults (bubble functions), ``"standard"`` for ISOP = FULL with IN = TWO or
+    THREE.
 
     Parameters
     ----------

@@ -157,7 +157,11 @@ def _dimensioned(card: Card, kind: str, sizes: Sequence[float], material: Materi
     ):
         text = f"the walls of the {kind} fill its inside; correct the dimensions"
         raise card.error(text, 8)
-    return dimensioned_section(kind, sizes, material.poissons_ratio)
+    try:
+        return dimensioned_section(kind, sizes, material.poissons_ratio)
+    except (OverflowError, ZeroDivisionError) as error:
+        text = "the dimensions are too large or too small for a number; check the units"
+        raise card.error(text, 8) from error
 
 
 def dimensioned_section(kind: str, sizes: Sequence[float], nu: float) -> BeamSection:

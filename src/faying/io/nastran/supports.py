@@ -89,7 +89,7 @@ def _lists(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
     for card in cards.take(np.isin(cards.integers(0), list(sets))):
         key = (card.integer(0), components(card.text(1), card.error))
         texts = [text for text in card.texts[2:] if text]
-        ids = id_list(card, texts)
+        ids = id_list(card, texts, grids.ids)
         if "THRU" in texts:
             # The reference guide: points of a range need not exist.
             found = grids.index(np.array(ids, dtype=np.int64))

@@ -1,0 +1,121 @@
+"""What mass, damping and stiffness matrices must satisfy; every message names row and node."""
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, SparseMatrix
+from faying.exceptions import ModelError
+
+# Programs write ten digits or more and sum element matrices in varying order; a difference of
+# 1e-8 of the largest entry is beyond both and means an unsymmetric matrix.
+_SYMMETRY = 1e-8
+
+
+class RowLabel:
+    """Says which node and component a matrix row belongs to."""
+
+    def __init__(self, ids: Indices, components: Indices) -> None:
+        self.ids, self.components = ids, components
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __call__(self, row: int) -> str:
+        """Return the row, counted from 1, with node id and component 1..6."""
+        known = row < len(self)
+        place = f", node {self.ids[row]} component {self.components[row] + 1}" if known else ""
+        return f"row {row + 1}{place}"
+
+
+def checked_matrix(name: str, matrix: Any, label: RowLabel) -> SparseMatrix:
+    """Return a real, finite, square matrix of the size of the dof table, in CSR form.
+
+    Raises
+    ------
+    ModelError
+        If it is anything else.
+    """
+    shape = np.shape(matrix) if not sp.issparse(matrix) else matrix.shape
+    if len(shape) != 2 or shape[0] != shape[1]:
+        message = f"matrix {name} has shape {tuple(shape)}; it must be square"
+        raise ModelError(message)
+    if shape[0] != len(label):
+        message = (
+            f"matrix {name} has {shape[0]} rows but the dof table {len(label)}; each row of the "
+            "table names one row of M, C and K"
+        )
+        raise ModelError(message)
+    if not sp.issparse(matrix):
+        matrix = np.asarray(matrix)
+    if matrix.dtype.kind not in "fiub":
+        message = f"matrix {name} is of type {matrix.dtype}; it must be real"
+        raise ModelError(message)
+    result = sp.csr_array(matrix, dtype=np.float64, copy=True)
+    result.sum_duplicates()
+    bad = np.flatnonzero(~np.isfinite(result.data))
+    if bad.size:
+        row = int(np.searchsorted(result.indptr, bad[0], side="right")) - 1
+        column = int(result.indices[bad[0]])
+        message = (
+            f"matrix {name}: entry ({row + 1}, {column + 1}) is {result.data[bad[0]]} "
+            f"({label(row)}); it must be finite"
+        )
+        raise ModelError(message)
+    result.eliminate_zeros()
+    return result
+
+
+def symmetric_matrix(name: str, matrix: SparseMatrix, label: RowLabel) -> SparseMatrix:
+    """Return the mean of a matrix and its transpose, which may differ by rounding only.
+
+    Raises
+    ------
+    ModelError
+        If they differ by more than 1e-8 of the largest entry.
+    """
+    largest = float(np.abs(matrix.data).max(initial=0.0))
+    difference = sp.coo_array(matrix - matrix.T)
+    if not difference.nnz:
+        return matrix
+    worst = int(np.abs(difference.data).argmax())
+    size = abs(float(difference.data[worst]))
+    if size <= _SYMMETRY * largest:
+        return sp.csr_array((matrix + matrix.T) * 0.5)
+    row, column = sorted((int(difference.row[worst]), int(difference.col[worst])))
+    if sp.triu(matrix, 1).nnz == 0 or sp.tril(matrix, -1).nnz == 0:
+        remedy = "only one triangle is stored: add the transpose without the diagonal"
+    else:
+        remedy = "faying needs symmetric matrices (no follower forces, friction or gyroscopics)"
+    message = (
+        f"matrix {name} is not symmetric: entries ({row + 1}, {column + 1}) and its mirror "
+        f"differ by {size:.3g} ({label(row)}; {label(column)}), {size / largest:.1g} of the "
+        f"largest entry; {remedy}"
+    )
+    raise ModelError(message)
+
+
+def check_mass(mass: SparseMatrix, label: RowLabel) -> None:
+    """Refuse a mass matrix with a negative diagonal or no mass rᵀ M r along x, y or z.
+
+    Raises
+    ------
+    ModelError
+        Naming the row or the direction.
+    """
+    diagonal = mass.diagonal()
+    if len(diagonal) and diagonal.min() < 0:
+        row = int(diagonal.argmin())
+        message = f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; mass is positive"
+        raise ModelError(message)
+    for component in range(3):
+        motion = (label.components == component).astype(np.float64)
+        total = float(motion @ (mass @ motion))
+        if motion.any() and not total > 0:
+            axis = "xyz"[component]
+            message = (
+                f"matrix M: the mass moving along {axis} is rᵀMr = {total:g}; it must be positive. "
+                "Check that M and K are not swapped and that the dof table is in row order"
+            )
+            raise ModelError(message)
