@@ -133,6 +133,12 @@ def test_wtmass_scales_density_and_masses(read: Read) -> None:
     assert assembly.ignored == ("PARAM POST",)
     with pytest.raises(FormatError, match="CK2 scales"):
         read("PARAM,CK2,2.")
+    head = "SOL 101\nCEND\n PARAM,WTMASS,2.\nPARAM,POST,1\nBEGIN BULK\n"
+    assembly = read("CONM2,4,1,,3.", head=head)
+    assert assembly.masses[0].mass == 6
+    assert assembly.ignored == ("PARAM POST",)
+    with pytest.raises(FormatError, match=r"a\.bdf:3: PARAM: WTMASS = -2"):
+        read(head=head.replace("2.", "-2."))
 
 
 def test_beams_and_sections(read: Read) -> None:

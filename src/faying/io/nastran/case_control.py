@@ -23,6 +23,17 @@ class CaseControl:
     load: int | None = None
 
 
+def parameter_lines(lines: Lines) -> Lines:
+    """Return the PARAM lines of case control."""
+    kept = [i for i, line in enumerate(lines.text) if line.lstrip()[:5] == b"PARAM"]
+    return Lines(
+        text=[lines.text[i].lstrip() for i in kept],
+        number=lines.number[kept],
+        file=lines.file[kept],
+        files=lines.files,
+    )
+
+
 def read_case_control(lines: Lines, ignored: list[str]) -> CaseControl:
     """Read the selections of the global level and of the first subcase, which overrides it.
 
@@ -38,7 +49,7 @@ def read_case_control(lines: Lines, ignored: list[str]) -> CaseControl:
     for i in range(start + 1, len(lines.text)):
         text = lines.text[i].partition(b"$")[0].decode("latin-1").strip()
         match = _STATEMENT.match(text)
-        if not match:
+        if not match or match.group(1) == "PARAM":
             continue
         name = match.group(1)
         value = (match.group(3) or match.group(4) or "").strip()

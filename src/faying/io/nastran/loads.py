@@ -57,7 +57,10 @@ def read_loads(
         parts[number] = combined
     for number, reason in spoiled.items():
         if number == chosen:
-            message = f"{reason}: this kind of load is not supported; use FORCE and MOMENT"
+            message = (
+                f"{reason}: this kind of load is not supported; use FORCE and MOMENT, or take "
+                f"LOAD = {number} out of the case control"
+            )
             raise FormatError(message)
         ignored.append(f"load set {number} ({reason} is not supported)")
         parts.pop(number, None)

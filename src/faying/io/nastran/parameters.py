@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from faying.io.nastran.cards import Cards
+from faying.io.nastran.cards import Bulk, Cards
 
 _SCALES = frozenset(("CB1", "CB2", "CK1", "CK2", "CK3", "CM1", "CM2", "CP1", "CP2"))
 
@@ -25,14 +25,21 @@ HARMLESS = frozenset(
         *("BCTSET", "BCTADD", "BCTPARM", "BCRPARA", "BLSEG", "BFRIC", "BOLT", "BOLTFOR"),
         *("BOLTFRC", "BOLTLD", "BOLTSEQ", "BCONPRG", "BCONPRP"),
         # matrices that only case control (refused there) puts to use; names of sets
-        *("DMIG", "DMI", "SET3", "SETREE", "GRDSET"),
+        *("ABSNMVS", "ABSTRCT", "DMIG", "DMI", "SET3", "SETREE", "GRDSET"),
     )
 )
 """Cards that do not change mass or stiffness; named in ``Assembly.ignored``."""
 
 
-def mass_factor(cards: Mapping[str, Cards], ignored: list[str]) -> float:
+def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -> float:
     """Return PARAM,WTMASS (1 if absent) and note the other parameters.
+
+    Parameters
+    ----------
+    cards
+        Of the bulk data.
+    control
+        PARAM lines of case control, which Nastran takes like those of the bulk data.
 
     Raises
     ------
@@ -41,7 +48,7 @@ def mass_factor(cards: Mapping[str, Cards], ignored: list[str]) -> float:
     """
     factor = 1.0
     others: set[str] = set()
-    for card in cards.get("PARAM", ()):
+    for card in (*control.cards().get("PARAM", ()), *cards.get("PARAM", ())):
         name = card.text(0)
         if name == "WTMASS":
             factor = card.real(1)

@@ -9,7 +9,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.nastran.beams import read_beams
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.case_control import read_case_control
+from faying.io.nastran.case_control import parameter_lines, read_case_control
 from faying.io.nastran.couplings import read_average_couplings, read_rigid_couplings
 from faying.io.nastran.equations import read_equations
 from faying.io.nastran.grids import read_grids
@@ -99,7 +99,8 @@ def read_deck(path: str | PathLike[str]) -> Assembly:
     _check_supported(cards, ignored)
     # Overflow is caught by the finiteness checks, where the culprit can be named.
     with np.errstate(over="ignore", invalid="ignore"):
-        factor = mass_factor(cards, ignored)
+        parameters = read_cards(parameter_lines(source.control))
+        factor = mass_factor(cards, parameters, ignored)
         grids = read_grids(cards)
         if not np.isfinite(grids.nodes).all():
             message = f"{path}: coordinates are too large for a number; check the units"
