@@ -139,11 +139,14 @@ class BoltRecord:
         N₀ it is locked at.
     history : (n_stage,)
         Its force while all bolts were tightened one after the other.
+    axis : (2, 3), optional
+        Ends of the element that is tightened, for pictures.
     """
 
     preload: float
     initial_force: float
     history: Vector
+    axis: Matrix | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

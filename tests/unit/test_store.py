@@ -1,0 +1,177 @@
+"""write → read is the identity; foreign and damaged files end in one message."""
+
+from dataclasses import fields, is_dataclass, replace
+
+import h5py
+import numpy as np
+import pytest
+from fake_results import fake_results
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+
+from faying.exceptions import FormatError
+from faying.study import store
+from faying.study.store import read_results, write_results
+from faying.study.store_fields import MEANINGS
+
+RESULTS = fake_results()
+
+
+def assert_same(found, expected):
+    """Exact equality: the file keeps float64 to the last bit."""
+    if is_dataclass(expected):
+        assert type(found) is type(expected)
+        for field in fields(expected):
+            assert_same(getattr(found, field.name), getattr(expected, field.name))
+    elif isinstance(expected, dict):
+        assert list(found) == list(expected)
+        for key, value in expected.items():
+            assert_same(found[key], value)
+    elif isinstance(expected, tuple):
+        assert isinstance(found, tuple)
+        assert len(found) == len(expected)
+        for one, other in zip(found, expected, strict=True):
+            assert_same(one, other)
+    elif isinstance(expected, np.ndarray):
+        assert isinstance(found, np.ndarray)
+        assert found.dtype == expected.dtype
+        np.testing.assert_array_equal(found, expected, strict=True)
+    else:
+        assert type(found) is type(expected)
+        assert found == expected
+
+
+def test_reading_returns_what_was_written(tmp_path):
+    write_results(RESULTS, tmp_path / "results.h5")
+    assert_same(read_results(tmp_path / "results.h5"), RESULTS)
+
+
+texts = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=20)
+names = texts.filter(bool)
+numbers = st.floats(allow_nan=False)
+
+
+# The folder is shared by all examples; each replaces the file.
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    values=arrays(float, array_shapes(max_dims=2, min_side=0, max_side=40), elements=numbers),
+    timings=st.dictionaries(names, numbers | st.dictionaries(names, numbers, max_size=3)),
+    words=st.dictionaries(names, texts, max_size=5),
+    lines=st.lists(texts, max_size=4).map(tuple),
+    number=numbers,
+)
+def test_reading_returns_anything_that_was_written(tmp_path, values, timings, words, lines, number):
+    response = replace(
+        RESULTS.cases["LC1"].reference,
+        pressure=values,
+        displacements=dict.fromkeys(words, values),
+        nodal_displacement=None,
+    )
+    case = replace(RESULTS.cases["LC1"], reference=response, methods={})
+    results = replace(
+        RESULTS,
+        mass=number,
+        timings=timings,
+        provenance=words,
+        warnings=lines,
+        tightening_stages=lines,
+        blocks=(),
+        cases=dict.fromkeys(words, case),
+    )
+    write_results(results, tmp_path / "results.h5")
+    assert_same(read_results(tmp_path / "results.h5"), results)
+
+
+def test_every_field_has_a_meaning():
+    for kind, meanings in MEANINGS.items():
+        assert set(meanings) == {field.name for field in fields(kind)}, kind
+
+
+def test_file_explains_itself_without_faying(tmp_path):
+    write_results(RESULTS, tmp_path / "results.h5")
+    with h5py.File(tmp_path / "results.h5") as file:
+        assert file.attrs["unit_of_pressure"] == "MPa"
+        pressure = file["cases/LC2-step/methods/jim-b/20/response/pressure"]
+        assert pressure.attrs["unit"] == "MPa"
+        assert pressure.attrs["dimension"] == "force/length²"
+        assert pressure.attrs["shape"] == "([n_time,] n_point)"
+        assert pressure.dtype == np.float64
+        assert file["interfaces/joint/penalty"].attrs["unit"] == "N/mm³"
+        assert file["study_text"].asstr()[()] == RESULTS.study_text
+        assert list(file["cases/LC1/methods/jim-a"]) == ["5", "20"]
+        members = []
+        file.visit(members.append)
+        assert all(file[name].attrs["description"] for name in members)
+
+
+def test_interrupted_writing_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "results.h5"
+    write_results(RESULTS, path)
+    before = path.read_bytes()
+
+    def fail(*arguments):
+        message = "disk full"
+        raise OSError(message)
+
+    monkeypatch.setattr(store, "_write_value", fail)
+    with pytest.raises(FormatError, match=r"cannot write results.*disk full"):
+        write_results(RESULTS, path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(FormatError, match="does not exist"):
+        read_results(tmp_path / "results.h5")
+
+
+def test_file_that_is_no_hdf5(tmp_path):
+    (tmp_path / "results.h5").write_text("hello")
+    with pytest.raises(FormatError, match="is not an HDF5 file"):
+        read_results(tmp_path / "results.h5")
+
+
+def test_hdf5_of_another_program(tmp_path):
+    with h5py.File(tmp_path / "results.h5", "w") as file:
+        file["pressure"] = 1.0
+    with pytest.raises(FormatError, match="not one of faying's"):
+        read_results(tmp_path / "results.h5")
+
+
+def test_format_of_another_version(tmp_path):
+    write_results(RESULTS, tmp_path / "results.h5")
+    with h5py.File(tmp_path / "results.h5", "r+") as file:
+        file.attrs["format_version"] = 99
+    with pytest.raises(FormatError, match=r"format 99.*reads 1"):
+        read_results(tmp_path / "results.h5")
+
+
+def test_missing_entry_is_named(tmp_path):
+    write_results(RESULTS, tmp_path / "results.h5")
+    with h5py.File(tmp_path / "results.h5", "r+") as file:
+        del file["cases/LC1/reference/gap"]
+    with pytest.raises(FormatError, match="/cases/LC1/reference/gap is missing"):
+        read_results(tmp_path / "results.h5")
+
+
+def test_cut_off_file(tmp_path):
+    path = tmp_path / "results.h5"
+    write_results(RESULTS, path)
+    path.write_bytes(path.read_bytes()[:-5000])
+    with pytest.raises(FormatError, match=r"cut off|damaged"):
+        read_results(path)
+
+
+def test_flipped_bit_in_an_array_is_found(tmp_path):
+    path = tmp_path / "results.h5"
+    write_results(RESULTS, path)
+    with h5py.File(path) as file:
+        chunk = file["cases/LC2-step/reference/pressure"].id.get_chunk_info(0)
+    content = bytearray(path.read_bytes())
+    content[chunk.byte_offset + chunk.size // 2] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(FormatError, match="damaged"):
+        read_results(path)
