@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from faying.linalg.factorization import factorize
     from faying.model.assembly import Material
     from faying.model.build import build_model
+    from faying.model.model import Model
     from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
     from faying.reduction.basis import Basis
     from faying.reduction.compliance import interface_compliance
@@ -51,6 +52,7 @@ _HOMES = {
     "read_nastran": "faying.sources",
     "from_matrices": "faying.sources",
     "build_model": "faying.model.build",
+    "Model": "faying.model.model",
     "Material": "faying.model.assembly",
     "InterfaceSpec": "faying.model.specs",
     "BoltSpec": "faying.model.specs",
@@ -99,6 +101,7 @@ __all__ = [
     "Load",
     "LoadBox",
     "Material",
+    "Model",
     "Rayleigh",
     "ReducedModel",
     "Solution",
