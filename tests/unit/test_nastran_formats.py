@@ -76,8 +76,9 @@ def test_continuation_marks_and_mixed_fields(tmp_path: Path) -> None:
     text = nodes + small + "+A      7       8\n"
     assert len(read_deck(deck(tmp_path / "a.bdf", text)).rigid_couplings[0].nodes) == 7
     # One large line continued by a small one: the small line starts at the next row of eight.
-    large = "RBE2*   1               1               123             2\n        3       4\n"
-    assert len(read_deck(deck(tmp_path / "b.bdf", nodes + large)).rigid_couplings[0].nodes) == 3
+    large = "CONM2*  1               1               0               5.\n        7.\n"
+    mass = read_deck(deck(tmp_path / "b.bdf", nodes + large)).masses[0]
+    assert (mass.mass, mass.inertia[0][0]) == (5.0, 7.0)
     with pytest.raises(FormatError, match=r"c\.bdf:14: .*does not belong"):
         read_deck(deck(tmp_path / "c.bdf", nodes + small + "+B      7       8\n"))
 
