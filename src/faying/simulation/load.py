@@ -10,7 +10,7 @@ from faying.exceptions import ModelError
 from faying.model.system import System, boundary_slices, initial_bolt_forces
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False)
 class History:
     """A force known at some instants and linear in between; constant outside them.
 
