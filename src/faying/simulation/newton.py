@@ -92,14 +92,18 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
     contact = model.contact
     G: SparseMatrix = contact.gap_operator
     n, flexibility = model.K.shape[0], contact.flexibility
+    scale = float(model.K.diagonal().mean())  # brings the gap rows to the size of K
     active = contact.initial_gap + G @ factorize(model.K).solve(external) < 0
     for iteration in range(1, LIMIT):
-        closed = G[active]
-        corner = sp.diags_array(-flexibility[active])
+        closed = scale * G[active]
+        corner = sp.diags_array(-(scale**2) * flexibility[active])
         saddle = sp.block_array([[model.K, -closed.T], [-closed, corner]]).tocsc()
-        solution = spla.splu(saddle).solve(np.concatenate([external, contact.initial_gap[active]]))
+        right = np.concatenate([external, scale * contact.initial_gap[active]])
+        factors = spla.splu(saddle)
+        solution = factors.solve(right)
+        solution += factors.solve(right - saddle @ solution)  # the gaps cancel many digits
         u, forces = solution[:n], np.zeros(contact.n_points)
-        forces[active] = solution[n:]
+        forces[active] = scale * solution[n:]
         slack = contact.initial_gap + G @ u + flexibility * forces
         following = np.where(active, forces > 0, slack < 0)
         if np.array_equal(following, active):
