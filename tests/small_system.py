@@ -1,0 +1,72 @@
+"""The smallest system the solvers take: dense matrices and a few contact points, no mesh."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying.contact.condensed import CondensedContact
+from faying.contact.interface import Contact
+from faying.linalg.factorization import factorize
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.model.system import PortCompliance, boundary_dofs, elongations
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SmallSystem:
+    """Dense M, C, K; each contact point is a pair of its own; one boundary of single forces."""
+
+    M: np.ndarray
+    C: np.ndarray
+    K: np.ndarray
+    contact: Contact
+    boundaries: Mapping[str, Boundary]
+    bolts: Mapping[str, Bolt] = field(default_factory=dict)
+
+    @cached_property
+    def port_compliance(self):
+        dofs = boundary_dofs(self.boundaries)
+        rows = [self.contact.relative_operator, np.eye(len(self.K))[dofs]]
+        Q = np.vstack([*rows, elongations(self.bolts, len(self.K))])
+        return PortCompliance(
+            matrix=Q @ np.linalg.solve(self.K, Q.T),
+            n_relative=self.contact.n_points,
+            n_boundary=len(dofs),
+        )
+
+    @cached_property
+    def static_contact(self):
+        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
+
+    def factorize_static(self):
+        return factorize(self.K)
+
+    def expand(self, states):
+        return states
+
+
+def small_system(M, C, K, G, *, gap, stiffness, bolts=None, loaded=0, residual=None):
+    """System with gaps ``gap + G u``, contact springs of ``stiffness``, and a load on one dof."""
+    G = np.atleast_2d(np.asarray(G, dtype=float))
+    n = len(G)
+    contact = Contact(
+        relative_operator=G,
+        interpolation=sp.eye_array(n, format="csr"),
+        initial_gap=np.broadcast_to(np.asarray(gap, dtype=float), n),
+        weights=np.ones(n),
+        penalty=np.broadcast_to(np.asarray(stiffness, dtype=float), n),
+        slices={"stop": slice(0, n)},
+        residual_compliance=residual,
+    )
+    end = Boundary(name="mass", nodes=[1], components=[0], dofs=[loaded])
+    return SmallSystem(
+        M=np.atleast_2d(np.asarray(M, dtype=float)),
+        C=np.atleast_2d(np.asarray(C, dtype=float)),
+        K=np.atleast_2d(np.asarray(K, dtype=float)),
+        contact=contact,
+        boundaries={"mass": end},
+        bolts={bolt.name: bolt for bolt in bolts or ()},
+    )
