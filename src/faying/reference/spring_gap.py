@@ -34,7 +34,7 @@ class SpringGap:
     mass: float = 1.0
 
     def contact_force(self, force: float) -> float:
-        """Return the force of the stop under a static force; zero unless it pushes the mass there."""
+        """Return the force of the stop under a static force; zero unless that closes the gap."""
         share = 1.0 / (1.0 + self.stiffness / self.stop_stiffness)
         return max(-force - self.stiffness * self.gap, 0.0) * share
 
@@ -43,7 +43,7 @@ class SpringGap:
         return (force + self.contact_force(force)) / self.stiffness
 
     def free_vibration(self, amplitude: float, times: Vector) -> Vector:
-        """Return the displacement after release at ``amplitude`` > 0 beside an elastic stop without gap.
+        """Return the displacement after release at ``amplitude`` > 0, the stop elastic at no gap.
 
         Half a period on the spring alone, u = a cos ω₁t, and half a period on spring and stop,
         with ω₂² = (k + c)/m and the amplitude a ω₁/ω₂ of equal speed at u = 0.
