@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from faying.model.assembly import Assembly, Material, RigidCoupling, Support
+from faying.model.assembly import Assembly, Material, RigidCoupling, Spring, Support
 from faying.model.generated_bolt import add_bolt
 from faying.model.lap_geometry import PLATE_NAMES, LapGeometry
 from faying.model.mesh import CellBlock, Mesh
@@ -17,6 +17,14 @@ from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
 
 STEEL = Material(name="steel", youngs_modulus=210_000.0, poissons_ratio=0.29, density=7.82e-9)
 """Material of the seed's cantilever [MPa], [t/mm³]."""
+
+
+SOFT_SUSPENSION = (10.0, 1e4)
+"""Springs [N/mm], [N·mm/rad] at the tip of a double lap joint.
+
+Below a thousandth of the bending stiffness of the default sizes; a hundred times softer ones cost
+two digits of the pressure, because rigid motion then outweighs all elastic compliance.
+"""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -51,6 +59,7 @@ def lap_joint_assembly(
     penalty: float | Literal["auto", "hard"] = "auto",
     quadrature: Literal["gauss", "nodal"] | None = None,
     order: int | None = None,
+    tip_suspension: tuple[float, float] | None = None,
 ) -> JointDescription:
     """Describe a bolted lap joint; the default is the seed's cantilever (mm, t, s, MPa).
 
@@ -87,6 +96,11 @@ def lap_joint_assembly(
         See :class:`faying.model.specs.BoltSpec`.
     penalty, quadrature, order
         See :class:`faying.model.specs.InterfaceSpec`.
+    tip_suspension
+        Springs from the tip to ground, each translation [force/length] and each rotation
+        [moment/rad]. None is no spring for two plates, and :data:`SOFT_SUSPENSION` for three:
+        nothing but contact holds a middle plate between two others, and a linear model needs it
+        held before contact closes.
 
     Returns
     -------
@@ -119,7 +133,9 @@ def lap_joint_assembly(
         shear_flexible=shear_flexible,
         mass=bolt_mass,
     )
-    bare = _with_ends(geometry, _plates(geometry, material or STEEL, element))
+    ends = _with_ends(geometry, _plates(geometry, material or STEEL, element))
+    soft = SOFT_SUSPENSION if plates == 3 else (0.0, 0.0)
+    bare = _suspended(ends, *(soft if tip_suspension is None else tip_suspension))
     assembly, bolts = _bolted(bare, geometry, template)
     contact = InterfaceSpec(name="joint", penalty=penalty, quadrature=quadrature, order=order)
     tip = int(bare.mesh.node_ids[bare.rigid_couplings[0].reference])
@@ -173,6 +189,18 @@ def _with_ends(geometry: LapGeometry, assembly: Assembly) -> Assembly:
         supports=(Support(id=1, nodes=clamp, components=(0, 1, 2, 3, 4, 5)),),
         rigid_couplings=(RigidCoupling(id=largest + 1, reference=tip, nodes=face),),
     )
+
+
+def _suspended(assembly: Assembly, translation: float, rotation: float) -> Assembly:
+    """Hang the tip in springs to ground, where they have stiffness."""
+    tip = assembly.rigid_couplings[0].reference
+    first = assembly.rigid_couplings[0].id + 1
+    springs = [
+        Spring(id=first + i, ends=((tip, i),), stiffness=float(stiffness))
+        for i, stiffness in enumerate([translation] * 3 + [rotation] * 3)
+        if stiffness > 0
+    ]
+    return replace(assembly, springs=tuple(springs))
 
 
 def _bolted(
