@@ -30,9 +30,9 @@ class SmallSystem:
     def port_compliance(self):
         dofs = boundary_dofs(self.boundaries)
         rows = [self.contact.relative_operator, np.eye(len(self.K))[dofs]]
-        Q = np.vstack([*rows, elongations(self.bolts, len(self.K))])
+        ports = np.vstack([*rows, elongations(self.bolts, len(self.K))])
         return PortCompliance(
-            matrix=Q @ np.linalg.solve(self.K, Q.T),
+            matrix=ports @ np.linalg.solve(self.K, ports.T),
             n_relative=self.contact.n_points,
             n_boundary=len(dofs),
         )

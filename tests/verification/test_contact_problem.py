@@ -17,8 +17,9 @@ def random_flexibility(rng, n, condition=1e3):
 
 def by_nnls(H, g_free):
     """min ‖Lᵀλ + L⁻¹g‖² over λ ≥ 0 is the same problem, solved by Lawson and Hanson's method."""
-    L = la.cholesky(H, lower=True)
-    return scipy.optimize.nnls(L.T, -la.solve_triangular(L, g_free, lower=True), maxiter=10**5)[0]
+    factor = la.cholesky(H, lower=True)
+    target = -la.solve_triangular(factor, g_free, lower=True)
+    return scipy.optimize.nnls(factor.T, target, maxiter=10**5)[0]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 10, 30, 80])
