@@ -1,0 +1,26 @@
+"""File names from names a user chose."""
+
+import re
+from collections.abc import Iterable
+
+
+def file_names(names: Iterable[str]) -> dict[str, str]:
+    """Return a distinct file name stem for each name; letters, digits, ``+``, ``-``, ``_`` stay.
+
+    Examples
+    --------
+    >>> file_names(["joint 1", "joint/1"])
+    {'joint 1': 'joint-1', 'joint/1': 'joint-1-2'}
+    """
+    stems: dict[str, str] = {}
+    taken: set[str] = set()
+    for name in names:
+        plain = re.sub(r"[^\w+-]+", "-", name).strip("-") or "unnamed"
+        stem, number = plain, 1
+        # Some file systems do not tell cases apart.
+        while stem.casefold() in taken:
+            number += 1
+            stem = f"{plain}-{number}"
+        taken.add(stem.casefold())
+        stems[name] = stem
+    return stems

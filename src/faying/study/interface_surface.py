@@ -1,0 +1,32 @@
+"""The facets of a recorded interface, in terms of its node pairs."""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.study.results import InterfaceRecord
+
+
+def pair_facets(record: InterfaceRecord) -> tuple[tuple[str, Indices], ...]:
+    """Return the facets of the minus side as indices of node pairs.
+
+    Returns
+    -------
+    tuple of (kind, (n_face, n_node_per_face))
+        Indices into ``record.pairs``, one entry per facet kind, nodes in the order of the facets.
+    """
+    if not len(record.pairs):
+        return ()
+    width = int(record.pairs.max()) + 1
+    keys = record.pairs[:, 0] * width + record.pairs[:, 1]
+    order = np.argsort(keys, kind="stable")
+    return tuple(
+        (faces.kind, order[np.searchsorted(keys[order], faces.minus * width + faces.plus)])
+        for faces in record.faces
+    )
+
+
+def nodal_average(record: InterfaceRecord, values: Matrix) -> Matrix:
+    """Average values at all contact points (..., n_point) to the pairs (..., n_pair) of one."""
+    own: Matrix = np.asarray(values)[..., slice(*record.slice)]
+    average: Matrix = own @ record.averaging.T
+    return average
