@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
+from scipy.linalg import lapack
 
 from faying._typing import Mask, Matrix, Vector, frozen
 from faying.exceptions import ConvergenceError, ModelError
@@ -177,13 +178,15 @@ def _equilibrate(H: Matrix, g_free: Vector, active: Mask) -> tuple[Vector, Vecto
     forces = np.zeros_like(g_free)
     if len(index) == 0:
         return forces, g_free.copy()
-    factor = la.cholesky(H[np.ix_(index, index)], lower=True, check_finite=False)
+    # H is symmetric, so the transpose is the same block in the column order LAPACK works on.
+    factor, failed = lapack.dpotrf(H[np.ix_(index, index)].T, lower=1, overwrite_a=1, clean=0)
     pivots = np.diag(factor)
-    if pivots.min() < SINGULAR_PIVOT * pivots.max():
+    if failed or pivots.min() < SINGULAR_PIVOT * pivots.max():
         message = "singular active block"
         raise la.LinAlgError(message)
-    forces[index] = la.cho_solve((factor, True), -g_free[index], check_finite=False)
-    slack = H[:, index] @ forces[index] + g_free
+    forces[index] = lapack.dpotrs(factor, -g_free[index], lower=1)[0]
+    # A product with all of H beats gathering its active columns.
+    slack = H @ forces + g_free
     slack[index] = 0.0
     return forces, slack
 

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Matrix
+from faying.contact.problem import ContactProblem
+from faying.contact.warm_start import WarmStarts
 from faying.model.system import PortCompliance, System, input_forces
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
@@ -49,7 +51,7 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
     Notes
     -----
     Free gaps and displacements of all cases are one matrix product each; the contact problems
-    follow one another, each started from the points in contact of the one before.
+    follow one another, each started from the most similar one before it.
     """
     start = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, start) for load in loads])
@@ -63,11 +65,13 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     shape = (len(inputs), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations = np.empty(len(inputs), dtype=np.int64)
-    active = None
-    for case, displacement in enumerate(free):
-        solution = condensed.solve(displacement, active)
+    starts = WarmStarts(contact.n_points)
+    for case, gap in enumerate(condensed.free_gap(free)):
+        problem = ContactProblem(H=condensed.flexibility, g_free=gap)
+        solution = problem.solve(active=starts.nearest(gap))
+        starts.remember(gap, solution.active)
         forces[case], gaps[case] = solution.forces, condensed.gap(solution)
-        iterations[case], active = solution.iterations, solution.active
+        iterations[case] = solution.iterations
     external = input_forces(system, inputs) + relative_forces(system, forces)
     return Solution(
         name=name,
