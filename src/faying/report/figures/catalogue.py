@@ -1,0 +1,95 @@
+"""All figures of a run."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from faying.exceptions import FormatError
+from faying.report.figures.convergence import convergence_figure
+from faying.report.figures.deformed import deformed_figure
+from faying.report.figures.entry import Drawn, FigureEntry
+from faying.report.figures.error import error_figure
+from faying.report.figures.model import model_figure
+from faying.report.figures.preload import preload_figure
+from faying.report.figures.pressure import pressure_figure
+from faying.report.figures.response import response_figure
+from faying.report.figures.tightening import tightening_figure
+from faying.report.figures.time_step import time_step_figure
+from faying.report.style import house_style, save
+from faying.study.file_names import file_names
+from faying.study.results import CaseResult, Results
+
+Draw = Callable[[], Drawn | None]
+
+
+def write_figures(
+    results: Results, folder: Path, progress: Callable[[int], None] | None = None
+) -> list[FigureEntry]:
+    """Draw every figure of a run into a folder as PNG.
+
+    Parameters
+    ----------
+    folder
+        Made if it does not exist; files in it are replaced atomically.
+    progress
+        Called with 1 after each figure.
+
+    Returns
+    -------
+    list of FigureEntry
+        In the order of a report.
+
+    Raises
+    ------
+    FormatError
+        If a file cannot be written.
+    """
+    entries = []
+    stems = file_names(results.cases)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with house_style():
+            for draw in _drawings(results):
+                drawn = draw()
+                if drawn is not None:
+                    entries.append(_saved(drawn, folder, stems))
+                if progress:
+                    progress(1)
+    except OSError as error:
+        message = f"cannot write figures to {folder}: {error.strerror}; check folder and free space"
+        raise FormatError(message) from None
+    return entries
+
+
+def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
+    of_case = drawn.section in stems and drawn.stem not in SHARED
+    stem = f"case_{stems[drawn.section]}_{drawn.stem}" if of_case else drawn.stem
+    path = folder / f"{stem}.png"
+    save(drawn.figure, path)
+    return FigureEntry(path=path, title=drawn.title, caption=drawn.caption, section=drawn.section)
+
+
+SHARED = ("model", "preload", "tightening", "convergence")
+"""Figures of the whole run; a load case may bear the name of their section."""
+
+
+def _drawings(results: Results) -> Iterator[Draw]:
+    """Yield what to draw, one figure at a time so that only one is in memory."""
+    for draw in (model_figure, preload_figure, tightening_figure, convergence_figure):
+        yield _of_run(draw, results)
+    for case in results.cases.values():
+        for draw_case in (
+            (pressure_figure, deformed_figure, error_figure)
+            if case.times is None
+            else (response_figure, time_step_figure)
+        ):
+            yield _of_case(draw_case, results, case)
+
+
+def _of_run(draw: Callable[[Results], Drawn | None], results: Results) -> Draw:
+    return lambda: draw(results)
+
+
+def _of_case(
+    draw: Callable[[Results, CaseResult], Drawn | None], results: Results, case: CaseResult
+) -> Draw:
+    return lambda: draw(results, case)

@@ -1,0 +1,120 @@
+"""Where reduced models get the pressure wrong (as Fig. 15.6)."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.ticker import MaxNLocator
+
+from faying._typing import Vector
+from faying.report.figures.entry import Drawn
+from faying.report.figures.surface_map import (
+    best_plane,
+    colour_bar,
+    draw_points,
+    normalize,
+    panel_size,
+    prepare,
+)
+from faying.report.quantities import percent, place
+from faying.report.style import ERROR_MAP, label, new_figure, plain
+from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
+from faying.study.units import Units, units_of
+
+JOINT_MODES = 20
+"""Count of the seed's Fig. 15.6."""
+SHOWN = ("jim-a", "jim-b", "compliance")
+
+
+def plot_error(
+    record: InterfaceRecord, error: Vector, axes: Axes, units: Units, *, largest: float
+) -> Axes:
+    """Draw a signed relative pressure error, Eq. (15.31), at the contact points in percent.
+
+    Parameters
+    ----------
+    error : (n_point,)
+        As a fraction.
+    largest
+        End of the colour scale, symmetric about zero, as a fraction.
+    """
+    plane = best_plane(record)
+    prepare(axes, record, plane, units)
+    mappable = ScalarMappable(normalize(100 * largest, signed=True), ERROR_MAP)
+    draw_points(axes, record, plane, 100 * error, mappable)
+    axes.xaxis.set_major_locator(MaxNLocator(5))
+    colour_bar(axes, mappable, "pressure error [%]")
+    return axes
+
+
+def available(sizes: Mapping[int, MethodResult], wanted: int) -> int | None:
+    """Return the wanted number of joint modes, else the largest there is; None of none."""
+    if wanted in sizes:
+        return wanted
+    return max(sizes, default=None)
+
+
+def shown_methods(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
+    """Yield the methods whose maps are drawn, each with its joint mode count of Fig. 15.6."""
+    chosen = [name for name in SHOWN if name in case.methods] or list(case.methods)[:3]
+    for name in chosen:
+        count = available(case.methods[name], JOINT_MODES)
+        if count is not None:
+            yield name, case.methods[name][count]
+
+
+def error_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw the errors of a static case: one column per method, one row per interface.
+
+    Returns
+    -------
+    Drawn or None
+        None where there is no method or no reference pressure.
+    """
+    methods = list(shown_methods(case))
+    reference = case.reference.pressure
+    top = float(reference.max(initial=0.0))
+    if not methods or top <= 0:
+        return None
+    units, records = units_of(results.units), results.interfaces
+    errors = [(result.response.pressure - reference) / top for _, result in methods]
+    largest = max(float(np.abs(error).max()) for error in errors)
+    sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
+    figure = new_figure(5.4 * len(methods), max(sum(h + 0.3 for _, h in sizes), 2.4))
+    grid = figure.subplots(
+        len(records), len(methods), squeeze=False, height_ratios=[height for _, height in sizes]
+    )
+    notes = []
+    for column, ((name, result), error) in enumerate(zip(methods, errors, strict=True)):
+        title = label(name, result.joint_modes)
+        for row, (interface, record) in enumerate(records.items()):
+            own, axes = error[slice(*record.slice)], grid[row, column]
+            plot_error(record, own, axes, units, largest=largest)
+            note = _described(record, own, units)
+            prefix = f"{interface}: " if len(records) > 1 else ""
+            axes.set_title(plain(f"{title}\n{prefix}{note}"), loc="left")
+            notes.append(f"{title}: {prefix}{note}")
+    figure.suptitle(plain(f"{case.name}: relative pressure error against the full model"))
+    caption = (
+        f"Relative pressure error (p − p_ref) / max p_ref, Eq. (15.31), in {case.name} (as "
+        "Fig. 15.6). Colours are values at the contact points, not averages; red is too high, "
+        "blue too low; all panels share one scale, so a white panel is a good one. "
+        f"{'. '.join(notes)}."
+    )
+    return Drawn(
+        figure=figure,
+        stem="error",
+        title=f"{case.name}: relative pressure error",
+        caption=caption,
+        section=case.name,
+    )
+
+
+def _described(record: InterfaceRecord, error: Vector, units: Units) -> str:
+    if not len(error):
+        return "no contact points"
+    worst = int(np.abs(error).argmax())
+    size = float(np.ptp(record.points, axis=0).max())
+    where = place(record.points[worst], units.length, size)
+    return f"max |error| {percent(abs(error[worst]))} at {where}"

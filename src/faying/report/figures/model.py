@@ -1,0 +1,172 @@
+"""The mesh of the bodies with bolts and interfaces (as Fig. 15.2)."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from faying._typing import Indices, Matrix, Vector
+from faying.model.bodies import bodies
+from faying.model.mesh import CellBlock, Mesh
+from faying.model.model import Model
+from faying.model.surface import exterior_faces
+from faying.report.figures.entry import Drawn
+from faying.report.figures.surface_map import RINGS, outline
+from faying.report.quantities import quantity
+from faying.report.style import (
+    BODY_COLOURS,
+    BOLT_COLOUR,
+    INTERFACE_COLOUR,
+    new_figure,
+    plain,
+)
+from faying.study.results import Results
+from faying.study.units import units_of
+
+VIEW = {"elev": 24.0, "azim": -58.0}
+MANY_FACETS = 20_000
+"""Beyond this, edges would blacken the picture."""
+# From above left of the viewer; enough ambient light that no side is black.
+LIGHT = np.array([-0.35, -0.6, 0.72])
+AMBIENT = 0.62
+
+
+def plot_bodies(
+    nodes: Matrix,
+    blocks: Sequence[CellBlock],
+    body: Indices,
+    axes: Any,
+    *,
+    ghost: Matrix | None = None,
+) -> Any:
+    """Draw the exterior facets of the solids, one colour per body, on 3D axes.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3)
+        Where the nodes are drawn.
+    body : (n_node,)
+    ghost : (n_node, 3), optional
+        Other positions, whose silhouette box is kept in view.
+    """
+    axes.computed_zorder = False
+    mesh = Mesh(nodes=nodes, node_ids=np.arange(len(nodes)), blocks=tuple(blocks))
+    polygons: list[Matrix] = []
+    colours: list[Matrix] = []
+    for faces in exterior_faces(mesh):
+        ring = faces.nodes[:, list(RINGS[faces.kind])]
+        corners = nodes[ring]
+        polygons.extend(corners)
+        base = np.array([to_rgb(colour) for colour in BODY_COLOURS])
+        owner = base[np.maximum(body[ring[:, 0]], 0) % len(base)]
+        colours.append(owner * _shade(corners)[:, None])
+    edge = (0.15, 0.15, 0.15, 0.35) if len(polygons) <= MANY_FACETS else "none"
+    if polygons:
+        axes.add_collection3d(
+            Poly3DCollection(
+                polygons, facecolors=np.concatenate(colours), edgecolors=edge, lw=0.3, zorder=1
+            )
+        )
+    used = nodes if ghost is None else np.concatenate([nodes, ghost])
+    frame(axes, used)
+    return axes
+
+
+def _shade(corners: Matrix) -> Vector:
+    """Brightness of facets (n, k, 3) from their normals."""
+    half = corners.shape[1] // 2
+    normal = np.cross(corners[:, half] - corners[:, 0], corners[:, -1] - corners[:, 1])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    unit = normal / np.where(length > 0, length, 1.0)
+    light = np.clip(unit @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
+    brightness: Vector = AMBIENT + (1 - AMBIENT) * light
+    return brightness
+
+
+def frame(axes: Any, points: Matrix) -> None:
+    """Show all points at equal scales, seen from the house's corner."""
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3),) * 2
+    extent = np.maximum(high - low, 0.02 * max((high - low).max(), 1e-12))
+    middle = (low + high) / 2
+    for set_limits, centre, size in zip(
+        (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, extent, strict=True
+    ):
+        set_limits(centre - size / 2, centre + size / 2)
+    axes.set_box_aspect(extent, zoom=1.15)
+    axes.view_init(**VIEW)
+    axes.grid(visible=False)
+    for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent, strict=True):
+        axis.pane.set_visible(False)
+        # Short sides have no room for many numbers.
+        axis.set_major_locator(_ticks(size, extent.max()))
+
+
+def _ticks(size: float, longest: float) -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(nbins=6 if size > 0.6 * longest else (3 if size > 0.25 * longest else 1))
+
+
+def name_axes(axes: Any, length: str) -> None:
+    """Label the three axes."""
+    axes.set_xlabel(f"x [{length}]", labelpad=14)
+    axes.set_ylabel(f"y [{length}]")
+    axes.set_zlabel(f"z [{length}]")
+
+
+def plot_bolt_axis(axes: Any, ends: Matrix, name: str) -> Any:
+    """Draw the axis of a bolt, drawn out a little beyond its ends."""
+    middle, half = ends.mean(axis=0), (ends[1] - ends[0]) / 2
+    line = np.stack([middle - 1.6 * half, middle + 1.6 * half])
+    axes.plot(*line.T, color=BOLT_COLOUR, lw=1.6, ls="-.", zorder=5)
+    axes.plot(*ends.T, "o", color=BOLT_COLOUR, ms=4, zorder=5)
+    axes.text(*line[1], plain(f" {name}"), color=BOLT_COLOUR, zorder=6)
+    return axes
+
+
+def plot_model(model: Model, axes: Any) -> Any:
+    """Draw a model on 3D axes: bodies, beams, interface edges, boundaries and supports."""
+    assembly = model.assembly
+    mesh = assembly.mesh
+    plot_bodies(mesh.nodes, mesh.blocks, bodies(mesh), axes)
+    name_axes(axes, units_of(model.units).length)
+    beams = mesh.nodes[np.array([beam.nodes for beam in assembly.beams], dtype=int).reshape(-1, 2)]
+    axes.add_collection3d(Line3DCollection(beams, colors=BOLT_COLOUR, lw=2.0, zorder=5))
+    for name, boundary in model.boundaries.items():
+        points = mesh.nodes[mesh.node_index(np.unique(boundary.nodes))]
+        axes.plot(*points.T, "D", color="#0072B2", ms=5, zorder=6)
+        axes.text(*points.mean(axis=0), plain(f"  {name}"), color="#0072B2", zorder=7)
+    for support in assembly.supports:
+        axes.plot(*mesh.nodes[support.nodes].T, ".", color="0.25", ms=4, zorder=4)
+    axes.set_title(plain(f"{model.name}: {len(mesh.nodes)} nodes, {mesh.n_elements} solids"))
+    return axes
+
+
+def model_figure(results: Results) -> Drawn:
+    """Draw the model of a run."""
+    units = units_of(results.units)
+    figure = new_figure(10.0, 6.0)
+    axes = figure.add_subplot(projection="3d")
+    plot_bodies(results.nodes, results.blocks, results.body, axes)
+    name_axes(axes, units.length)
+    for record in results.interfaces.values():
+        edges = outline(record)
+        axes.add_collection3d(Line3DCollection(edges, colors=INTERFACE_COLOUR, lw=1.4, zorder=4))
+    for name, bolt in results.bolts.items():
+        if bolt.axis is not None:
+            plot_bolt_axis(axes, bolt.axis, name)
+    elements = sum(len(block.ids) for block in results.blocks)
+    n_body = int(results.body.max(initial=-1)) + 1
+    size = f"{len(results.nodes)} nodes, {elements} solid elements, {n_body} bodies"
+    axes.set_title(plain(f"{results.title}: {size}"))
+    drawn = [name for name, bolt in results.bolts.items() if bolt.axis is not None]
+    axis_note = f"; dash-dotted: axis of {', '.join(drawn)}" if drawn else ""
+    extent = np.ptp(results.nodes, axis=0) if len(results.nodes) else np.zeros(3)
+    measures = " × ".join(quantity(float(value), "") for value in extent)
+    caption = (
+        f"The finite element model (as Fig. 15.2): {size}, {measures} {units.length} over all. "
+        f"One colour per body; thick lines: edges of the interfaces, drawn through{axis_note}."
+    )
+    return Drawn(figure=figure, stem="model", title="Model", caption=caption, section="model")

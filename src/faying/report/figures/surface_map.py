@@ -1,0 +1,268 @@
+"""Fields on an interface, drawn in the interface's own plane."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Normalize
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.tri import Triangulation
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices, Matrix, Vector
+from faying.report.style import OPEN_COLOUR
+from faying.study.interface_surface import pair_facets
+from faying.study.results import InterfaceRecord
+from faying.study.units import Units
+
+# Nodes of a facet around its edge, and the shape functions at its centre (corners, mid-sides).
+RINGS = {
+    "tri3": (0, 1, 2),
+    "quad4": (0, 1, 2, 3),
+    "tri6": (0, 3, 1, 4, 2, 5),
+    "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
+}
+CENTRES = {
+    "tri3": (1 / 3,) * 3,
+    "quad4": (1 / 4,) * 4,
+    "tri6": (-1 / 9,) * 3 + (4 / 9,) * 3,
+    "quad8": (-1 / 4,) * 4 + (1 / 2,) * 4,
+}
+FLAT = 1e-3
+"""Points this far out of the best plane, over the extent, still make a flat interface."""
+RASTER = 700
+"""Pixels along the longer side of a map of contact points."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Plane:
+    """The plane a map is drawn in.
+
+    Attributes
+    ----------
+    axes : (2, 3)
+        Directions of the map's axes.
+    labels
+        Names of the map's axes.
+    flat
+        Whether the interface lies in it; otherwise the map is a projection.
+    """
+
+    axes: Matrix
+    labels: tuple[str, str]
+    flat: bool
+
+    def project(self, points: Matrix) -> Matrix:
+        """Return map coordinates (n, 2) of points (n, 3)."""
+        coordinates: Matrix = points @ self.axes.T
+        return coordinates
+
+
+def best_plane(record: InterfaceRecord) -> Plane:
+    """Return the plane of a flat interface, or the best one of a curved interface.
+
+    Its axes follow the two basic axes that lie best in it, so that a map reads like a drawing.
+    """
+    normal = _normal(record)
+    keep = np.delete(np.arange(3), np.abs(normal).argmax())
+    first = _unit(np.eye(3)[keep[0]] - normal[keep[0]] * normal)
+    second = np.eye(3)[keep[1]] - normal[keep[1]] * normal
+    second = _unit(second - (second @ first) * first)
+    aligned = np.abs(normal).max() > 1 - 1e-9
+    names = ["xyz"[axis] + ("" if aligned else "′") for axis in keep]
+    points = record.pair_points
+    height = (points - points.mean(axis=0)) @ normal if len(points) else np.zeros(1)
+    extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    return Plane(
+        axes=np.stack([first, second]),
+        labels=(names[0], names[1]),
+        flat=bool(np.abs(height).max() <= FLAT * extent),
+    )
+
+
+def _normal(record: InterfaceRecord) -> Vector:
+    """Mean normal, or the direction of least extent where normals cancel (a sleeve)."""
+    mean: Vector = record.weights @ record.normals
+    total = float(record.weights.sum())
+    if total > 0 and np.linalg.norm(mean) > 0.1 * total:
+        return _unit(mean)
+    if len(record.pair_points) < 3:
+        return np.array([0.0, 0.0, 1.0])
+    centred = record.pair_points - record.pair_points.mean(axis=0)
+    least: Vector = np.linalg.svd(centred, full_matrices=False)[2][-1]
+    return least
+
+
+def _unit(vector: Vector) -> Vector:
+    unit: Vector = vector / np.linalg.norm(vector)
+    return unit
+
+
+def prepare(axes: Axes, record: InterfaceRecord, plane: Plane, units: Units) -> None:
+    """Set limits, labels and equal scales, and draw the facets as empty grey surfaces."""
+    flat = plane.project(record.pair_points)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.set_xlabel(f"{plane.labels[0]} [{units.length}]")
+    axes.set_ylabel(f"{plane.labels[1]} [{units.length}]")
+    if not len(flat):
+        axes.text(0.5, 0.5, "no facets", ha="center", transform=axes.transAxes)
+        return
+    margin = 0.03 * max(np.ptp(flat, axis=0).max(), 1e-12)
+    low, high = flat.min(axis=0) - margin, flat.max(axis=0) + margin
+    axes.set_xlim(low[0], high[0])
+    axes.set_ylim(low[1], high[1])
+    for kind, nodes in pair_facets(record):
+        polygons = flat[nodes[:, list(RINGS[kind])]]
+        # Edges of the same colour close the hairlines between neighbours.
+        axes.add_collection(
+            PolyCollection(list(polygons), facecolors=OPEN_COLOUR, edgecolors=OPEN_COLOUR, lw=0.5)
+        )
+
+
+def draw_averages(
+    axes: Axes,
+    record: InterfaceRecord,
+    plane: Plane,
+    values: Vector,
+    mappable: ScalarMappable,
+    *,
+    closed: Vector | None = None,
+) -> Axes:
+    """Draw nodal averages, interpolated over each facet; leave fully open facets grey.
+
+    Parameters
+    ----------
+    values : (n_pair,)
+    mappable
+        Colour map and limits.
+    closed : (n_pair,), optional
+        True where there is contact; facets without any are left out.
+    """
+    points, data = [plane.project(record.pair_points)], [values]
+    triangles: list[Indices] = []
+    offset = len(values)
+    for kind, nodes in pair_facets(record):
+        shown = nodes if closed is None else nodes[closed[nodes].any(axis=1)]
+        weight, ring = np.array(CENTRES[kind]), list(RINGS[kind])
+        points.append(np.einsum("n,fnk->fk", weight, points[0][shown]))
+        data.append(values[shown] @ weight)
+        centre = offset + np.arange(len(shown))
+        around = shown[:, ring]
+        fan = np.stack(
+            [np.broadcast_to(centre[:, None], around.shape), around, np.roll(around, -1, axis=1)],
+            axis=-1,
+        )
+        triangles.append(fan.reshape(-1, 3))
+        offset += len(shown)
+    corners = np.concatenate([*triangles, np.empty((0, 3), dtype=np.int64)])
+    if len(corners):
+        x, y = np.concatenate(points).T
+        axes.tripcolor(
+            Triangulation(x, y, corners),
+            np.concatenate(data),
+            shading="gouraud",
+            cmap=mappable.get_cmap(),
+            norm=mappable.norm,
+        )
+    draw_edges(axes, record, plane)
+    return axes
+
+
+def draw_points(
+    axes: Axes, record: InterfaceRecord, plane: Plane, values: Vector, mappable: ScalarMappable
+) -> Axes:
+    """Draw values at the contact points (n_point,), each over the area nearest to it."""
+    facets = pair_facets(record)
+    if not len(record.points) or not facets:
+        return axes
+    flat = plane.project(record.pair_points)
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    step = max((high - low).max() / RASTER, 1e-300)
+    count = np.maximum(np.ceil((high - low) / step).astype(int), 1)
+    x, y = (low[i] + (np.arange(count[i]) + 0.5) * (high - low)[i] / count[i] for i in (0, 1))
+    pixels = np.stack(np.meshgrid(x, y), axis=-1)
+    nearest = cKDTree(plane.project(record.points)).query(pixels)[1]
+    image = axes.imshow(
+        np.asarray(values)[nearest],
+        origin="lower",
+        extent=(low[0], high[0], low[1], high[1]),
+        cmap=mappable.get_cmap(),
+        norm=mappable.norm,
+        interpolation="nearest",
+        aspect="equal",
+    )
+    polygons = [p for kind, nodes in facets for p in flat[nodes[:, list(RINGS[kind])]]]
+    region = Outline.make_compound_path(*(_closed(polygon) for polygon in polygons))
+    patch = PathPatch(region, transform=axes.transData, facecolor="none", edgecolor="none")
+    axes.add_patch(patch)
+    image.set_clip_path(patch)
+    margin = 0.03 * (high - low).max()
+    axes.set_xlim(low[0] - margin, high[0] + margin)
+    axes.set_ylim(low[1] - margin, high[1] + margin)
+    draw_edges(axes, record, plane)
+    return axes
+
+
+def _closed(polygon: Matrix) -> Outline:
+    """A closed path, counter-clockwise so that a union of facets has no holes."""
+    x, y = polygon.T
+    turn = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+    ring = polygon if turn >= 0 else polygon[::-1]
+    return Outline(np.concatenate([ring, ring[:1]]), closed=True)
+
+
+def draw_edges(axes: Axes, record: InterfaceRecord, plane: Plane) -> Axes:
+    """Draw the facets' edges, thin."""
+    flat = plane.project(record.pair_points)
+    for kind, nodes in pair_facets(record):
+        ring = flat[nodes[:, list(RINGS[kind])]]
+        closed = np.concatenate([ring, ring[:, :1]], axis=1)
+        axes.add_collection(LineCollection(list(closed), colors="k", linewidths=0.25, alpha=0.35))
+    return axes
+
+
+def outline(record: InterfaceRecord) -> Matrix:
+    """Return the edges (n_edge, 2, 3) that bound an interface: those of one facet only."""
+    edges = []
+    for kind, nodes in pair_facets(record):
+        ring = nodes[:, list(RINGS[kind])]
+        edges.append(np.stack([ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 2))
+    joined = np.concatenate([*edges, np.empty((0, 2), dtype=np.int64)])
+    if not len(joined):
+        return np.empty((0, 2, 3))
+    _, first, counts = np.unique(
+        np.sort(joined, axis=1), axis=0, return_index=True, return_counts=True
+    )
+    bounding: Matrix = record.pair_points[joined[first[counts == 1]]]
+    return bounding
+
+
+def colour_bar(axes: Axes, mappable: ScalarMappable, label: str) -> None:
+    """Put a colour bar beside a map, or below a long one."""
+    width, height = (abs(np.diff(limits)[0]) for limits in (axes.get_xlim(), axes.get_ylim()))
+    figure = axes.get_figure(root=True)
+    if figure is None:
+        return
+    if width > 5 * height:
+        figure.colorbar(mappable, ax=axes, location="bottom", label=label, shrink=0.5, aspect=40)
+        return
+    inset = axes.inset_axes((1.02, 0.0, 0.025, 1.0))
+    figure.colorbar(mappable, cax=inset, label=label)
+
+
+def panel_size(record: InterfaceRecord, plane: Plane, width: float) -> tuple[float, float]:
+    """Return the size [inch] of a panel that holds the map at a given width, labels included."""
+    flat = plane.project(record.pair_points)
+    across, up = np.ptp(flat, axis=0) if len(flat) else (1.0, 1.0)
+    ratio = up / across if across > 0 else 1.0
+    return width, float(np.clip(width * ratio, 0.8, 1.4 * width)) + 0.9
+
+
+def normalize(largest: float, *, signed: bool) -> Normalize:
+    """Return limits from zero, or symmetric about zero; never empty."""
+    top = largest if largest > 0 else 1.0
+    return Normalize(vmin=-top if signed else 0.0, vmax=top)

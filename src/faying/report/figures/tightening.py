@@ -1,0 +1,60 @@
+"""Bolt forces while the bolts are tightened one after the other."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from faying.report.figures.entry import Drawn
+from faying.report.quantities import percent, quantity
+from faying.report.style import METHOD_COLOURS, new_figure, plain
+from faying.study.results import Results
+from faying.study.units import units_of
+
+NAMED = 14
+"""Up to this many stages are named on the axis."""
+
+
+def plot_tightening(results: Results, axes: Axes) -> Axes:
+    """Draw the force of each bolt after each stage; dotted lines are nominal preloads."""
+    colours = list(METHOD_COLOURS.values())
+    stages = results.tightening_stages
+    for number, (name, bolt) in enumerate(results.bolts.items()):
+        shade = colours[number % len(colours)]
+        axes.plot(np.arange(len(bolt.history)), bolt.history, "o-", color=shade, label=plain(name))
+        axes.axhline(bolt.preload, color=shade, ls=":", lw=1.0)
+    if 0 < len(stages) <= NAMED:
+        axes.set_xticks(np.arange(len(stages)), [plain(s) for s in stages], rotation=35, ha="right")
+    else:
+        axes.set_xlabel("stage")
+    axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(f"bolt force [{units_of(results.units).force}]")
+    if len(results.bolts) > 1:
+        axes.legend()
+    return axes
+
+
+def tightening_figure(results: Results) -> Drawn | None:
+    """Draw the tightening history; None without bolts or history."""
+    if not any(len(bolt.history) for bolt in results.bolts.values()):
+        return None
+    units = units_of(results.units)
+    figure = new_figure(7.5, 4.2)
+    plot_tightening(results, figure.add_subplot())
+    figure.suptitle("Bolt forces while tightening")
+    ends = [
+        f"{name} ends at {quantity(float(bolt.history[-1]), units.force, 4)} "
+        f"({percent(abs(bolt.history[-1] / bolt.preload - 1)) if bolt.preload else '—'} from its "
+        f"nominal {quantity(bolt.preload, units.force, 4)})"
+        for name, bolt in results.bolts.items()
+        if len(bolt.history)
+    ]
+    caption = (
+        "Axial force of each bolt after each stage of tightening; dotted: nominal preload. "
+        f"{'; '.join(ends)}."
+    )
+    return Drawn(
+        figure=figure,
+        stem="tightening",
+        title="Tightening",
+        caption=caption,
+        section="preload",
+    )

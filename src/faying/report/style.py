@@ -1,0 +1,102 @@
+"""House style of the figures: one colour per method everywhere, units on every axis."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from faying.study.files import replacing
+
+RC: Mapping[str, Any] = {
+    "font.size": 10,
+    "axes.titlesize": 10,
+    "axes.labelsize": 10,
+    "figure.titlesize": 12,
+    "legend.fontsize": 9,
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.5,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+}
+
+REFERENCE = "#000000"
+# Okabe and Ito's palette, distinguishable with every colour vision (Color Universal Design, 2008).
+METHOD_COLOURS = {
+    "craig-bampton": "#E69F00",
+    "jim-a": "#D55E00",
+    "jim-b": "#0072B2",
+    "compliance": "#009E73",
+    "jim-a+compliance": "#CC79A7",
+    "jim-b+compliance": "#56B4E9",
+}
+METHOD_MARKERS = {
+    "craig-bampton": "s",
+    "jim-a": "o",
+    "jim-b": "^",
+    "compliance": "D",
+    "jim-a+compliance": "v",
+    "jim-b+compliance": "P",
+}
+OTHER_COLOUR = "#7F7F7F"
+
+# Perceptually uniform; and one that is white at zero, blue and red alike in weight.
+PRESSURE_MAP = "viridis"
+ERROR_MAP = "RdBu_r"
+OPEN_COLOUR = "#E4E4E4"
+BODY_COLOURS = ("#8FB3D9", "#E3C08D", "#A8CDA0", "#C9B2D6", "#D9A9A0", "#B5B5B5")
+BOLT_COLOUR = "#B2182B"
+INTERFACE_COLOUR = "#111111"
+
+DPI = 150
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Use the style for the figures made and saved inside; restores what was set before."""
+    with mpl.rc_context(dict(RC)):
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return a figure of a size in inches that belongs to no window."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Save a figure as PNG, atomically."""
+    with replacing(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.12)
+
+
+def colour(method: str) -> str:
+    """Return the colour of a method."""
+    return METHOD_COLOURS.get(method, OTHER_COLOUR)
+
+
+def marker(method: str) -> str:
+    """Return the marker of a method."""
+    return METHOD_MARKERS.get(method, "x")
+
+
+def label(method: str, joint_modes: int) -> str:
+    """Return how a method with a number of joint modes is called in figures and tables."""
+    return f"{method}, {joint_modes} joint modes" if joint_modes else method
+
+
+def plain(text: str) -> str:
+    """Return text that matplotlib shows as it is: names may hold dollar signs."""
+    return text.replace("$", r"\$")
