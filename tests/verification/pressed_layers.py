@@ -1,0 +1,103 @@
+"""Two elastic layers in plane strain, pressed together; half of them by symmetry at x = 0."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import faying as fy
+from faying.model.assembly import Assembly, AverageCoupling, Material, Spring, Support
+from faying.model.build import build_model
+from faying.model.generate import brick_grid
+from faying.model.mesh import CellBlock, Mesh
+
+STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
+HOLDING_SPRING = 0.1
+"""N/mm under the upper layer, which contact alone would hold; takes 1e-5 of the loads here."""
+
+
+@dataclass(frozen=True)
+class Layers:
+    """A model with boundaries ``"top"`` and ``"bottom"`` where the strip loads enter."""
+
+    model: object
+
+    def pressed(self, force):
+        """Solution under the force per unit width on the whole of both layers."""
+        load = fy.Load({"top.Fz": -force / 2, "bottom.Fz": force / 2})
+        return fy.solve_static(self.model, load)
+
+    @property
+    def joint(self):
+        return self.model.interfaces["joint"]
+
+
+def pressed_layers(x, depth, half_width, *, element="standard", penalty="hard", quadrature=None):
+    """Layers of unit width over grid lines ``x`` and z = ±depth, loaded up to ``half_width``."""
+    y = np.array([0.0, 1.0])
+    parts = [brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(x, y, np.sort(depth))]
+    n, n_cell = len(parts[0].nodes), len(parts[0].cells)
+    nodes = np.vstack([parts[0].nodes, parts[1].nodes])
+    # At the centroid of the strip an average passes a force on as uniform pressure.
+    centre = half_width / 2
+    ends = np.array([[centre, 0.5, depth.max()], [centre, 0.5, -depth.max()]])
+    top, bottom = 2 * n, 2 * n + 1
+    mesh = Mesh(
+        nodes=np.vstack([nodes, ends]),
+        node_ids=np.arange(1, 2 * n + 3),
+        blocks=(
+            CellBlock(
+                kind="hex8",
+                nodes=np.vstack([parts[0].cells, parts[1].cells + n]),
+                ids=np.arange(1, 2 * n_cell + 1),
+                properties=np.repeat([1, 2], n_cell),
+            ),
+        ),
+    )
+    middle = np.flatnonzero(nodes[:, 0] == 0)
+    base = np.flatnonzero((nodes[:, 0] == 0) & (nodes[:, 2] == -depth.max()))
+    assembly = Assembly(
+        mesh=mesh,
+        materials={1: STEEL, 2: STEEL},
+        element=element,
+        supports=(
+            Support(id=1, nodes=np.arange(len(nodes)), components=(1,)),
+            Support(id=2, nodes=middle, components=(0,)),
+            Support(id=3, nodes=base, components=(2,)),
+        ),
+        average_couplings=tuple(
+            strip(number, nodes, reference, mesh.nodes[reference, 2], half_width)
+            for number, reference in enumerate((top, bottom), start=1)
+        ),
+        springs=(Spring(id=1, ends=((top, 2),), stiffness=HOLDING_SPRING),),
+    )
+    model = build_model(
+        assembly,
+        interfaces=[fy.InterfaceSpec(name="joint", penalty=penalty, quadrature=quadrature)],
+        boundaries=[
+            fy.BoundarySpec(name="top", node=top + 1),
+            fy.BoundarySpec(name="bottom", node=bottom + 1),
+        ],
+    )
+    return Layers(model)
+
+
+def strip(number, nodes, reference, height, half_width):
+    """A uniform pressure from x = 0 to ``half_width`` as the weights of an average."""
+    loaded = np.flatnonzero((nodes[:, 2] == height) & (nodes[:, 0] <= half_width + 1e-9))
+    x = np.unique(nodes[loaded, 0])
+    width = (np.diff(x, prepend=x[0]) + np.diff(x, append=x[-1])) / 2
+    return AverageCoupling(
+        id=number,
+        reference=reference,
+        nodes=loaded,
+        weights=width[np.searchsorted(x, nodes[loaded, 0])],
+        components=(2,),
+        reference_components=(2,),
+    )
+
+
+def pair_places(joint, nodes):
+    """The x of the node pairs, and those with y = 0 in order of x."""
+    place = nodes[joint.pairs[:, 0]]
+    row = np.flatnonzero(place[:, 1] == 0)
+    return place[row, 0][np.argsort(place[row, 0])], row[np.argsort(place[row, 0])]
