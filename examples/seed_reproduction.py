@@ -15,8 +15,8 @@ import numpy as np
 import faying as fy
 
 COUNTS = (5, 10, 20, 40)
-PENALTIES = (1e4, 1e5, 8.4e5)
-"""c_n [N/mm³]: soft, middle, and 10 E/h of the default mesh."""
+PENALTIES = (1e4, 3e4, 1e5, 8.4e5)
+"""c_n [N/mm³]: soft; where both bounds of the seed hold; middle; 10 E/h of the default mesh."""
 
 PRELOAD = {"bolt": 10e3}
 LC1 = fy.Load({"tip.Fz": -500.0}, name="LC1")
