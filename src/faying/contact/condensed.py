@@ -2,12 +2,38 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
 from faying._typing import Mask, Matrix, Vector
 from faying.contact.interface import Contact
 from faying.contact.problem import ContactForces, ContactProblem
+
+
+class ContactSolver(Protocol):
+    """What a system's contact problem offers to solvers: exact, or itself reduced."""
+
+    @property
+    def flexibility(self) -> Matrix:
+        """H = S + D (n_point, n_point)."""
+        ...
+
+    def free_gap(self, relative_displacement: Matrix) -> Matrix:
+        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
+        ...
+
+    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
+        """Solve for the contact forces that a free relative displacement calls up."""
+        ...
+
+    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
+        """Solve for the contact forces that a free gap (n_point,) calls up."""
+        ...
+
+    def gap(self, solution: ContactForces) -> Vector:
+        """Gap (n_point,) of a solution."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,8 +68,11 @@ class CondensedContact:
 
     def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
         """Solve for the contact forces that a free relative displacement calls up."""
-        problem = ContactProblem(H=self.flexibility, g_free=self.free_gap(relative_displacement))
-        return problem.solve(active=active)
+        return self.solve_gap(self.free_gap(relative_displacement), active)
+
+    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
+        """Solve for the contact forces that a free gap (n_point,) calls up."""
+        return ContactProblem(H=self.flexibility, g_free=free_gap).solve(active=active)
 
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution; negative by the penetration where contact is elastic."""

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.contact.condensed import CondensedContact
+from faying.contact.condensed import ContactSolver
 from faying.contact.interface import Contact
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
@@ -90,7 +90,7 @@ class System(Protocol):
         ...
 
     @property
-    def static_contact(self) -> CondensedContact:
+    def static_contact(self) -> ContactSolver:
         """The static contact problem, its flexibility formed once."""
         ...
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Matrix
-from faying.contact.problem import ContactProblem
 from faying.contact.warm_start import WarmStarts
 from faying.model.system import PortCompliance, System, input_forces
 from faying.simulation.load import Load
@@ -67,8 +66,7 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     iterations = np.empty(len(inputs), dtype=np.int64)
     starts = WarmStarts(contact.n_points)
     for case, gap in enumerate(condensed.free_gap(free)):
-        problem = ContactProblem(H=condensed.flexibility, g_free=gap)
-        solution = problem.solve(active=starts.nearest(gap))
+        solution = condensed.solve_gap(gap, starts.nearest(gap))
         starts.remember(gap, solution.active)
         forces[case], gaps[case] = solution.forces, condensed.gap(solution)
         iterations[case] = solution.iterations

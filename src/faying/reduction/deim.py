@@ -1,0 +1,191 @@
+"""Contact forces sampled at a few points and interpolated to all others (DEIM).
+
+The discrete empirical interpolation method of Chaturantabut & Sorensen 2010
+(doi:10.1137/090766498), which the seed's reference 2 (Breitfuss, Irschik, Holl & Witteveen 2014)
+applies to contact interfaces: with modes U of the contact forces and as many sampling points z,
+
+    λ = E λ_z,   E = U (Zᵀ U)⁻¹,
+
+and only λ_z is evaluated by the contact law. The condensed problem becomes Zᵀ(S E) + D_z, which is
+not symmetric: it is no longer the minimum of an energy, a solution need not exist nor be the only
+one, and interpolated forces may pull.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.contact.interface import Contact
+from faying.contact.problem import ContactForces
+from faying.exceptions import ConvergenceError, ModelError
+from faying.model.system import System
+from faying.reduction.contact_reduction import ContactReducedModel
+from faying.reduction.pod import pod
+
+EXCHANGES = 100
+"""Exchanges of the points in contact before the sampled problem is given up."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Deim:
+    """Sampling points of the contact forces and the interpolation from them.
+
+    Attributes
+    ----------
+    points : (n_sample,)
+        Contact points whose forces are evaluated.
+    interpolation : (n_point, n_sample)
+        E; the identity in the rows of the sampling points.
+    """
+
+    points: Indices
+    interpolation: Matrix
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points, np.int64))
+        object.__setattr__(self, "interpolation", frozen(self.interpolation))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DeimContact:
+    """The contact problem at the sampling points only.
+
+    Attributes
+    ----------
+    contact
+        Gap operator and law of all contact points.
+    flexibility : (n_point, n_point)
+        H of all contact points.
+    deim
+        Sampling points and interpolation.
+    """
+
+    contact: Contact
+    flexibility: Matrix
+    deim: Deim
+
+    @cached_property
+    def sampled_flexibility(self) -> Matrix:
+        """Gap at the sampling points per force there (n_sample, n_sample), not symmetric."""
+        points, law = self.deim.points, self.contact.flexibility
+        compliance = self.flexibility[points].copy()
+        compliance[np.arange(len(points)), points] -= law[points]
+        sampled: Matrix = compliance @ self.deim.interpolation + np.diag(law[points])
+        return sampled
+
+    def free_gap(self, relative_displacement: Matrix) -> Matrix:
+        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
+        gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
+        return gap + self.contact.initial_gap
+
+    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
+        """Solve for the contact forces that a free relative displacement calls up."""
+        return self.solve_gap(self.free_gap(relative_displacement), active)
+
+    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
+        """Exchange the sampling points in contact until signs fit.
+
+        Raises
+        ------
+        ConvergenceError
+            If they never do, which DEIM cannot rule out.
+        """
+        points = self.deim.points
+        closed = free_gap[points] < 0 if active is None else np.asarray(active)[points]
+        sampled, iterations = _exchange(self.sampled_flexibility, free_gap[points], closed)
+        forces = self.deim.interpolation @ sampled
+        return ContactForces(
+            forces=forces,
+            slack=self.flexibility @ forces + free_gap,
+            active=forces > 0,
+            iterations=iterations,
+        )
+
+    def gap(self, solution: ContactForces) -> Vector:
+        """Gap (n_point,) of a solution; off the sampling points it need not fit the forces."""
+        return np.asarray(solution.slack - self.contact.flexibility * solution.forces)
+
+
+def deim(contact_forces: Matrix, *, count: int) -> Deim:
+    """Choose sampling points by empirical interpolation of contact-force modes.
+
+    Parameters
+    ----------
+    contact_forces : (n_point, n_snapshot) [force]
+        λ of training runs, see :mod:`faying.reduction.snapshots`.
+    count
+        Modes and sampling points wanted; fewer are returned when the snapshots have lower rank.
+
+    Raises
+    ------
+    ModelError
+        If the snapshots are not finite or all zero.
+
+    Notes
+    -----
+    Greedy: each mode is interpolated by those before it, and the point where that fails most is
+    the next one (Chaturantabut & Sorensen 2010, algorithm 1).
+    """
+    modes = pod(contact_forces, count=count).vectors
+    points = [int(np.abs(modes[:, 0]).argmax())]
+    for size in range(1, modes.shape[1]):
+        weights = la.solve(modes[points, :size], modes[points, size])
+        residual = modes[:, size] - modes[:, :size] @ weights
+        points.append(int(np.abs(residual).argmax()))
+    interpolation = la.solve(modes[points].T, modes.T).T
+    interpolation[points] = np.eye(len(points))
+    return Deim(points=np.array(points), interpolation=interpolation)
+
+
+def with_deim(system: System, sampling: Deim) -> ContactReducedModel:
+    """Return a system whose contact law is evaluated at the sampling points only.
+
+    Parameters
+    ----------
+    system
+        The full model, or a reduced one with residual compliance, which is statically as exact.
+
+    Raises
+    ------
+    ModelError
+        If sampling and system have different contact points.
+
+    Notes
+    -----
+    Static cases only. Pressures between the sampling points may be negative; see the module.
+    """
+    if len(sampling.interpolation) != system.contact.n_points:
+        message = (
+            f"the sampling interpolates to {len(sampling.interpolation)} contact points but the "
+            f"model has {system.contact.n_points}; build it from this model's contact forces"
+        )
+        raise ModelError(message)
+    contact = DeimContact(
+        contact=system.contact, flexibility=system.static_contact.flexibility, deim=sampling
+    )
+    return ContactReducedModel(system=system, static_contact=contact)
+
+
+def _exchange(matrix: Matrix, gap: Vector, closed: Mask) -> tuple[Vector, int]:
+    """Semismooth Newton for λ ≥ 0, matrix λ + gap ≥ 0, complementary."""
+    for iteration in range(1, EXCHANGES + 1):
+        index = np.flatnonzero(closed)
+        forces = np.zeros_like(gap)
+        if len(index):
+            forces[index] = np.linalg.solve(matrix[np.ix_(index, index)], -gap[index])
+        slack = matrix @ forces + gap
+        next_closed = np.where(closed, forces > 0, slack < 0)
+        if (next_closed == closed).all():
+            return forces, iteration
+        closed = next_closed
+    message = (
+        f"contact sampled by DEIM at {len(gap)} points did not settle; its matrix is not "
+        "symmetric and a solution need not exist: use another number of points, or a force basis"
+    )
+    raise ConvergenceError(message)

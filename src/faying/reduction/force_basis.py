@@ -1,0 +1,239 @@
+"""Contact forces as nonnegative combinations of nonnegative vectors, with exact compliance.
+
+λ = W μ with μ ≥ 0 puts the reduced forces inside the cone of admissible ones: no pull, whatever
+the load. The condensed problem of design §3 becomes one of the same form and of the size of the
+basis,
+
+    min ½ μᵀ (Wᵀ H W) μ + (Wᵀ g_free)ᵀ μ   over μ ≥ 0,
+
+the Galerkin reduction of the dual problem on a cone (Balajewicz, Amsallem & Farhat 2016,
+arXiv:1503.01000; Benaceur, Ern & Ehrlacher 2020, doi:10.1002/nme.6261).
+"""
+
+import heapq
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import nnls
+
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.contact.interface import Contact
+from faying.contact.problem import ContactForces, ContactProblem
+from faying.exceptions import ModelError
+from faying.model.system import System
+from faying.reduction.contact_reduction import ContactReducedModel
+
+SPANNED = 1e-10
+"""Part of a snapshot outside the cone below which it is round-off of the projection."""
+
+SWEEPS = 200
+"""Alternating sweeps of the nonnegative factorization; its residual changes little after."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForceBasis:
+    """Nonnegative contact force vectors W.
+
+    Attributes
+    ----------
+    vectors : (n_point, n_force)
+        Each adds up to one, so that its coefficient μ is a contact force [force].
+    """
+
+    vectors: Matrix
+
+    def __post_init__(self) -> None:
+        vectors = np.asarray(self.vectors, dtype=float)
+        total = vectors.sum(axis=0)
+        if not (vectors >= 0).all() or not (total > 0).all():
+            message = "the vectors of a force basis must be nonnegative and none may vanish"
+            raise ModelError(message)
+        object.__setattr__(self, "vectors", frozen(vectors / total))
+
+    def __len__(self) -> int:
+        return int(self.vectors.shape[1])
+
+    def first(self, count: int) -> "ForceBasis":
+        """Return the first ``count`` vectors; of a greedy basis, the basis of that size."""
+        return replace(self, vectors=self.vectors[:, :count])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForceBasisContact:
+    """The condensed contact problem on the cone of a force basis.
+
+    Attributes
+    ----------
+    contact
+        Gap operator and law of all contact points.
+    flexibility : (n_point, n_point)
+        H of all contact points.
+    basis
+        W.
+    """
+
+    contact: Contact
+    flexibility: Matrix
+    basis: ForceBasis
+
+    @cached_property
+    def reduced_flexibility(self) -> Matrix:
+        """Wᵀ H W (n_force, n_force)."""
+        product: Matrix = self.basis.vectors.T @ (self.flexibility @ self.basis.vectors)
+        return (product + product.T) / 2
+
+    def free_gap(self, relative_displacement: Matrix) -> Matrix:
+        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
+        gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
+        return gap + self.contact.initial_gap
+
+    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
+        """Solve for the contact forces that a free relative displacement calls up."""
+        return self.solve_gap(self.free_gap(relative_displacement), active)
+
+    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:  # noqa: ARG002
+        """Solve for the contact forces; ``active`` says nothing about the coefficients."""
+        W = self.basis.vectors
+        problem = ContactProblem(H=self.reduced_flexibility, g_free=W.T @ free_gap)
+        solution = problem.solve()
+        forces = W @ solution.forces
+        return ContactForces(
+            forces=forces,
+            slack=self.flexibility @ forces + free_gap,
+            active=forces > 0,
+            iterations=solution.iterations,
+        )
+
+    def gap(self, solution: ContactForces) -> Vector:
+        """Gap (n_point,) of a solution, which may be closed too far where the basis is poor."""
+        return np.asarray(solution.slack - self.contact.flexibility * solution.forces)
+
+
+def with_force_basis(system: System, basis: ForceBasis) -> ContactReducedModel:
+    """Return a system whose contact forces are nonnegative combinations of a force basis.
+
+    Parameters
+    ----------
+    system
+        The full model, or a reduced one with residual compliance, which is statically as exact.
+
+    Raises
+    ------
+    ModelError
+        If basis and system have different contact points.
+
+    Notes
+    -----
+    Static cases only. Forms Wᵀ H W once; a case then costs a contact problem of the size of the
+    basis and one product with H for the gaps.
+    """
+    if len(basis.vectors) != system.contact.n_points:
+        message = (
+            f"the force basis has {len(basis.vectors)} rows but the model "
+            f"{system.contact.n_points} contact points; build it from this model's contact forces"
+        )
+        raise ModelError(message)
+    contact = ForceBasisContact(
+        contact=system.contact, flexibility=system.static_contact.flexibility, basis=basis
+    )
+    return ContactReducedModel(system=system, static_contact=contact)
+
+
+def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
+    """Pick the snapshots whose cone comes closest to all others.
+
+    The snapshot farthest from the cone of those picked so far joins them, until there are enough
+    or all lie in the cone (cone-projected greedy, Benaceur et al. 2020). Distances are relative to
+    the snapshot's own norm here, so that weak preloads count like strong ones.
+
+    Parameters
+    ----------
+    contact_forces : (n_point, n_snapshot) [force]
+        λ of training runs, see :mod:`faying.reduction.snapshots`.
+    count
+        Vectors wanted; fewer are returned when all snapshots lie in the cone.
+
+    Raises
+    ------
+    ModelError
+        If there is no contact force in the snapshots, or a negative one.
+
+    Notes
+    -----
+    A snapshot's distance can only shrink as the cone grows, so only those that still lead are
+    projected again: a few nonnegative least-squares problems per vector.
+    """
+    unit = _unit_snapshots(contact_forces)
+    # The negative distance bound, the snapshot, and the size of the cone it was measured for.
+    queue: list[tuple[float, int, int]] = [(-1.0, column, 0) for column in range(unit.shape[1])]
+    picked: list[int] = []
+    while queue and len(picked) < count:
+        bound, column, measured = heapq.heappop(queue)
+        if measured == len(picked):
+            if -bound <= SPANNED:
+                break
+            picked.append(column)
+            continue
+        distance = float(nnls(unit[:, picked], unit[:, column])[1])
+        heapq.heappush(queue, (-distance, column, len(picked)))
+    return ForceBasis(vectors=unit[:, picked])
+
+
+def nonnegative_factors(contact_forces: Matrix, *, count: int) -> ForceBasis:
+    """Factorize snapshots into nonnegative vectors and nonnegative coefficients.
+
+    Minimizes ‖Y − W V‖ over W, V ≥ 0 (the basis of Balajewicz, Amsallem & Farhat 2016,
+    arXiv:1503.01000) by hierarchical alternating least squares (Cichocki & Phan 2009), started
+    from the cone-projected greedy vectors. Bases of different size are not nested.
+
+    Parameters
+    ----------
+    contact_forces : (n_point, n_snapshot) [force]
+        λ of training runs.
+    count
+        Vectors wanted.
+
+    Raises
+    ------
+    ModelError
+        As :func:`cone_projected_greedy`.
+    """
+    Y = _unit_snapshots(contact_forces)
+    W = cone_projected_greedy(contact_forces, count=count).vectors.copy()
+    W /= np.linalg.norm(W, axis=0)
+    weights = np.maximum(np.linalg.lstsq(W, Y, rcond=None)[0], 0.0)
+    for _ in range(SWEEPS):
+        weights = _sweep(weights.T, W.T @ W, Y.T @ W).T
+        W = _sweep(W, weights @ weights.T, Y @ weights.T)
+    return ForceBasis(vectors=W[:, W.any(axis=0)])
+
+
+def _sweep(factor: Matrix, gram: Matrix, target: Matrix) -> Matrix:
+    """Minimize over one column after the other, each with nonnegative entries."""
+    factor = factor.copy()
+    for column in range(factor.shape[1]):
+        if gram[column, column] <= 0:
+            continue
+        residual = target[:, column] - factor @ gram[:, column]
+        factor[:, column] += residual / gram[column, column]
+        np.maximum(factor[:, column], 0.0, out=factor[:, column])
+    return factor
+
+
+def _unit_snapshots(contact_forces: Matrix) -> Matrix:
+    """Return the snapshots with any force at all, each of unit length."""
+    snapshots = np.asarray(contact_forces, dtype=float)
+    if snapshots.ndim != 2 or not np.isfinite(snapshots).all() or (snapshots < 0).any():
+        message = (
+            f"a force basis needs finite contact forces ≥ 0, one snapshot a column; got shape "
+            f"{snapshots.shape}"
+        )
+        raise ModelError(message)
+    norms = np.linalg.norm(snapshots, axis=0)
+    pressed: Indices = np.flatnonzero(norms > 0)
+    if not len(pressed):
+        message = "no snapshot has any contact force; train with loads that press the interface"
+        raise ModelError(message)
+    unit: Matrix = snapshots[:, pressed] / norms[pressed]
+    return unit
