@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Vector
 
 ROUND_OFF = 1e-9
 """Relative errors below this are the rounding of double precision, not a property of a method."""
@@ -78,10 +78,4 @@ def place(point: Vector, unit: str, scale: float) -> str:
     decimals = max(0, 2 - int(np.floor(np.log10(scale)))) + 1 if scale > 0 else 3
     texts = (f"{value + 0.0:.{decimals}f}" for value in np.round(point, decimals) + 0.0)
     short = (text.rstrip("0").rstrip(".") if "." in text else text for text in texts)
-    return f"({', '.join(short)}) {unit}"
-
-
-def peak(values: Matrix) -> tuple[int, ...]:
-    """Return the index of the largest magnitude; the first one of equals."""
-    array = np.abs(np.asarray(values))
-    return tuple(int(i) for i in np.unravel_index(int(array.argmax()), array.shape))
+    return f"({', '.join(short)}) {unit}".replace("-", "−")

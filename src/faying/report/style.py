@@ -1,17 +1,21 @@
 """House style of the figures: one colour per method everywhere, units on every axis."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.image import imsave
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from faying._typing import Mask
 from faying.study.files import replacing
 
-RC: Mapping[str, Any] = {
+RC: Any = {  # matplotlib types the keys as one long Literal
     "font.size": 10,
     "axes.titlesize": 10,
     "axes.labelsize": 10,
@@ -60,26 +64,43 @@ BOLT_COLOUR = "#B2182B"
 INTERFACE_COLOUR = "#111111"
 
 DPI = 150
+MARGIN = 18
+"""Pixels left around a picture."""
+WHITE = 250
 
 
 @contextmanager
 def house_style() -> Iterator[None]:
     """Use the style for the figures made and saved inside; restores what was set before."""
-    with mpl.rc_context(dict(RC)):
+    with mpl.rc_context(RC):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
     """Return a figure of a size in inches that belongs to no window."""
-    figure = Figure(figsize=(width, height), layout="constrained")
+    layout = ConstrainedLayoutEngine(h_pad=0.1, w_pad=0.12)
+    figure = Figure(figsize=(width, height), dpi=DPI, layout=layout)
     FigureCanvasAgg(figure)
     return figure
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Save a figure as PNG, atomically."""
+    """Save a figure as PNG, its empty margins cut off, atomically."""
+    canvas: Any = FigureCanvasAgg(figure)  # its methods are not typed
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())
+    inked: Mask = pixels[..., :3].min(axis=-1) < WHITE
+    rows, columns = (_extent(inked.max(axis=axis)) for axis in (1, 0))
     with replacing(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=DPI, bbox_inches="tight", pad_inches=0.12)
+        imsave(temporary, pixels[rows, columns], format="png", dpi=DPI)
+
+
+def _extent(inked: Mask) -> slice:
+    """Return the range of lines with ink, a margin around it."""
+    found = np.flatnonzero(inked)
+    if not len(found):
+        return slice(None)
+    return slice(max(int(found[0]) - MARGIN, 0), int(found[-1]) + 1 + MARGIN)
 
 
 def colour(method: str) -> str:

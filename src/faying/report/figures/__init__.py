@@ -7,7 +7,7 @@ from faying.report.figures.entry import FigureEntry
 from faying.report.figures.error import plot_error
 from faying.report.figures.model import plot_model
 from faying.report.figures.preload import plot_sticking
-from faying.report.figures.pressure import plot_pressure
+from faying.report.figures.pressure import plot_point_pressure, plot_pressure
 from faying.report.figures.response import (
     plot_displacement,
     plot_error_over_time,
@@ -25,6 +25,7 @@ __all__ = [
     "plot_error_over_time",
     "plot_model",
     "plot_peak_pressure",
+    "plot_point_pressure",
     "plot_pressure",
     "plot_step_check",
     "plot_sticking",

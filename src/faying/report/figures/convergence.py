@@ -1,6 +1,7 @@
 """Pressure error over the number of joint modes."""
 
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter
 
 from faying.report.figures.entry import Drawn
 from faying.report.style import colour, marker, new_figure, plain
@@ -19,7 +20,7 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
     triangles on it.
     """
     counts = sorted({n for sizes in case.methods.values() for n in sizes if n > 0}) or [1]
-    for name, sizes in case.methods.items():
+    for rank, (name, sizes) in enumerate(case.methods.items()):
         found = sorted(sizes)
         errors = [max(sizes[n].accuracy.max_relative_error, FLOOR) for n in found]
         percents = [100 * error for error in errors]
@@ -29,13 +30,16 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
             axes.plot(found, percents, color=colour(name), marker=marker(name), label=plain(name))
         below = [(n, 100 * FLOOR) for n in found if sizes[n].accuracy.max_relative_error <= FLOOR]
         for n, level in below:
-            axes.plot(n or counts[0], level, "v", color=colour(name), ms=9, clip_on=False)
+            # Nested, so that none hides the others.
+            size = 4 + 3 * (len(case.methods) - 1 - rank)
+            axes.plot(n or counts[0], level, "v", color=colour(name), ms=size, clip_on=False)
     axes.axhline(100 * MARK, color="0.6", lw=0.9, ls=":")
     axes.text(
-        1.0, 100 * MARK, " 5 %", color="0.45", va="center", transform=axes.get_yaxis_transform()
+        0.01, 120 * MARK, "5 %", color="0.45", fontsize=8, transform=axes.get_yaxis_transform()
     )
     axes.set_yscale("log")
     axes.set_ylim(bottom=100 * FLOOR)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xticks(counts)
     axes.set_xlabel("joint modes")
     axes.set_ylabel("max relative pressure error [%]")
@@ -54,6 +58,7 @@ def convergence_figure(results: Results) -> Drawn | None:
     grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
     for axes, case in zip(grid.flat, cases, strict=False):
         plot_convergence(case, axes)
+        axes.label_outer(remove_inner_ticks=False)
     for axes in grid.flat[len(cases) :]:
         axes.set_visible(False)
     handles = {

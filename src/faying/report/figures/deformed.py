@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from faying.report.figures.entry import Drawn
-from faying.report.figures.model import name_axes, plot_bodies
+from faying.report.figures.model import name_axes, plot_bodies, title_height
 from faying.report.quantities import number, place, quantity
 from faying.report.style import new_figure, plain
 from faying.study.results import CaseResult, Results
@@ -51,7 +51,7 @@ def deformed_figure(results: Results, case: CaseResult) -> Drawn | None:
     if moved is None or not len(solid):
         return None
     units, factor = units_of(results.units), exaggeration(results, case)
-    figure = new_figure(10.0, 6.0)
+    figure = new_figure(9.0, 9.0)
     axes = figure.add_subplot(projection="3d")
     plot_deformed(results, case, axes)
     distance = np.linalg.norm(moved[solid], axis=1)
@@ -60,7 +60,8 @@ def deformed_figure(results: Results, case: CaseResult) -> Drawn | None:
     where = place(results.nodes[worst], units.length, size)
     note = f"largest displacement {quantity(distance.max(), units.length)} at {where}"
     times = f"{number(factor, 1)} ×"
-    axes.set_title(plain(f"{case.name}: deformed shape, full model, displacements {times}\n{note}"))
+    title = f"{case.name}: deformed shape, full model, displacements {times}\n{note}"
+    axes.set_title(plain(title), y=title_height(axes))
     caption = (
         f"Bodies deformed by preload and {case.name} (as Fig. 15.4), displacements drawn {times} "
         f"too large; one colour per body. Bodies may seem to overlap or gape: gaps are exaggerated "

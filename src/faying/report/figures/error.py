@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.ticker import MaxNLocator
 
 from faying._typing import Vector
@@ -13,9 +12,9 @@ from faying.report.figures.surface_map import (
     best_plane,
     colour_bar,
     draw_points,
-    normalize,
     panel_size,
     prepare,
+    scale,
 )
 from faying.report.quantities import percent, place
 from faying.report.style import ERROR_MAP, label, new_figure, plain
@@ -41,10 +40,10 @@ def plot_error(
     """
     plane = best_plane(record)
     prepare(axes, record, plane, units)
-    mappable = ScalarMappable(normalize(100 * largest, signed=True), ERROR_MAP)
-    draw_points(axes, record, plane, 100 * error, mappable)
+    colours = scale(ERROR_MAP, 100 * largest, signed=True)
+    draw_points(axes, record, plane, 100 * error, colours)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    colour_bar(axes, mappable, "pressure error [%]")
+    colour_bar(axes, colours, "pressure error [%]")
     return axes
 
 

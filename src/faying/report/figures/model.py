@@ -5,7 +5,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
-from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
+from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
+    Line3DCollection,
+    Poly3DCollection,
+)
 
 from faying._typing import Indices, Matrix, Vector
 from faying.model.bodies import bodies
@@ -94,7 +99,7 @@ def frame(axes: Any, points: Matrix) -> None:
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, extent, strict=True
     ):
         set_limits(centre - size / 2, centre + size / 2)
-    axes.set_box_aspect(extent, zoom=1.15)
+    axes.set_box_aspect(extent, zoom=0.92)
     axes.view_init(**VIEW)
     axes.grid(visible=False)
     for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent, strict=True):
@@ -104,14 +109,23 @@ def frame(axes: Any, points: Matrix) -> None:
 
 
 def _ticks(size: float, longest: float) -> Any:
-    from matplotlib.ticker import MaxNLocator
+    bins = 6 if size > 0.6 * longest else (4 if size > 0.25 * longest else 2)
+    return MaxNLocator(nbins=bins, prune=None if bins > 4 else "both")
 
-    return MaxNLocator(nbins=6 if size > 0.6 * longest else (3 if size > 0.25 * longest else 1))
+
+def title_height(axes: Any) -> float:
+    """Return where a title stands just above the drawn box, in axes coordinates."""
+    limits = [axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()]
+    corners = np.stack(np.meshgrid(*limits), axis=-1).reshape(-1, 3)
+    axes.apply_aspect()
+    _, height, _ = proj3d.proj_transform(*corners.T, axes.get_proj())
+    top = axes.transData.transform(np.stack([np.zeros_like(height), height], axis=-1))
+    return float(axes.transAxes.inverted().transform(top)[:, 1].max()) + 0.03
 
 
 def name_axes(axes: Any, length: str) -> None:
     """Label the three axes."""
-    axes.set_xlabel(f"x [{length}]", labelpad=14)
+    axes.set_xlabel(f"x [{length}]", labelpad=12)
     axes.set_ylabel(f"y [{length}]")
     axes.set_zlabel(f"z [{length}]")
 
@@ -147,7 +161,7 @@ def plot_model(model: Model, axes: Any) -> Any:
 def model_figure(results: Results) -> Drawn:
     """Draw the model of a run."""
     units = units_of(results.units)
-    figure = new_figure(10.0, 6.0)
+    figure = new_figure(9.0, 9.0)
     axes = figure.add_subplot(projection="3d")
     plot_bodies(results.nodes, results.blocks, results.body, axes)
     name_axes(axes, units.length)
@@ -160,7 +174,7 @@ def model_figure(results: Results) -> Drawn:
     elements = sum(len(block.ids) for block in results.blocks)
     n_body = int(results.body.max(initial=-1)) + 1
     size = f"{len(results.nodes)} nodes, {elements} solid elements, {n_body} bodies"
-    axes.set_title(plain(f"{results.title}: {size}"))
+    axes.set_title(plain(f"{results.title}: {size}"), y=title_height(axes))
     drawn = [name for name, bolt in results.bolts.items() if bolt.axis is not None]
     axis_note = f"; dash-dotted: axis of {', '.join(drawn)}" if drawn else ""
     extent = np.ptp(results.nodes, axis=0) if len(results.nodes) else np.zeros(3)

@@ -3,9 +3,15 @@
 from matplotlib.axes import Axes
 
 from faying.report.figures.entry import Drawn
-from faying.report.figures.pressure import described_peak, open_share, plot_pressure
+from faying.report.figures.pressure import (
+    HOW_TO_READ,
+    described_average,
+    described_peak,
+    plot_point_pressure,
+    plot_pressure,
+    summary,
+)
 from faying.report.figures.surface_map import best_plane, draw_edges, panel_size, prepare
-from faying.report.quantities import percent
 from faying.report.style import METHOD_COLOURS, new_figure, plain
 from faying.study.results import InterfaceRecord, Results
 from faying.study.units import Units, units_of
@@ -18,9 +24,8 @@ def plot_sticking(record: InterfaceRecord, axes: Axes, units: Units) -> Axes:
     draw_edges(axes, record, plane)
     flat = plane.project(record.pair_points)
     stuck = record.stuck.astype(bool)
-    axes.plot(*flat[~stuck].T, ".", color="0.6", ms=3, label="free to slide")
-    axes.plot(*flat[stuck].T, "o", color=METHOD_COLOURS["jim-b"], ms=6, label="sticks")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, borderaxespad=0.6)
+    axes.plot(*flat[~stuck].T, ".", color="0.6", ms=3)
+    axes.plot(*flat[stuck].T, "o", color=METHOD_COLOURS["jim-b"], ms=5)
     return axes
 
 
@@ -28,27 +33,28 @@ def preload_figure(results: Results) -> Drawn:
     """Draw preload pressure and sticking area, one row per interface."""
     units = units_of(results.units)
     records = results.interfaces
-    sizes = [panel_size(record, best_plane(record), 5.2) for record in records.values()]
-    figure = new_figure(12.6, max(sum(height + 0.4 for _, height in sizes), 2.4))
+    sizes = [panel_size(record, best_plane(record), 4.2) for record in records.values()]
+    figure = new_figure(16.0, max(sum(height for _, height in sizes), 2.0) + 0.5)
     rows = figure.subplots(
-        len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
+        len(records), 3, squeeze=False, height_ratios=[height for _, height in sizes]
     )
     notes = []
-    for (left, right), (name, record) in zip(rows, records.items(), strict=True):
-        plot_pressure(record, record.preload_pressure, left, units)
+    for (left, middle, right), (name, record) in zip(rows, records.items(), strict=True):
+        own = record.preload_pressure
+        top = float(own.max(initial=0.0))
+        plot_point_pressure(record, own, left, units)
+        plot_pressure(record, own, middle, units, largest=top)
         plot_sticking(record, right, units)
-        note = described_peak(record, record.preload_pressure, units)
         count = f"{int(record.stuck.sum())} of {len(record.stuck)} node pairs stick"
-        left.set_title(plain(f"{name}: {note.replace(', nodal', chr(10) + 'nodal')}"), loc="left")
-        right.set_title(plain(f"{name}: {count}"), loc="left")
-        open_part = percent(open_share(record, record.preload_pressure))
-        notes.append(f"{name}: {note}; {open_part} open; {count}")
+        left.set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
+        middle.set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
+        right.set_title(plain(f"{name}: {count} (large dots)"), loc="left")
+        notes.append(f"{summary(name, record, own, units)}; {count}")
     figure.suptitle("Preload: contact pressure and sticking area")
     caption = (
-        "Contact pressure after tightening, before any pair was tied (left), and the node pairs "
-        "tied in tangential direction in all later load cases because their pressure passes the "
-        "study's threshold (right), as Fig. 15.3. Colours are nodal averages; grey is open. "
-        f"{'. '.join(notes)}."
+        "Contact pressure after tightening, before any pair was tied, and the node pairs tied in "
+        "tangential direction in all load cases because their pressure passes the study's "
+        f"threshold (as Fig. 15.3). {HOW_TO_READ} {'. '.join(notes)}."
     )
     return Drawn(
         figure=figure,

@@ -2,7 +2,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 
 from faying._typing import Vector
 from faying.report.figures.entry import Drawn
@@ -10,9 +9,10 @@ from faying.report.figures.surface_map import (
     best_plane,
     colour_bar,
     draw_averages,
-    normalize,
+    draw_points,
     panel_size,
     prepare,
+    scale,
 )
 from faying.report.quantities import percent, place, quantity
 from faying.report.style import PRESSURE_MAP, new_figure, plain
@@ -21,6 +21,11 @@ from faying.study.units import Units, units_of
 
 CLOSED = 1e-9
 """Averages below this fraction of the largest count as no contact."""
+HOW_TO_READ = (
+    "Left: values at the contact points, each over the area nearest to it, where the cross marks "
+    "the largest. Right: the same as nodal averages, interpolated over each facet, which smooth "
+    "peaks. Grey carries no pressure."
+)
 
 
 def plot_pressure(
@@ -31,7 +36,7 @@ def plot_pressure(
     *,
     largest: float | None = None,
 ) -> Axes:
-    """Draw a contact pressure as nodal averages; grey where open, a cross at the largest point.
+    """Draw a contact pressure as nodal averages over the facets; grey where open.
 
     Parameters
     ----------
@@ -44,28 +49,56 @@ def plot_pressure(
     prepare(axes, record, plane, units)
     averages = record.averaging @ pressure
     own = float(averages.max(initial=0.0))
-    mappable = ScalarMappable(normalize(largest or own, signed=False), PRESSURE_MAP)
-    closed = averages > CLOSED * own
-    draw_averages(axes, record, plane, averages, mappable, closed=closed)
-    if len(pressure) and pressure.max() > 0:
+    colours = scale(PRESSURE_MAP, largest or own)
+    draw_averages(axes, record, plane, averages, colours, closed=averages > CLOSED * own)
+    colour_bar(axes, colours, f"contact pressure [{units.pressure}]")
+    return axes
+
+
+def plot_point_pressure(
+    record: InterfaceRecord,
+    pressure: Vector,
+    axes: Axes,
+    units: Units,
+    *,
+    largest: float | None = None,
+) -> Axes:
+    """Draw a contact pressure at its contact points; grey where open, a cross at the largest.
+
+    Parameters
+    ----------
+    pressure : (n_point,)
+        At the contact points of this interface.
+    largest
+        Top of the colour scale; the largest pressure by default.
+    """
+    plane = best_plane(record)
+    prepare(axes, record, plane, units)
+    top = float(np.max(pressure, initial=0.0))
+    colours = scale(PRESSURE_MAP, largest or top)
+    draw_points(axes, record, plane, np.where(pressure > 0, pressure, np.nan), colours)
+    if top > 0:
         x, y = plane.project(record.points[[pressure.argmax()]])[0]
-        axes.plot(x, y, "x", color="white", ms=9, mew=3.5)
-        axes.plot(x, y, "x", color="black", ms=8, mew=1.5)
-    colour_bar(axes, mappable, f"contact pressure [{units.pressure}]")
+        axes.plot(x, y, "x", color="white", ms=9, mew=3.5, zorder=3)
+        axes.plot(x, y, "x", color="black", ms=8, mew=1.5, zorder=3)
+    colour_bar(axes, colours, f"contact pressure [{units.pressure}]")
     return axes
 
 
 def described_peak(record: InterfaceRecord, pressure: Vector, units: Units) -> str:
-    """Return the largest pressure at a point and where, and the largest nodal average."""
+    """Return the largest pressure at a contact point and where it is."""
     if not len(pressure) or pressure.max() <= 0:
         return "no contact"
     point = record.points[pressure.argmax()]
     size = float(np.ptp(record.points, axis=0).max())
-    average = float((record.averaging @ pressure).max())
-    return (
-        f"max {quantity(pressure.max(), units.pressure)} at {place(point, units.length, size)}, "
-        f"nodal average max {quantity(average, units.pressure)}"
-    )
+    where = place(point, units.length, size)
+    return f"max {quantity(pressure.max(), units.pressure)} at {where}"
+
+
+def described_average(record: InterfaceRecord, pressure: Vector, units: Units) -> str:
+    """Return the largest nodal average."""
+    largest = float((record.averaging @ pressure).max(initial=0.0))
+    return f"nodal averages, max {quantity(largest, units.pressure)}"
 
 
 def open_share(record: InterfaceRecord, pressure: Vector) -> float:
@@ -74,29 +107,38 @@ def open_share(record: InterfaceRecord, pressure: Vector) -> float:
     return float(record.weights[pressure <= 0].sum() / total) if total > 0 else 0.0
 
 
+def summary(name: str, record: InterfaceRecord, pressure: Vector, units: Units) -> str:
+    """Return what a caption says about the pressure on one interface."""
+    shape = "" if best_plane(record).flat else ", curved, projected on its best plane"
+    return (
+        f"{name}{shape}: {described_peak(record, pressure, units)}; "
+        f"{described_average(record, pressure, units)}; "
+        f"{percent(open_share(record, pressure))} open"
+    )
+
+
 def pressure_figure(results: Results, case: CaseResult) -> Drawn:
     """Draw the reference pressure of a static case on all interfaces, on one colour scale."""
     units = units_of(results.units)
     records = results.interfaces
-    sizes = [panel_size(record, best_plane(record), 7.0) for record in records.values()]
-    figure = new_figure(8.2, max(sum(height for _, height in sizes), 2.0))
-    panels = figure.subplots(
-        len(records), 1, squeeze=False, height_ratios=[height for _, height in sizes]
-    )[:, 0]
-    own = {name: case.reference.pressure[slice(*r.slice)] for name, r in records.items()}
-    largest = max(float((r.averaging @ own[name]).max(initial=0.0)) for name, r in records.items())
+    sizes = [panel_size(record, best_plane(record), 5.4) for record in records.values()]
+    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 0.5)
+    rows = figure.subplots(
+        len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
+    )
+    largest = float(case.reference.pressure.max(initial=0.0))
     notes = []
-    for axes, (name, record) in zip(panels, records.items(), strict=True):
-        plot_pressure(record, own[name], axes, units, largest=largest)
-        note = described_peak(record, own[name], units)
-        axes.set_title(plain(f"{name}: {note}"), loc="left")
-        shape = "" if best_plane(record).flat else ", curved, projected on its best plane"
-        notes.append(f"{name}: {note}; {percent(open_share(record, own[name]))} open{shape}")
+    for (left, right), (name, record) in zip(rows, records.items(), strict=True):
+        own = case.reference.pressure[slice(*record.slice)]
+        plot_point_pressure(record, own, left, units, largest=largest)
+        plot_pressure(record, own, right, units, largest=largest)
+        left.set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
+        right.set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
+        notes.append(summary(name, record, own, units))
     figure.suptitle(plain(f"{case.name}: contact pressure, full model"))
     caption = (
-        f"Contact pressure of the full model in {case.name} (as Fig. 15.5). Colours are nodal "
-        "averages, interpolated over each facet; grey facets carry no pressure; the cross marks "
-        f"the contact point with the largest pressure. {'. '.join(notes)}."
+        f"Contact pressure of the full model in {case.name} (as Fig. 15.5). {HOW_TO_READ} "
+        f"{'. '.join(notes)}."
     )
     return Drawn(
         figure=figure,

@@ -1,9 +1,11 @@
 """Transient response: displacement, peak pressure and its error over time (as Fig. 15.7)."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter
 
 from faying._typing import Vector
 from faying.report.figures.entry import Drawn
@@ -44,7 +46,7 @@ def largest_motion(case: CaseResult, boundary: str) -> int | None:
     return found[int(np.argmax([np.ptp(moved[..., i]) for i in found]))]
 
 
-def _line(name: str, result: MethodResult) -> dict[str, object]:
+def _line(name: str, result: MethodResult) -> dict[str, Any]:
     few = 0 < result.joint_modes <= COUNTS[0]
     return {
         "color": colour(name),
@@ -105,6 +107,7 @@ def plot_error_over_time(case: CaseResult, axes: Axes) -> Axes:
         axes.plot(case.times, 100 * np.maximum(error, FLOOR), **_line(name, result))
     axes.set_yscale("log")
     axes.set_ylim(bottom=100 * FLOOR)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_ylabel("max relative\npressure error [%]")
     return axes
 
@@ -139,10 +142,14 @@ def _caption(case: CaseResult, units: Units) -> str:
     times = case.times if case.times is not None else np.zeros(1)
     exact = peak_pressure(case.reference)
     top, instant = float(exact.max(initial=0.0)), int(exact.argmax())
-    outside = [
-        f"{label(name, result.joint_modes)} {quantity(result.response.pressure.max(), units.pressure)}"
+    peaks = {
+        label(name, result.joint_modes): float(result.response.pressure.max(initial=0.0))
         for name, result in shown_results(case)
-        if result.response.pressure.max(initial=0.0) > HEADROOM * top
+    }
+    outside = [
+        f"{name} {quantity(peak, units.pressure)}"
+        for name, peak in peaks.items()
+        if peak > HEADROOM * top
     ]
     left = f" Beyond the pressure panel: {', '.join(outside)}." if outside else ""
     half = (

@@ -12,29 +12,28 @@ from matplotlib.path import Path as Outline
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.facets import shape_functions
 from faying.report.style import OPEN_COLOUR
 from faying.study.interface_surface import pair_facets
 from faying.study.results import InterfaceRecord
 from faying.study.units import Units
 
-# Nodes of a facet around its edge, and the shape functions at its centre (corners, mid-sides).
+# Nodes of a facet around its edge.
 RINGS = {
     "tri3": (0, 1, 2),
     "quad4": (0, 1, 2, 3),
     "tri6": (0, 3, 1, 4, 2, 5),
     "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
 }
-CENTRES = {
-    "tri3": (1 / 3,) * 3,
-    "quad4": (1 / 4,) * 4,
-    "tri6": (-1 / 9,) * 3 + (4 / 9,) * 3,
-    "quad8": (-1 / 4,) * 4 + (1 / 2,) * 4,
-}
 FLAT = 1e-3
 """Points this far out of the best plane, over the extent, still make a flat interface."""
 RASTER = 700
 """Pixels along the longer side of a map of contact points."""
+TRIANGLES = 60_000
+"""About how many triangles a smooth map is drawn with."""
+FINEST = 12
+"""Most subdivisions of a facet's edge: a pixel or two on a coarse mesh."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,6 +58,22 @@ class Plane:
         """Return map coordinates (n, 2) of points (n, 3)."""
         coordinates: Matrix = points @ self.axes.T
         return coordinates
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scale:
+    """Colours of a map.
+
+    Attributes
+    ----------
+    colours
+        Name of a colour map.
+    limits
+        Values at its ends.
+    """
+
+    colours: str
+    limits: Normalize
 
 
 def best_plane(record: InterfaceRecord) -> Plane:
@@ -128,52 +143,76 @@ def draw_averages(
     record: InterfaceRecord,
     plane: Plane,
     values: Vector,
-    mappable: ScalarMappable,
+    scale: Scale,
     *,
-    closed: Vector | None = None,
+    closed: Mask | None = None,
 ) -> Axes:
     """Draw nodal averages, interpolated over each facet; leave fully open facets grey.
 
     Parameters
     ----------
     values : (n_pair,)
-    mappable
-        Colour map and limits.
     closed : (n_pair,), optional
         True where there is contact; facets without any are left out.
     """
-    points, data = [plane.project(record.pair_points)], [values]
-    triangles: list[Indices] = []
-    offset = len(values)
-    for kind, nodes in pair_facets(record):
+    flat = plane.project(record.pair_points)
+    facets = pair_facets(record)
+    count = max(sum(len(nodes) for _, nodes in facets), 1)
+    fineness = int(np.clip(np.sqrt(TRIANGLES / 2 / count), 1, FINEST))
+    points, data = [np.empty((0, 2))], [np.empty(0)]
+    corners: list[Indices] = [np.empty((0, 3), dtype=np.int64)]
+    offset = 0
+    for kind, nodes in facets:
         shown = nodes if closed is None else nodes[closed[nodes].any(axis=1)]
-        weight, ring = np.array(CENTRES[kind]), list(RINGS[kind])
-        points.append(np.einsum("n,fnk->fk", weight, points[0][shown]))
-        data.append(values[shown] @ weight)
-        centre = offset + np.arange(len(shown))
-        around = shown[:, ring]
-        fan = np.stack(
-            [np.broadcast_to(centre[:, None], around.shape), around, np.roll(around, -1, axis=1)],
-            axis=-1,
-        )
-        triangles.append(fan.reshape(-1, 3))
-        offset += len(shown)
-    corners = np.concatenate([*triangles, np.empty((0, 3), dtype=np.int64)])
-    if len(corners):
+        places, pattern = subdivision(kind, fineness)
+        shape = shape_functions(kind, places)
+        points.append(np.einsum("pn,fnk->fpk", shape, flat[shown]).reshape(-1, 2))
+        data.append((values[shown] @ shape.T).ravel())
+        first = offset + len(places) * np.arange(len(shown))
+        corners.append((first[:, None, None] + pattern).reshape(-1, 3))
+        offset += len(places) * len(shown)
+    if offset:
         x, y = np.concatenate(points).T
         axes.tripcolor(
-            Triangulation(x, y, corners),
+            Triangulation(x, y, np.concatenate(corners)),
             np.concatenate(data),
             shading="gouraud",
-            cmap=mappable.get_cmap(),
-            norm=mappable.norm,
+            cmap=scale.colours,
+            norm=scale.limits,
+            zorder=1.5,
         )
     draw_edges(axes, record, plane)
     return axes
 
 
+def subdivision(kind: str, fineness: int) -> tuple[Matrix, Indices]:
+    """Divide a reference facet into small triangles.
+
+    Colours are interpolated between corners, so corners must be close where the value varies.
+
+    Returns
+    -------
+    places : (n, 2)
+        Corners in the reference facet.
+    triangles : (m, 3)
+        Their indices.
+    """
+    steps = np.arange(fineness + 1)
+    i, j = (grid.ravel() for grid in np.meshgrid(steps, steps, indexing="ij"))
+    places = np.stack([i, j], axis=-1) / fineness
+    cell = np.flatnonzero((i < fineness) & (j < fineness))
+    right, up = cell + fineness + 1, cell + 1
+    lower = np.stack([cell, right, up], axis=-1)
+    upper = np.stack([right, right + 1, up], axis=-1)
+    if kind.startswith("quad"):
+        return places, np.concatenate([lower, upper])
+    inside = i + j
+    triangles = np.concatenate([lower[inside[cell] < fineness], upper[inside[cell] < fineness - 1]])
+    return places, triangles
+
+
 def draw_points(
-    axes: Axes, record: InterfaceRecord, plane: Plane, values: Vector, mappable: ScalarMappable
+    axes: Axes, record: InterfaceRecord, plane: Plane, values: Vector, scale: Scale
 ) -> Axes:
     """Draw values at the contact points (n_point,), each over the area nearest to it."""
     facets = pair_facets(record)
@@ -190,10 +229,11 @@ def draw_points(
         np.asarray(values)[nearest],
         origin="lower",
         extent=(low[0], high[0], low[1], high[1]),
-        cmap=mappable.get_cmap(),
-        norm=mappable.norm,
+        cmap=scale.colours,
+        norm=scale.limits,
         interpolation="nearest",
         aspect="equal",
+        zorder=1.5,
     )
     polygons = [p for kind, nodes in facets for p in flat[nodes[:, list(RINGS[kind])]]]
     region = Outline.make_compound_path(*(_closed(polygon) for polygon in polygons))
@@ -208,7 +248,7 @@ def draw_points(
 
 
 def _closed(polygon: Matrix) -> Outline:
-    """A closed path, counter-clockwise so that a union of facets has no holes."""
+    """Close a path, counter-clockwise so that a union of facets has no holes."""
     x, y = polygon.T
     turn = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
     ring = polygon if turn >= 0 else polygon[::-1]
@@ -221,7 +261,9 @@ def draw_edges(axes: Axes, record: InterfaceRecord, plane: Plane) -> Axes:
     for kind, nodes in pair_facets(record):
         ring = flat[nodes[:, list(RINGS[kind])]]
         closed = np.concatenate([ring, ring[:, :1]], axis=1)
-        axes.add_collection(LineCollection(list(closed), colors="k", linewidths=0.25, alpha=0.35))
+        axes.add_collection(
+            LineCollection(list(closed), colors="k", linewidths=0.25, alpha=0.35, zorder=2)
+        )
     return axes
 
 
@@ -241,12 +283,13 @@ def outline(record: InterfaceRecord) -> Matrix:
     return bounding
 
 
-def colour_bar(axes: Axes, mappable: ScalarMappable, label: str) -> None:
+def colour_bar(axes: Axes, scale: Scale, label: str) -> None:
     """Put a colour bar beside a map, or below a long one."""
     width, height = (abs(np.diff(limits)[0]) for limits in (axes.get_xlim(), axes.get_ylim()))
     figure = axes.get_figure(root=True)
     if figure is None:
         return
+    mappable = ScalarMappable(scale.limits, scale.colours)
     if width > 5 * height:
         figure.colorbar(mappable, ax=axes, location="bottom", label=label, shrink=0.5, aspect=40)
         return
@@ -262,7 +305,7 @@ def panel_size(record: InterfaceRecord, plane: Plane, width: float) -> tuple[flo
     return width, float(np.clip(width * ratio, 0.8, 1.4 * width)) + 0.9
 
 
-def normalize(largest: float, *, signed: bool) -> Normalize:
-    """Return limits from zero, or symmetric about zero; never empty."""
+def scale(colours: str, largest: float, *, signed: bool = False) -> Scale:
+    """Return a colour scale from zero, or symmetric about zero; never empty."""
     top = largest if largest > 0 else 1.0
-    return Normalize(vmin=-top if signed else 0.0, vmax=top)
+    return Scale(colours=colours, limits=Normalize(vmin=-top if signed else 0.0, vmax=top))
