@@ -16,6 +16,7 @@ from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
 from faying.model.boundary import FORCE_NAMES, Boundary
 from faying.model.constraints import constrain, movable_components
+from faying.model.contained_bolt import check_contained, elongation_factors
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
@@ -42,7 +43,7 @@ def build_model(
         Where bodies touch; by default all coincident facets of different bodies.
     bolts
         Bolts to be tightened; those with an ``axis`` are generated, those with ``elements`` are
-        beams of the assembly.
+        beams of the assembly, those with ``nodes`` are part of its given stiffness matrix.
     boundaries
         Where loads enter; their degrees of freedom stay free.
     damping
@@ -77,7 +78,7 @@ def build_model(
         )
         for spec, end in zip(boundaries, ends, strict=True)
     }
-    tightened = {spec.name: _bolt(assembly, dofs, spec) for spec in bolts}
+    tightened = {spec.name: _bolt(assembly, dofs, K, spec) for spec in bolts}
     structure = Structure(
         M=M,
         C=C,
@@ -197,8 +198,20 @@ def _check_disjoint(
                 raise ModelError(message)
 
 
-def _bolt(assembly: Assembly, dofs: DofMap, spec: BoltSpec) -> Bolt:
-    """Axial stiffness and elongation row of the element that is tightened."""
+def _bolt(assembly: Assembly, dofs: DofMap, K: SparseMatrix, spec: BoltSpec) -> Bolt:
+    """Axial stiffness and elongation row of what is tightened."""
+    if spec.nodes is not None:
+        row, stiffness = elongation_factors(assembly, spec), float(spec.stiffness or 0.0)
+    else:
+        row, stiffness = _of_element(assembly, spec)
+    elongation = (row @ dofs.transformation).toarray().ravel()
+    if spec.nodes is not None:
+        check_contained(K, elongation, spec)
+    return Bolt(name=spec.name, elongation=elongation, stiffness=stiffness)
+
+
+def _of_element(assembly: Assembly, spec: BoltSpec) -> tuple[SparseMatrix, float]:
+    """Elongation row (1, 6 n_node) and axial stiffness of the element that is tightened."""
     element = bolt_axis_element(assembly, spec)
     if isinstance(element, Beam):
         start, end = (assembly.mesh.nodes[node] for node in element.nodes)
@@ -214,8 +227,5 @@ def _bolt(assembly: Assembly, dofs: DofMap, spec: BoltSpec) -> Bolt:
         stiffness = element.stiffness
         rows = 6 * np.array([first, second]) + component
         factors = np.array([-sign, sign])
-    row = sp.csr_array(
-        (factors, (np.zeros(len(rows), dtype=int), rows)), shape=(1, 6 * dofs.n_nodes)
-    )
-    elongation = (row @ dofs.transformation).toarray().ravel()
-    return Bolt(name=spec.name, elongation=elongation, stiffness=stiffness)
+    shape = (1, 6 * len(assembly.mesh.nodes))
+    return sp.csr_array((factors, (np.zeros(len(rows), dtype=int), rows)), shape=shape), stiffness

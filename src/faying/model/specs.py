@@ -39,12 +39,19 @@ class InterfaceSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class BoltSpec:
-    """A bolt to be tightened: beam elements of the deck, or a beam faying generates.
+    """A bolt to be tightened: elements of a deck, a beam faying generates, or part of given K.
 
     Attributes
     ----------
     elements
         Ids of the deck's beam (or axial spring) elements that form the bolt.
+    nodes
+        Node ids (head, nut) of the two ends of a bolt, or of a cut in it, that the given
+        stiffness matrix already contains.
+    stiffness : [force/length]
+        Axial stiffness EA/L between these nodes that K contains.
+    direction
+        From the nut to the head, (x, y, z) of any length; needed where the nodes coincide.
     axis
         Centres ((x, y, z), (x, y, z)) of the two bearing surfaces of a generated bolt.
     diameter, washer_radius : [length]
@@ -60,6 +67,9 @@ class BoltSpec:
 
     name: str
     elements: Sequence[int] | None = None
+    nodes: tuple[int, int] | None = None
+    stiffness: float | None = None
+    direction: tuple[float, float, float] | None = None
     axis: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
     diameter: float | None = None
     washer_radius: float | None = None

@@ -1,0 +1,111 @@
+"""Bolts that given matrices already contain: an axial spring between two of their nodes."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly
+from faying.model.specs import BoltSpec
+
+SURPLUS = 1e-6
+"""Relative excess of a bolt's stiffness over what K holds that rounding of files may cause."""
+
+
+def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
+    """Return the row (1, 6 n_node) of elongation = direction · (u_head − u_nut).
+
+    Parameters
+    ----------
+    spec
+        With ``nodes`` (head, nut), ``stiffness``, and ``direction`` where the nodes coincide.
+
+    Raises
+    ------
+    ModelError
+        If a node is unknown, the two are the same, the stiffness is not positive, or the
+        direction is missing, zero, or points from the head to the nut.
+    """
+    ids = tuple(spec.nodes or ())
+    if len(ids) != 2 or ids[0] == ids[1]:
+        message = (
+            f"bolt '{spec.name}': nodes are {list(ids)}; give two different node ids, the head's "
+            "and the nut's side of the cut"
+        )
+        raise ModelError(message)
+    if spec.stiffness is None or not 0 < spec.stiffness < np.inf:
+        message = (
+            f"bolt '{spec.name}': stiffness is {spec.stiffness}; give the axial stiffness EA/L "
+            "between its nodes that K contains"
+        )
+        raise ModelError(message)
+    try:
+        head, nut = assembly.mesh.node_index(np.array(ids)).tolist()
+    except ModelError as error:
+        message = f"bolt '{spec.name}': {error}"
+        raise ModelError(message) from None
+    direction = _direction(spec, assembly.mesh.nodes[head] - assembly.mesh.nodes[nut])
+    columns = np.concatenate([6 * head + np.arange(3), 6 * nut + np.arange(3)])
+    data = np.concatenate([direction, -direction])
+    shape = (1, 6 * len(assembly.mesh.nodes))
+    return sp.csr_array((data, (np.zeros(6, dtype=np.int64), columns)), shape=shape)
+
+
+def check_contained(K: SparseMatrix, elongation: Vector, spec: BoltSpec) -> None:
+    """Refuse a bolt whose spring k eᵀe is more than the stiffness K has there.
+
+    A necessary condition, from the rows of K at the bolt's nodes alone: no motion of them may cost
+    less energy than the bolt takes up. Tightening sees the exact one.
+
+    Raises
+    ------
+    ModelError
+        If the bolt's nodes do not move, or K cannot contain its spring.
+    """
+    at = np.flatnonzero(elongation)
+    if not len(at):
+        message = (
+            f"bolt '{spec.name}': neither of its nodes {list(spec.nodes or ())} can move along its "
+            "axis; give nodes that have rows in the matrices"
+        )
+        raise ModelError(message)
+    local = K[at][:, at].toarray()
+    own = spec.stiffness or 0.0
+    softest = np.linalg.eigvalsh(local - own * np.outer(elongation[at], elongation[at]))[0]
+    if softest < -SURPLUS * own:
+        message = (
+            f"bolt '{spec.name}': K does not contain a spring of {own:g} between nodes "
+            f"{' and '.join(map(str, spec.nodes or ()))}: part of it would be left over; check "
+            "the nodes, the direction and the stiffness EA/L"
+        )
+        raise ModelError(message)
+
+
+def _direction(spec: BoltSpec, apart: Vector) -> Vector:
+    """Return the unit vector from the nut's side to the head's."""
+    distance = float(np.linalg.norm(apart))
+    if spec.direction is None:
+        if distance == 0:
+            message = (
+                f"bolt '{spec.name}': its two nodes coincide, so its axis is unknown; add "
+                "direction = [x, y, z] from the nut to the head"
+            )
+            raise ModelError(message)
+        return apart / distance
+    given = np.asarray(spec.direction, dtype=float)
+    length = float(np.linalg.norm(given))
+    if given.shape != (3,) or not 0 < length < np.inf:
+        message = (
+            f"bolt '{spec.name}': direction is {spec.direction}; give a vector (x, y, z) from the "
+            "nut to the head"
+        )
+        raise ModelError(message)
+    unit: Vector = given / length
+    if distance > 0 and not unit @ apart > 0:
+        message = (
+            f"bolt '{spec.name}': the direction does not point from the nut, node "
+            f"{(spec.nodes or ())[1]}, to the head, node {(spec.nodes or ())[0]}; turn it round, "
+            "or leave it out"
+        )
+        raise ModelError(message)
+    return unit
