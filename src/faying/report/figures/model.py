@@ -99,7 +99,7 @@ def frame(axes: Any, points: Matrix) -> None:
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, extent, strict=True
     ):
         set_limits(centre - size / 2, centre + size / 2)
-    axes.set_box_aspect(extent, zoom=0.92)
+    axes.set_box_aspect(extent, zoom=0.85)
     axes.view_init(**VIEW)
     axes.grid(visible=False)
     for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent, strict=True):
@@ -125,7 +125,7 @@ def title_height(axes: Any) -> float:
 
 def name_axes(axes: Any, length: str) -> None:
     """Label the three axes."""
-    axes.set_xlabel(f"x [{length}]", labelpad=12)
+    axes.set_xlabel(f"x [{length}]", labelpad=22)
     axes.set_ylabel(f"y [{length}]")
     axes.set_zlabel(f"z [{length}]")
 

@@ -302,7 +302,7 @@ def panel_size(record: InterfaceRecord, plane: Plane, width: float) -> tuple[flo
     flat = plane.project(record.pair_points)
     across, up = np.ptp(flat, axis=0) if len(flat) else (1.0, 1.0)
     ratio = up / across if across > 0 else 1.0
-    return width, float(np.clip(width * ratio, 0.8, 1.4 * width)) + 0.9
+    return width, float(np.clip(0.8 * width * ratio, 0.8, 1.2 * width)) + 0.9
 
 
 def scale(colours: str, largest: float, *, signed: bool = False) -> Scale:

@@ -1,0 +1,152 @@
+"""The report of a run: one page that works offline, its figures beside it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from faying.exceptions import FormatError
+from faying.report.figures import write_figures
+from faying.report.figures.entry import FigureEntry
+from faying.report.figures.time_step import StepCheck, step_check
+from faying.report.quantities import percent, quantity
+from faying.report.tables import (
+    Table,
+    bolt_table,
+    case_table,
+    error_table,
+    interface_table,
+    model_table,
+    stage_table,
+    timing_table,
+)
+from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
+from faying.study.file_names import file_names
+from faying.study.files import write_text
+from faying.study.results import CaseResult, Results
+from faying.study.units import Units, units_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class CaseSection:
+    """What the report says of one load case."""
+
+    anchor: str
+    name: str
+    kind: str
+    errors: Table
+    figures: list[FigureEntry]
+    step_check: str
+
+
+def write_report(results: Results, folder: Path) -> Path:
+    """Write ``report.html`` and ``figures/*.png`` of a run.
+
+    Parameters
+    ----------
+    folder
+        Made if it does not exist; files in it are replaced atomically.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    FormatError
+        If a file cannot be written.
+    """
+    figures = write_figures(results, folder / "figures")
+    path = folder / "report.html"
+    try:
+        write_text(path, render(results, figures, folder))
+    except OSError as error:
+        message = f"cannot write {path}: {error.strerror}; check the folder and free space"
+        raise FormatError(message) from None
+    return path
+
+
+def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
+    """Return the page as text; it links figures relative to its folder."""
+    environment = Environment(
+        loader=PackageLoader("faying.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
+    found = verdicts(results)
+    return environment.get_template("report.html.j2").render(
+        results=results,
+        headline=headline(found),
+        verdicts=found,
+        reservations=reservations(results),
+        good=percent(GOOD),
+        fair=percent(FAIR),
+        model=model_table(results),
+        interfaces=interface_table(results),
+        bolts=bolt_table(results),
+        load_cases=case_table(results),
+        cases=_sections(results, figures),
+        timings=timing_table(results),
+        stages=stage_table(results),
+        rules=sorted({record.quadrature for record in results.interfaces.values()}),
+        figures={
+            section: [entry for entry in figures if entry.section == section]
+            for section in ("model", "preload", "convergence")
+        },
+    )
+
+
+def _sections(results: Results, figures: list[FigureEntry]) -> list[CaseSection]:
+    units, stems = units_of(results.units), file_names(results.cases)
+    return [
+        CaseSection(
+            anchor=f"case-{quote(stems[name])}",
+            name=name,
+            kind=case.kind,
+            errors=error_table(case),
+            figures=[e for e in figures if e.section == name and e.path.stem.startswith("case_")],
+            step_check=_step_check(case, units),
+        )
+        for name, case in results.cases.items()
+    ]
+
+
+def _step_check(case: CaseResult, units: Units) -> str:
+    """Return what the half-step run says about the pressures of a transient case."""
+    if case.times is None:
+        return ""
+    check = step_check(case)
+    if check is None:
+        return "No run with half the time step was made: convergence in time is open."
+    changed = max(abs(check.change), check.difference)
+    return f"{_numbers(check, units)} {_judgement(changed)}"
+
+
+def _numbers(check: StepCheck, units: Units) -> str:
+    return (
+        f"At the study's step of {quantity(check.step, units.time)} the full model peaks at "
+        f"{quantity(check.peak, units.pressure)}; a run with half the step, by the reduced model "
+        f"with exact interface compliance, peaks at {quantity(check.half_peak, units.pressure)} "
+        f"({percent(check.change)}). Their peak pressures differ by up to "
+        f"{quantity(check.largest_difference, units.pressure)} at one instant "
+        f"({percent(check.difference)} of the peak)."
+    )
+
+
+def _judgement(changed: float) -> str:
+    if changed <= STEP_MATTERS:
+        return (
+            "The step resolves the pressure to about this accuracy, provided that the error keeps "
+            "shrinking with the step."
+        )
+    return (
+        "The pressures of this load case are not converged in time: refine the step before using "
+        "them. First-order integrators such as implicit Euler need far smaller steps for pressures "
+        "than for displacements. The errors of the methods below compare models at the same step "
+        "and do not contain this."
+    )

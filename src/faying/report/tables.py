@@ -1,0 +1,246 @@
+"""The tables of a report: rows of text, every number with its unit."""
+
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.report.quantities import number, percent, place, quantity, seconds
+from faying.report.verdict import grade
+from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.summary import timings
+from faying.study.units import Units, units_of
+
+MARKS = {"good": "✓", "fair": "~", "poor": "✗", "": ""}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One cell: text, and a grade that colours it and is also written as a mark."""
+
+    text: str
+    grade: str = ""
+
+    @property
+    def mark(self) -> str:
+        """The grade as a character, for print and for eyes that see colours otherwise."""
+        return MARKS[self.grade]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A table; the first column holds row heads."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+def _table(columns: Iterable[str], rows: Iterable[Iterable[str | Cell]]) -> Table:
+    cells = (
+        tuple(cell if isinstance(cell, Cell) else Cell(text=cell) for cell in row) for row in rows
+    )
+    return Table(columns=tuple(columns), rows=tuple(cells))
+
+
+def model_table(results: Results) -> Table:
+    """Return the facts of the model."""
+    units = units_of(results.units)
+    kinds = ", ".join(dict.fromkeys(block.kind for block in results.blocks)) or "none"
+    elements = sum(len(block.ids) for block in results.blocks)
+    rows = [
+        ("nodes", f"{len(results.nodes)}"),
+        ("solid elements", f"{elements} ({kinds})"),
+        ("bodies", f"{int(results.body.max(initial=-1)) + 1}"),
+        ("free degrees of freedom", f"{results.dofs}"),
+        ("mass", quantity(results.mass, units.mass, 4)),
+        ("units", f"{results.units}: forces in {units.force}, pressures in {units.pressure}"),
+    ]
+    return _table(("model", ""), rows)
+
+
+def interface_table(results: Results) -> Table:
+    """Return geometry, contact law and preloaded state of the interfaces."""
+    units = units_of(results.units)
+    columns = (
+        "interface", "node pairs", "contact points", "quadrature", "area", "penalty stiffness",
+        "sticking pairs", "max preload pressure", "open after preload",
+    )  # fmt: skip
+    rows = [
+        (
+            name,
+            f"{len(r.pairs)}",
+            f"{len(r.weights)}",
+            r.quadrature,
+            quantity(float(r.weights.sum()), units.of("length²"), 4),
+            "hard" if np.isinf(r.penalty) else quantity(r.penalty, units.of("force/length³")),
+            f"{int(r.stuck.sum())}",
+            quantity(float(r.preload_pressure.max(initial=0.0)), units.pressure),
+            percent(_open(r)),
+        )
+        for name, r in results.interfaces.items()
+    ]
+    return _table(columns, rows)
+
+
+def _open(record: InterfaceRecord) -> float:
+    total = float(record.weights.sum())
+    is_open = record.preload_pressure <= 0
+    return float(record.weights[is_open].sum() / total) if total > 0 else 0.0
+
+
+def bolt_table(results: Results) -> Table:
+    """Return preloads and what the tightening reached."""
+    unit = units_of(results.units).force
+    rows = [
+        (
+            name,
+            quantity(bolt.preload, unit, 5),
+            quantity(float(bolt.history[-1]), unit, 5) if len(bolt.history) else "not tightened",
+            quantity(bolt.initial_force, unit, 5),
+        )
+        for name, bolt in results.bolts.items()
+    ]
+    columns = ("bolt", "nominal preload", "force after tightening", "initial force it is locked at")
+    return _table(columns, rows)
+
+
+def case_table(results: Results) -> Table:
+    """Return the load cases and what the full model answers."""
+    units = units_of(results.units)
+    loads = applied_loads(results.study_text)
+    columns = (
+        "load case", "kind", "loads", "max pressure", "where", "contact force", "open area",
+        "max penetration", "bolt force",
+    )  # fmt: skip
+    rows = [
+        (name, case.kind, loads.get(name, "see the study"), *_reference(results, case, units))
+        for name, case in results.cases.items()
+    ]
+    return _table(columns, rows)
+
+
+def _reference(results: Results, case: CaseResult, units: Units) -> Iterator[str]:
+    response = case.reference
+    pressure = np.atleast_2d(response.pressure)
+    yield quantity(float(pressure.max(initial=0.0)), units.pressure)
+    yield _peak_place(results, case, pressure, units)
+    yield _each(response.contact_forces, lambda f: _range(f, units.force))
+    yield _each(response.open_fraction, lambda f: _range(100 * np.asarray(f), "%"))
+    yield quantity(float(np.maximum(-response.gap, 0.0).max(initial=0.0)), units.length)
+    yield _each(response.bolt_forces, lambda f: _range(f, units.force))
+
+
+def _each(values: Mapping[str, Matrix], text: Callable[[Matrix], str]) -> str:
+    """Return one text per name, the name left out where there is only one."""
+    return "; ".join(
+        f"{name}: {text(value)}" if len(values) > 1 else text(value)
+        for name, value in values.items()
+    )
+
+
+def _range(values: Matrix, unit: str) -> str:
+    low, high = number(float(np.min(values)), 4), number(float(np.max(values)), 4)
+    return f"{low} {unit}" if low == high else f"{low} … {high} {unit}"
+
+
+def _peak_place(results: Results, case: CaseResult, pressure: Matrix, units: Units) -> str:
+    if pressure.size == 0 or pressure.max() <= 0:
+        return "no contact"
+    instant, point = np.unravel_index(int(pressure.argmax()), pressure.shape)
+    for name, record in results.interfaces.items():
+        first, last = record.slice
+        if first <= point < last:
+            size = float(np.ptp(record.points, axis=0).max())
+            where = f"{name} {place(record.points[point - first], units.length, size)}"
+            if case.times is None:
+                return where
+            return f"{where} at {quantity(float(case.times[instant]), units.time)}"
+    return ""
+
+
+def applied_loads(study_text: str) -> dict[str, str]:
+    """Return the loads of each load case as the study states them; empty where it cannot be read.
+
+    Results of a study that a later version wrote still make a report.
+    """
+    try:
+        cases = tomllib.loads(study_text).get("load_case", [])
+        return {case["name"]: ", ".join(_force(f) for f in case["forces"]) for case in cases}
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _force(force: dict[str, object]) -> str:
+    target = f"{force['boundary']} {force['component']}"
+    value = force.get("value")
+    if isinstance(value, int | float):
+        return f"{target} = {number(float(value), 4)}"
+    return f"{target} from {force.get('file')}"
+
+
+def error_table(case: CaseResult) -> Table:
+    """Return the errors of every method and size in one load case."""
+    columns = (
+        "method", "joint modes", "basis length", "max error", "rms error", "99.9th percentile",
+        "peak pressure ratio", "displacement error",
+    )  # fmt: skip
+    rows = [
+        (
+            name,
+            f"{count}" if count else "none",
+            f"{result.n_modes}",
+            *(
+                Cell(text=percent(error), grade=grade(error))
+                for error in (
+                    result.accuracy.max_relative_error,
+                    result.accuracy.rms_relative_error,
+                    result.accuracy.p999_relative_error,
+                )
+            ),
+            Cell(
+                text=number(result.accuracy.max_pressure_ratio, 4),
+                grade=grade(abs(result.accuracy.max_pressure_ratio - 1.0)),
+            ),
+            percent(result.accuracy.displacement_error),
+        )
+        for name, sizes in case.methods.items()
+        for count, result in sorted(sizes.items())
+    ]
+    return _table(columns, rows)
+
+
+def timing_table(results: Results) -> Table:
+    """Return what the full model and each method cost."""
+    cost = timings(results)
+    full = cost.get("full", {})
+    rows: list[tuple[str, ...]] = []
+    for name, entry in cost.items():
+        if not isinstance(entry, dict):
+            continue
+        cells = [seconds(entry["offline"]) if "offline" in entry else "—"]
+        for key in ("per_static_case", "per_step"):
+            cells += [seconds(entry[key]) if key in entry else "—", _ratio(full, entry, key, name)]
+        rows.append(("full model" if name == "full" else name, *cells))
+    columns = (
+        "model", "offline", "per static case", "full model's time over it", "per time step",
+        "full model's time over it",
+    )  # fmt: skip
+    return _table(columns, rows)
+
+
+def _ratio(full: dict[str, float], entry: dict[str, float], key: str, name: str) -> str:
+    if name == "full" or key not in full or not entry.get(key):
+        return "—"
+    return f"{number(full[key] / entry[key], 2)} ×"
+
+
+def stage_table(results: Results) -> Table:
+    """Return the wall time of every stage that was recorded."""
+    rows = [
+        (name, seconds(float(value)))
+        for name, value in results.timings.items()
+        if isinstance(value, int | float)
+    ]
+    return _table(("stage", "wall time"), rows)

@@ -1,0 +1,167 @@
+"""Which methods can be trusted for pressure, judged by their errors on the load cases of a run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from faying.report.figures.time_step import step_check
+from faying.report.quantities import number, percent
+from faying.report.style import label
+from faying.study.results import CaseResult, MethodResult, Results
+
+GOOD = 0.05
+"""Largest relative pressure error that counts as trustworthy: what the seed asks of 20 modes."""
+FAIR = 0.10
+"""Largest one that counts as usable with care; the seed rejects method A above it."""
+STEP_MATTERS = 0.05
+"""A change of the pressure with half the time step that a reader must know of."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodVerdict:
+    """What can be said of one method on all load cases.
+
+    Attributes
+    ----------
+    method
+    joint_modes
+        Count judged: the smallest from which on all counts are good, else the best one.
+    worst
+        Largest relative pressure error over the load cases; infinite where one has no solution.
+    case
+        Load case of the worst error.
+    grade
+        ``"good"``, ``"fair"`` or ``"poor"``.
+    sentence
+    """
+
+    method: str
+    joint_modes: int
+    worst: float
+    case: str
+    grade: str
+    sentence: str
+
+
+def grade(error: float) -> str:
+    """Return the grade of a largest relative pressure error."""
+    if error <= GOOD:
+        return "good"
+    return "fair" if error <= FAIR else "poor"
+
+
+def verdicts(results: Results) -> list[MethodVerdict]:
+    """Judge every method, the best first."""
+    names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
+    found = [verdict for name in names if (verdict := _judged(results.cases, name)) is not None]
+    return sorted(found, key=lambda verdict: verdict.worst)
+
+
+def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | None:
+    counts = sorted({n for case in cases.values() for n in case.methods.get(method, {})})
+    if not counts:
+        return None
+    worst = {count: _worst(cases, method, count) for count in counts}
+    good = [
+        count for count in counts if all(worst[more][0] <= GOOD for more in counts if more >= count)
+    ]
+    chosen = good[0] if good else min(counts, key=lambda count: worst[count][0])
+    error, case = worst[chosen]
+    return MethodVerdict(
+        method=method,
+        joint_modes=chosen,
+        worst=error,
+        case=case,
+        grade=grade(error),
+        sentence=_sentence(cases, method, chosen, error, case, several=len(counts) > 1),
+    )
+
+
+def _worst(cases: Mapping[str, CaseResult], method: str, count: int) -> tuple[float, str]:
+    """Return the largest error over the load cases and where; infinite without a solution."""
+    worst = (0.0, "")
+    for name, case in cases.items():
+        result = case.methods.get(method, {}).get(count)
+        error = result.accuracy.max_relative_error if result else float("inf")
+        if error >= worst[0]:
+            worst = (error, name)
+    return worst
+
+
+def _sentence(
+    cases: Mapping[str, CaseResult],
+    method: str,
+    count: int,
+    error: float,
+    case: str,
+    *,
+    several: bool,
+) -> str:
+    if error == float("inf"):
+        return f"{label(method, count)}: no solution in {case}; not to be trusted."
+    ratios = [result.accuracy.max_pressure_ratio for result in _all(cases, method, count)]
+    span = f"largest pressure {_span(ratios)} × the full model's"
+    size = f"max relative pressure error against the full model {percent(error)} ({case}), {span}"
+    if error <= GOOD:
+        modes = f" from {count} joint modes on" if count and several else ""
+        return f"can be trusted for pressure on these load cases{modes}: {size}."
+    best = f"at best, with {count} joint modes, " if count and several else ""
+    if error <= FAIR:
+        return f"usable with care: {best}{size}."
+    return f"not to be trusted for pressure on these load cases: {best}{size}."
+
+
+def _all(cases: Mapping[str, CaseResult], method: str, count: int) -> list[MethodResult]:
+    return [
+        case.methods[method][count]
+        for case in cases.values()
+        if count in case.methods.get(method, {})
+    ]
+
+
+def _span(values: list[float]) -> str:
+    low, high = number(min(values)), number(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def headline(found: list[MethodVerdict]) -> str:
+    """Return the answer in one sentence."""
+    if not found:
+        return "No reduced model was compared with the full model."
+    good = [label(v.method, v.joint_modes) for v in found if v.grade == "good"]
+    rest = [v.method for v in found if v.grade != "good"]
+    bound = f"max relative pressure error at most {percent(GOOD)} on every load case"
+    if not good:
+        best = found[0]
+        return (
+            f"No method meets the mark ({bound}); the nearest is "
+            f"{label(best.method, best.joint_modes)} with {percent(best.worst)}."
+        )
+    others = f" Not: {', '.join(rest)}." if rest else ""
+    return f"Can be trusted for pressure here ({bound}): {'; '.join(good)}.{others}"
+
+
+def reservations(results: Results) -> list[str]:
+    """Return what the errors do not say, the pressing ones first."""
+    said = []
+    if results.warnings:
+        said.append(
+            f"{len(results.warnings)} solution(s) did not converge or deserve notice; "
+            "see the warnings."
+        )
+    for name, case in results.cases.items():
+        check = step_check(case)
+        if check is not None and max(abs(check.change), check.difference) > STEP_MATTERS:
+            said.append(
+                f"{name}: the time step is not fine enough for the pressure: with half of it the "
+                f"peak changes by {percent(check.change)} and the pressure at one instant by up to "
+                f"{percent(check.difference)} of the peak. This affects the full model as well and "
+                "is not part of the errors."
+            )
+        if case.times is not None and check is None:
+            said.append(f"{name}: no time-step check was run, so convergence in time is open.")
+    said.append(
+        "Errors compare each reduced model with the full model on the same mesh, contact law, "
+        "quadrature and time step, for these load cases only. They say nothing of the full "
+        "model's own discretization error, nor of other loads."
+    )
+    return said
