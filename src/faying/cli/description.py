@@ -27,7 +27,11 @@ def described(study: Study, model: Model) -> Iterator[Table]:
     yield _boundaries(model)
     yield _load_cases(study)
     if model.assembly.ignored:
-        yield _table("Left out of the deck", ["what"], ([text] for text in model.assembly.ignored))
+        yield _table(
+            "Notes on the source",
+            ["left out, or taken otherwise"],
+            ([text] for text in model.assembly.ignored),
+        )
 
 
 def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:

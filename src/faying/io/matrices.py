@@ -1,6 +1,7 @@
 """Mass, damping and stiffness of another program as an assembly, from memory or from files."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from typing import Any
 
@@ -87,6 +88,7 @@ def matrices_assembly(
     mass, stiffness = symmetric_matrix("M", mass, label), symmetric_matrix("K", stiffness, label)
     check_mass(mass, label)
     face_sets = {key: _face_set(mesh, key, value) for key, value in (faces or {}).items()}
+    notes = [_rowless(mesh, key, side, index) for key, side in face_sets.items()]
     for key, value in (node_sets or {}).items():
         mesh = mesh.with_node_set(key, np.unique(mesh.node_index(np.asarray(value))))
     return Assembly(
@@ -101,6 +103,7 @@ def matrices_assembly(
         equations=tuple(equations),
         supports=tuple(supports),
         name=name,
+        ignored=tuple(note for note in notes if note),
     )
 
 
@@ -113,6 +116,7 @@ def read_matrices(
     dofs: _Path | None = None,
     faces: _Path | None = None,
     node_sets: _Path | None = None,
+    held: _Path | None = None,
     **parts: Any,
 ) -> Assembly:
     """Read matrices and tables from files.
@@ -128,6 +132,9 @@ def read_matrices(
         rows run through the nodes with three or six components each, whichever fits.
     faces, node_sets
         Rows of set name, node id, node id, …; or an ``.npz`` with one array per set.
+    held
+        Node id and component 1..6 of each degree of freedom to hold at zero, where the matrices
+        come unconstrained; a file like ``dofs``.
     **parts
         Those of :func:`matrices_assembly`: couplings, supports, ``name``, …
 
@@ -142,7 +149,7 @@ def read_matrices(
     rows = None if dofs is None else read_dof_table(dofs)
     sides = read_id_sets(faces, "face set") if faces is not None else {}
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
-    return matrices_assembly(
+    assembly = matrices_assembly(
         read_matrix(M, "M"),
         read_matrix(K, "K"),
         None if C is None else read_matrix(C, "C"),
@@ -153,6 +160,10 @@ def read_matrices(
         node_sets={key: np.concatenate(value) for key, value in named.items()},
         **parts,
     )
+    if held is None:
+        return assembly
+    supports = _supports(assembly.mesh, read_dof_table(held))
+    return replace(assembly, supports=(*assembly.supports, *supports))
 
 
 def _mesh(points: Matrix, ids: Indices) -> Mesh:
@@ -181,11 +192,11 @@ def _every_node(mesh: Mesh, shape: tuple[int, ...]) -> Indices:
     raise ModelError(message)
 
 
-def _rows(mesh: Mesh, dofs: npt.NDArray[Any]) -> tuple[Indices, Indices]:
+def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[Indices, Indices]:
     """Node index and component 0..5 of each row."""
     if dofs.ndim != 2 or dofs.shape[1] != 2 or dofs.dtype.kind not in "iu":
         message = (
-            f"dof table: shape {dofs.shape} of {dofs.dtype}; expected whole numbers (n, 2): "
+            f"{what}: shape {dofs.shape} of {dofs.dtype}; expected whole numbers (n, 2): "
             "node id and component 1..6 of each row"
         )
         raise ModelError(message)
@@ -193,19 +204,19 @@ def _rows(mesh: Mesh, dofs: npt.NDArray[Any]) -> tuple[Indices, Indices]:
     unknown = np.flatnonzero(~np.isin(table[:, 0], mesh.node_ids))
     if unknown.size:
         row = int(unknown[0])
-        message = f"dof table: row {row + 1} names node {table[row, 0]}, which is not a node"
+        message = f"{what}: row {row + 1} names node {table[row, 0]}, which is not a node"
         raise ModelError(message)
     wrong = np.flatnonzero((table[:, 1] < 1) | (table[:, 1] > 6))
     if wrong.size:
         row = int(wrong[0])
-        message = f"dof table: row {row + 1} has component {table[row, 1]}; expected 1 to 6"
+        message = f"{what}: row {row + 1} has component {table[row, 1]}; expected 1 to 6"
         raise ModelError(message)
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
     again = np.flatnonzero(first[which.ravel()] != np.arange(len(table)))
     if again.size:
         row = int(again[0])
         message = (
-            f"dof table: node {table[row, 0]} component {table[row, 1]} stands in rows "
+            f"{what}: node {table[row, 0]} component {table[row, 1]} stands in rows "
             f"{first[which.ravel()[row]] + 1} and {row + 1}; each belongs to one row"
         )
         raise ModelError(message)
@@ -222,6 +233,24 @@ def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
         raise ModelError(message)
     nodes = mesh.node_index(table.ravel()).reshape(table.shape)
     return FaceSet(kind=FACE_KINDS[table.shape[1]], nodes=nodes)
+
+
+def _supports(mesh: Mesh, table: Indices) -> list[Support]:
+    """Hold the components a table names, one support per component."""
+    index, component = _rows(mesh, table, "held components")
+    return [
+        Support(id=int(number) + 1, nodes=index[component == number], components=(int(number),))
+        for number in np.unique(component)
+    ]
+
+
+def _rowless(mesh: Mesh, name: str, faces: FaceSet, present: Indices) -> str:
+    """Say that nodes of an interface count as held, for they may be eliminated ones instead."""
+    missing = mesh.node_ids[np.setdiff1d(faces.nodes, present)]
+    if not len(missing):
+        return ""
+    shown = ", ".join(map(str, missing[:5].tolist())) + (", …" if len(missing) > 5 else "")
+    return f"{len(missing)} nodes of face set '{name}' without rows, taken as held: {shown}"
 
 
 def _stacked(name: str, rows: list[Indices]) -> Indices:

@@ -151,7 +151,13 @@ def _interfaces(
 def _penalty(assembly: Assembly, spec: InterfaceSpec, faces: tuple[FacePairs, ...]) -> float:
     if spec.penalty == "hard":
         return np.inf
-    return automatic_penalty(assembly, faces) if spec.penalty == "auto" else float(spec.penalty)
+    if spec.penalty != "auto":
+        return float(spec.penalty)
+    try:
+        return automatic_penalty(assembly, faces)
+    except ModelError as error:
+        message = f"interface '{spec.name}': {error}"
+        raise ModelError(message) from None
 
 
 def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:

@@ -95,12 +95,36 @@ def _bolts(study: Study) -> Iterator[Problem]:
             found = quoted(ways) or "none"
             text = f"found {found}, expected one of 'elements', 'nodes' or 'axis'"
             yield _in_table(study, location, f"{text}; say where bolt '{bolt.name}' is, once")
+        yield from _matrix_bolt(study, i)
         if bolt.axis and not (bolt.diameter and bolt.washer_radius):
             text = "a bolt given by its axis needs 'diameter' and 'washer_radius'; add them"
             yield _in_table(study, location, text)
         if bolt.preload is None:
             text = "missing key 'preload', the bolt's final force; add it (0 is not tightened)"
             yield _in_table(study, location, text)
+
+
+def _matrix_bolt(study: Study, number: int) -> Iterator[Problem]:
+    """Check the keys that bolts of given matrices must have, and no other bolt may."""
+    bolt, location = study.bolts[number], ("bolt", number)
+    if study.model.source != "matrices":
+        for key in ("stiffness", "direction"):
+            if getattr(bolt, key) is not None:
+                text = f"only bolts of source 'matrices' have a {key}; remove it"
+                yield _problem(study, (*location, key), text)
+        return
+    if bolt.axis is not None or bolt.elements is not None:
+        text = (
+            "matrices have no elements and no solids to bolt; give nodes = [head, nut] and the "
+            "'stiffness' EA/L that K contains between them"
+        )
+        yield _in_table(study, location, text)
+    elif bolt.nodes is not None and len(bolt.nodes) != 2:
+        text = f"found {len(bolt.nodes)} nodes, expected two: the head's and the nut's"
+        yield _problem(study, (*location, "nodes"), text)
+    elif bolt.nodes is not None and bolt.stiffness is None:
+        text = "a bolt in matrices needs 'stiffness', the EA/L that K contains; add it"
+        yield _in_table(study, location, text)
 
 
 def _boundaries(study: Study) -> Iterator[Problem]:

@@ -174,11 +174,11 @@ def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
 
 
 def _bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
-    """Return the keys of each bolt but its preload, with nodes turned into elements."""
+    """Return the keys of each bolt but its preload, with nodes of a deck turned into elements."""
     entries = _entries(study.bolts)
     for number, (bolt, entry) in enumerate(zip(study.bolts, entries, strict=True)):
         entry.pop("preload", None)
-        if bolt.nodes is not None:
+        if bolt.nodes is not None and assembly.matrices is None:
             entry.pop("nodes")
             entry["elements"] = _elements_between(study, number, bolt, assembly)
     return entries

@@ -62,7 +62,11 @@ def _source(value: Any) -> Any:
 
 
 class MatrixFiles(Section):
-    """[model.files]: what :func:`faying.io.matrices.read_matrices` reads."""
+    """[model.files]: what :func:`faying.io.matrices.read_matrices` reads.
+
+    Matrices may come constrained, without rows for what is held or depends on others; or ``held``
+    names the rows to hold.
+    """
 
     K: ExistingFile
     M: ExistingFile
@@ -71,6 +75,7 @@ class MatrixFiles(Section):
     dofs: ExistingFile | None = None
     faces: ExistingFile | None = None
     node_sets: ExistingFile | None = None
+    held: ExistingFile | None = None
 
 
 def _named_set(value: Any) -> Any:
@@ -174,6 +179,9 @@ class BoltSection(Section):
     ----------
     nodes
         Instead of ``elements``: ids of the nodes that the bolt's beams of the deck run through.
+        Of source "matrices": the nodes on the head's and on the nut's side.
+    stiffness, direction
+        Of source "matrices" only.
     preload : [force]
         Final axial force in the preloaded state.
     """
@@ -182,6 +190,8 @@ class BoltSection(Section):
     preload: NotNegative | None = None
     elements: Annotated[tuple[Id, ...], Field(min_length=1)] | None = None
     nodes: Annotated[tuple[Id, ...], Field(min_length=2)] | None = None
+    stiffness: Positive | None = None
+    direction: Point | None = None
     axis: tuple[Point, Point] | None = None
     diameter: Positive | None = None
     washer_radius: Positive | None = None
