@@ -29,6 +29,9 @@ class Response:
         Wall time of the solution, offline work excluded.
     nodal_displacement : (n_node, 3), optional
         Of static cases.
+    recovered_pressure : (n_time, n_point), optional
+        Of transients of reduced models: recovered from the motion, see
+        :mod:`faying.simulation.recovery`.
     """
 
     pressure: Matrix
@@ -40,6 +43,7 @@ class Response:
     iterations: Indices
     seconds: float
     nodal_displacement: Matrix | None = None
+    recovered_pressure: Matrix | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,12 +56,15 @@ class MethodResult:
         Number of joint modes of the basis (0 for methods without).
     n_modes
         Length of the basis.
+    recovered_error
+        Largest relative error of the recovered pressures, of transients.
     """
 
     joint_modes: int
     n_modes: int
     response: Response
     accuracy: Accuracy
+    recovered_error: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -101,6 +101,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "n_modes": Meaning("length of the basis", "1"),
         "response": Meaning("solution of the reduced model"),
         "accuracy": Meaning("errors against the full model"),
+        "recovered_error": Meaning("max |p - p_ref| / max p_ref of recovered pressures", "1"),
     },
     Accuracy: {
         "max_relative_error": Meaning("max |p - p_ref| / max p_ref, points and instants", "1"),
@@ -123,5 +124,8 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "iterations": Meaning("linear systems of the contact problem", "1", "([n_time])"),
         "seconds": Meaning("wall time, offline work excluded", "s"),
         "nodal_displacement": Meaning("of static cases", "length", "(n_node, 3)"),
+        "recovered_pressure": Meaning(
+            "pressure recovered from the motion", "force/length²", "(n_time, n_point)"
+        ),
     },
 }

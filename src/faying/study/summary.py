@@ -125,4 +125,7 @@ def _reference(response: Response) -> dict[str, Any]:
 
 
 def _method(result: MethodResult) -> dict[str, float]:
-    return asdict(result.accuracy)
+    figures = asdict(result.accuracy)
+    if result.recovered_error is not None:
+        figures["recovered_max_relative_error"] = result.recovered_error
+    return figures

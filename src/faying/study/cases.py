@@ -1,0 +1,211 @@
+"""Load cases of a run: solved by the full model and by every reduced one, and compared."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import ConvergenceError
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.model.model import Model
+from faying.model.system import System
+from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.simulation.accuracy import Accuracy, measure
+from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler, Integrator
+from faying.simulation.recovery import recover_pressure
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static
+from faying.simulation.transient import solve_transient
+from faying.study.checkpoint import Checkpoint
+from faying.study.loads import case_load
+from faying.study.offline import PreparedJoint
+from faying.study.progress import Stages
+from faying.study.results import CaseResult, MethodResult, Response
+from faying.study.tables import LoadCaseSection
+from faying.study.timing import time_span, time_step
+
+Models = Mapping[str, Mapping[int, ReducedModel]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CaseRunner:
+    """What all load cases of a run share."""
+
+    joint: PreparedJoint
+    models: Models
+    stages: Stages
+    checkpoint: Checkpoint
+
+    def solve(self, case: LoadCaseSection) -> tuple[CaseResult, list[str]]:
+        """Solve one load case with every model; also say what did not converge.
+
+        Raises
+        ------
+        ConvergenceError
+            If the full model finds no solution: there is then nothing to compare with.
+        """
+        model = self.joint.model
+        reference = self._response(case, model, "full")
+        methods: dict[str, dict[int, MethodResult]] = {}
+        failures = []
+        for name, sizes in self.models.items():
+            methods[name] = {}
+            for count, rom in sizes.items():
+                try:
+                    response = self._response(case, rom, f"{name}/{count}")
+                except ConvergenceError as error:
+                    failures.append(f"{case.name}, {name} with {count} joint modes: {error}")
+                    continue
+                methods[name][count] = MethodResult(
+                    joint_modes=count,
+                    n_modes=len(rom.basis),
+                    response=response,
+                    accuracy=_accuracy(model, response, reference),
+                    recovered_error=_recovered_error(response, reference),
+                )
+        result = CaseResult(
+            name=case.name,
+            kind=case.kind,
+            times=self._times(case),
+            components={
+                name: tuple(DISPLACEMENT_NAMES[c] for c in boundary.components)
+                for name, boundary in model.boundaries.items()
+            },
+            reference=reference,
+            methods=methods,
+            half_step=None if case.kind == "static" else self._half_step(case),
+            half_step_times=self._times(case, 2),
+        )
+        return result, failures
+
+    def _times(self, case: LoadCaseSection, refinement: int = 1) -> Matrix | None:
+        if case.kind == "static":
+            return None
+        step = time_step(case, self.joint.period) / refinement
+        times: Matrix = step * np.arange(self._steps(case, refinement) + 1, dtype=float)
+        return times
+
+    def _steps(self, case: LoadCaseSection, refinement: int) -> int:
+        step = time_step(case, self.joint.period) / refinement
+        return round(time_span(case, self.joint.period) / step)
+
+    def _half_step(self, case: LoadCaseSection) -> Response:
+        """Repeat a transient with half the time step, on a reduced model with exact compliance."""
+        if "compliance" in self.models:
+            system = self.models["compliance"][0]
+        else:
+            first = next(iter(next(iter(self.models.values())).values()))
+            system = reduce(self.joint.model, first.basis.with_joint_modes(0), compliance=True)
+        return self._response(case, system, "half step", refinement=2)
+
+    def _response(
+        self, case: LoadCaseSection, system: System, label: str, refinement: int = 1
+    ) -> Response:
+        """Solve a load case with one model, or take what an interrupted run left."""
+        static = case.kind == "static"
+        total = 1 if static else self._steps(case, refinement)
+
+        def compute() -> Mapping[str, Matrix]:
+            with self.stages.stage(f"{case.name} {label}", total) as advance:
+                start = time.perf_counter()
+                if static:
+                    solution = solve_static(system, case_load(case))
+                else:
+                    solution = solve_transient(
+                        system,
+                        case_load(case),
+                        step=time_step(case, self.joint.period) / refinement,
+                        duration=time_span(case, self.joint.period),
+                        integrator=integrator_of(case),
+                        progress=advance,
+                    )
+                seconds = time.perf_counter() - start
+            return _packed(respond(solution, self.joint.model, seconds))
+
+        return _unpacked(self.checkpoint.bundle(f"{case.name} {label} {refinement}", compute))
+
+
+def integrator_of(case: LoadCaseSection) -> Integrator:
+    """Return the integrator of a transient load case; the seed's implicit Euler by default."""
+    if case.integrator != "generalized-alpha":
+        return ImplicitEuler()
+    return GeneralizedAlpha() if case.rho_infinity is None else GeneralizedAlpha(case.rho_infinity)
+
+
+def respond(solution: Solution, model: Model, seconds: float) -> Response:
+    """Take from a solution what a run keeps.
+
+    Transients of reduced models also get the pressures recovered from their motion.
+    """
+    static, reduced = solution.times is None, isinstance(solution.system, ReducedModel)
+    return Response(
+        pressure=solution.pressure,
+        gap=solution.gap,
+        displacements={name: solution.displacement(name) for name in model.boundaries},
+        bolt_forces={name: np.asarray(solution.bolt_force(name)) for name in model.bolts},
+        contact_forces={name: solution.contact_force(name) for name in model.interfaces},
+        open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
+        iterations=solution.iterations,
+        seconds=seconds,
+        nodal_displacement=(
+            model.dofs.nodal(solution.full_displacement())[:, :3] if static else None
+        ),
+        recovered_pressure=(
+            recover_pressure(model, solution).pressure if reduced and not static else None
+        ),
+    )
+
+
+def _accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
+    translations = [
+        (
+            response.displacements[name][..., boundary.components < 3],
+            reference.displacements[name][..., boundary.components < 3],
+        )
+        for name, boundary in model.boundaries.items()
+    ]
+    return measure(response.pressure, reference.pressure, translations)
+
+
+def _recovered_error(response: Response, reference: Response) -> float | None:
+    if response.recovered_pressure is None:
+        return None
+    return measure(response.recovered_pressure, reference.pressure, []).max_relative_error
+
+
+MAPPINGS = ("displacements", "bolt_forces", "contact_forces", "open_fraction")
+ARRAYS = ("pressure", "gap", "iterations", "seconds", "nodal_displacement", "recovered_pressure")
+
+
+def _packed(response: Response) -> dict[str, Matrix]:
+    """Flatten a response to named arrays."""
+    arrays = {
+        f"{field}/{name}": value
+        for field in MAPPINGS
+        for name, value in getattr(response, field).items()
+    }
+    single = {field: getattr(response, field) for field in ARRAYS}
+    arrays |= {field: np.asarray(value) for field, value in single.items() if value is not None}
+    return arrays
+
+
+def _unpacked(arrays: Mapping[str, Matrix]) -> Response:
+    mappings: dict[str, dict[str, Matrix]] = {field: {} for field in MAPPINGS}
+    for key, value in arrays.items():
+        field, _, name = key.partition("/")
+        if name:
+            mappings[field][name] = value
+    return Response(
+        pressure=arrays["pressure"],
+        gap=arrays["gap"],
+        displacements=mappings["displacements"],
+        bolt_forces=mappings["bolt_forces"],
+        contact_forces=mappings["contact_forces"],
+        open_fraction=mappings["open_fraction"],
+        iterations=np.asarray(arrays["iterations"], dtype=np.int64),
+        seconds=float(arrays["seconds"]),
+        nodal_displacement=arrays.get("nodal_displacement"),
+        recovered_pressure=arrays.get("recovered_pressure"),
+    )

@@ -1,0 +1,99 @@
+"""From what a run computed to the values it leaves behind."""
+
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+import scipy
+
+from faying import __version__
+from faying._typing import Matrix
+from faying.model.assembly import Assembly, Beam
+from faying.model.bodies import bodies
+from faying.model.generated_bolt import bolt_axis_element
+from faying.model.matrices import mass_properties
+from faying.model.specs import BoltSpec
+from faying.study.offline import PreparedJoint
+from faying.study.progress import Stages
+from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results
+from faying.study.tables import Study
+
+
+def record(
+    study: Study,
+    joint: PreparedJoint,
+    cases: Mapping[str, CaseResult],
+    stages: Stages,
+    warnings: Sequence[str],
+) -> Results:
+    """Collect the results of a run."""
+    model, mesh = joint.model, joint.model.assembly.mesh
+    return Results(
+        title=study.title or study.path.stem,
+        units=model.units,
+        study_text=study.text,
+        nodes=mesh.nodes,
+        node_ids=mesh.node_ids,
+        body=bodies(mesh),
+        blocks=mesh.blocks,
+        mass=mass_properties(model.assembly).mass,
+        dofs=model.structure.n_dof,
+        interfaces={name: _interface(joint, name) for name in model.interfaces},
+        bolts={name: _bolt(joint, name) for name in model.bolts},
+        tightening_stages=joint.tightening.stages,
+        cases=cases,
+        timings=dict(stages.seconds),
+        provenance={
+            "faying": __version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+            "platform": platform.platform(),
+            "factorization": model.structure.interior_factor.backend,
+            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        },
+        warnings=tuple(warnings),
+    )
+
+
+def _interface(joint: PreparedJoint, name: str) -> InterfaceRecord:
+    interface = joint.model.interfaces[name]
+    points = joint.model.contact.slices[name]
+    nodes = joint.model.assembly.mesh.nodes
+    return InterfaceRecord(
+        points=interface.points,
+        normals=interface.normals,
+        weights=interface.weights,
+        initial_gap=interface.initial_gap,
+        slice=(points.start, points.stop),
+        pairs=interface.pairs,
+        pair_points=nodes[interface.pairs].mean(axis=1),
+        averaging=interface.nodal_average(np.eye(interface.n_points)).T,
+        faces=interface.faces,
+        penalty=interface.penalty,
+        quadrature=interface.quadrature,
+        stuck=joint.model.stuck.get(name, np.zeros(len(interface.pairs), dtype=bool)),
+        preload_pressure=joint.preload.pressure[points],
+    )
+
+
+def _bolt(joint: PreparedJoint, name: str) -> BoltRecord:
+    column = joint.tightening.bolts.index(name)
+    spec = next(spec for spec in joint.loaded.bolts if spec.name == name)
+    return BoltRecord(
+        preload=joint.loaded.preloads[name],
+        initial_force=joint.model.bolts[name].initial_force,
+        history=joint.tightening.bolt_forces[:, column],
+        axis=_axis(joint.model.assembly, spec),
+    )
+
+
+def _axis(assembly: Assembly, spec: BoltSpec) -> Matrix | None:
+    """Return the ends of a bolt, for pictures; None for a spring."""
+    if spec.axis is not None:
+        return np.array(spec.axis)
+    if spec.nodes is not None:
+        return assembly.mesh.nodes[assembly.mesh.node_index(np.array(spec.nodes))]
+    element = bolt_axis_element(assembly, spec)
+    return assembly.mesh.nodes[list(element.nodes)] if isinstance(element, Beam) else None
