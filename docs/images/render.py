@@ -1,0 +1,59 @@
+"""Draw the pictures of README and docs from a finished run of the default study.
+
+``faying demo && python docs/images/render.py faying-demo`` writes cantilever.png and pressure.png
+beside this file.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import faying as fy
+from faying.report.figures import plot_error, plot_model, plot_pressure
+from faying.report.style import house_style, new_figure, save
+from faying.study.results import Results
+from faying.study.store import read_results
+from faying.study.units import units_of
+
+FOLDER = Path(__file__).parent
+SHOWN = {"jim-a": 20, "jim-b": 20}
+
+
+def cantilever() -> None:
+    """Draw the default model with clamp, bolt and tip."""
+    figure = new_figure(9.0, 7.0)
+    axes = figure.add_subplot(projection="3d")
+    plot_model(fy.lap_joint(), axes)
+    axes.set_title("")
+    save(figure, FOLDER / "cantilever.png")
+
+
+def pressure(results: Results) -> None:
+    """Draw LC2: the full model's pressure, and the errors of the seed's methods."""
+    case, record, units = results.cases["LC2"], results.interfaces["joint"], units_of(results.units)
+    reference = case.reference.pressure
+    figure = new_figure(14.0, 2.9)
+    first, *others = figure.subplots(1, 1 + len(SHOWN))
+    plot_pressure(record, reference, first, units)
+    first.set_title(f"LC2: pressure, at points up to {reference.max():.0f} MPa")
+    errors = {
+        name: (case.methods[name][count].response.pressure - reference) / reference.max()
+        for name, count in SHOWN.items()
+    }
+    for axes, (name, error) in zip(others, errors.items(), strict=True):
+        largest = float(np.abs(error).max())
+        plot_error(record, error, axes, units, largest=largest)
+        axes.set_title(f"{name}, {SHOWN[name]} modes: error up to {largest:.0%}")
+    save(figure, FOLDER / "pressure.png")
+
+
+def main() -> None:
+    """Draw both."""
+    with house_style():
+        cantilever()
+        pressure(read_results(Path(sys.argv[1]) / "results.h5"))
+
+
+if __name__ == "__main__":
+    main()
