@@ -1,0 +1,106 @@
+"""Which contact stiffness a penalty sweep speaks for, with the reasons in words."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying.contact.penalty import PENALTY_FACTOR
+from faying.simulation.penalty_sweep import PenaltySweep
+
+ROUGHER = 1.2
+"""Growth of peak over nodal average, to the stiff end of a sweep, that is worth a warning."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PenaltyAdvice:
+    """A recommended contact stiffness.
+
+    Attributes
+    ----------
+    penalty : [force/length³]
+    deviation
+        Largest difference to hard contact there, over all loads.
+    reached
+        Whether that is within the tolerance.
+    text
+        The reasons, for people.
+    """
+
+    penalty: float
+    deviation: float
+    reached: bool
+    text: str
+
+
+def recommend_penalty(sweep: PenaltySweep, *, tolerance: float = 0.05) -> PenaltyAdvice:
+    """Recommend the softest penalty whose pressures are those of hard contact.
+
+    Softer is easier for every displacement basis, whose pressure error grows with c_n; stiffer
+    than needed buys nothing and at Gauss points costs smoothness. Where no penalty of the sweep
+    keeps the tolerance, the closest is recommended and said to be so.
+
+    Parameters
+    ----------
+    tolerance
+        Largest difference of nodal averages to hard contact, over the largest of hard contact, in
+        any of the loads.
+    """
+    worst = sweep.deviation.max(axis=1)
+    within = np.flatnonzero(worst <= tolerance)
+    row = int(within[0]) if len(within) else int(worst.argmin())
+    penalty = float(sweep.penalties[row])
+    texts = [_choice(sweep, row, tolerance, reached=bool(len(within)))]
+    texts += [_automatic_text(sweep), *_roughness_text(sweep, row), *_method_texts(sweep, row)]
+    return PenaltyAdvice(
+        penalty=penalty,
+        deviation=float(worst[row]),
+        reached=bool(len(within)),
+        text="\n".join(texts),
+    )
+
+
+def _choice(sweep: PenaltySweep, row: int, tolerance: float, *, reached: bool) -> str:
+    deviation, share = sweep.deviation[row].max(), sweep.relative_penetration[row].max()
+    why = (
+        f"the softest of the sweep with nodal pressures within {tolerance:.0%} of hard contact"
+        if reached
+        else f"the closest of the sweep to hard contact; none stays within {tolerance:.0%}"
+    )
+    return (
+        f"Recommended contact stiffness: {sweep.penalties[row]:.3g}, {why} "
+        f"(off by {deviation:.1%} in '{sweep.loads[int(sweep.deviation[row].argmax())]}'). "
+        f"Largest penetration there: {sweep.penetration[row].max():.2e}, that is {share:.1e} of an "
+        "element."
+    )
+
+
+def _automatic_text(sweep: PenaltySweep) -> str:
+    near = int(np.abs(np.log(sweep.penalties / sweep.automatic)).argmin())
+    return (
+        f"The automatic value {PENALTY_FACTOR:g} E/h is {sweep.automatic:.3g}; at "
+        f"{sweep.penalties[near]:.3g} pressures are off hard contact by "
+        f"{sweep.deviation[near].max():.1%} at most and by {sweep.rms_deviation[near].max():.1%} "
+        "in the root mean square."
+    )
+
+
+def _roughness_text(sweep: PenaltySweep, row: int) -> list[str]:
+    """Warn where peaks at points outgrow their nodal averages: too many points for the mesh."""
+    rough = (sweep.max_pressure / sweep.max_average).max(axis=1)
+    if rough[-1] < ROUGHER * rough[row]:
+        return []
+    return [
+        f"Stiffer is not better here: towards {sweep.penalties[-1]:.3g} the peak at single contact "
+        f"points grows to {rough[-1]:.1f} times its nodal average ({rough[row]:.1f} at the "
+        "recommended value). That is the mesh holding more contact points than displacements, not "
+        "physics; use nodal quadrature for stiffer contact."
+    ]
+
+
+def _method_texts(sweep: PenaltySweep, row: int) -> list[str]:
+    return [
+        f"{name}: largest pressure error {error[row].max():.2%} there, "
+        f"{error[0].max():.2%} at {sweep.penalties[0]:.3g} and {error[-1].max():.2%} at "
+        f"{sweep.penalties[-1]:.3g}."
+        for name, error in sweep.errors.items()
+    ]
