@@ -19,6 +19,16 @@ TIMES = np.linspace(0.0, 1e-3, 11)
 JOINT_MODES = {"craig-bampton": (0,), "jim-a": (5, 20), "jim-b": (5, 20), "compliance": (0,)}
 ERRORS = {"craig-bampton": 2.0, "jim-a": 0.4, "jim-b": 0.1, "compliance": 1e-9}
 
+STUDY = """title = "fake"  # α & <β>
+[[load_case]]
+name = "LC1"
+kind = "static"
+forces = [
+    { boundary = "tip", component = "Fz", value = -500.0 },
+    { boundary = "tip", component = "Mx", value = 20e3 },
+]
+"""
+
 
 def _bar(z):
     """Nodes (n, 3) and cells (m, 8) of a bar one element thick, from height z up to z + 5."""
@@ -89,6 +99,7 @@ def _response(points, nodes, error, times):
         iterations=np.asarray(3 if times is None else np.full(len(times), 2)),
         seconds=0.25,
         nodal_displacement=sagging if times is None else None,
+        recovered_pressure=base * swing if error and times is not None else None,
     )
 
 
@@ -121,6 +132,7 @@ def _method(count, error, reference, points, nodes, times):
         joint_modes=count,
         n_modes=16 + count,
         response=response,
+        recovered_error=None if times is None else 0.02,
         accuracy=Accuracy(
             max_relative_error=float(relative.max()),
             rms_relative_error=float(np.sqrt((relative**2).mean())),
@@ -147,7 +159,7 @@ def fake_results():
     return Results(
         title="Two bars <fake> & co",
         units="mm-t-s",
-        study_text='title = "fake"\n# α & <β>\n',
+        study_text=STUDY,
         nodes=nodes,
         node_ids=np.arange(1, len(nodes) + 1),
         body=np.repeat([0, 1], len(lower)),

@@ -81,11 +81,11 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
     found = verdicts(results)
     return environment.get_template("report.html.j2").render(
         results=results,
-        headline=headline(found),
+        headline=headline(found, results),
         verdicts=found,
         reservations=reservations(results),
-        good=percent(GOOD),
-        fair=percent(FAIR),
+        good=f"{100 * GOOD:g} %",
+        fair=f"{100 * FAIR:g} %",
         model=model_table(results),
         interfaces=interface_table(results),
         bolts=bolt_table(results),

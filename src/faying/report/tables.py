@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.report.quantities import number, percent, place, quantity, seconds
 from faying.report.verdict import grade
-from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.study.summary import timings
 from faying.study.units import Units, units_of
 
@@ -109,7 +109,7 @@ def bolt_table(results: Results) -> Table:
 def case_table(results: Results) -> Table:
     """Return the load cases and what the full model answers."""
     units = units_of(results.units)
-    loads = applied_loads(results.study_text)
+    loads = applied_loads(results.study_text, units)
     columns = (
         "load case", "kind", "loads", "max pressure", "where", "contact force", "open area",
         "max penetration", "bolt force",
@@ -160,50 +160,51 @@ def _peak_place(results: Results, case: CaseResult, pressure: Matrix, units: Uni
     return ""
 
 
-def applied_loads(study_text: str) -> dict[str, str]:
+def applied_loads(study_text: str, units: Units) -> dict[str, str]:
     """Return the loads of each load case as the study states them; empty where it cannot be read.
 
     Results of a study that a later version wrote still make a report.
     """
     try:
         cases = tomllib.loads(study_text).get("load_case", [])
-        return {case["name"]: ", ".join(_force(f) for f in case["forces"]) for case in cases}
+        return {case["name"]: ", ".join(_force(f, units) for f in case["forces"]) for case in cases}
     except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
         return {}
 
 
-def _force(force: dict[str, object]) -> str:
+def _force(force: dict[str, object], units: Units) -> str:
     target = f"{force['boundary']} {force['component']}"
     value = force.get("value")
-    if isinstance(value, int | float):
-        return f"{target} = {number(float(value), 4)}"
-    return f"{target} from {force.get('file')}"
+    if not isinstance(value, int | float):
+        return f"{target} from {force.get('file')}"
+    is_moment = str(force["component"]).startswith("M")
+    unit = f"{units.force}·{units.length}" if is_moment else units.force
+    return f"{target} = {value:g} {unit}".replace("-", "−")
 
 
 def error_table(case: CaseResult) -> Table:
     """Return the errors of every method and size in one load case."""
     columns = (
         "method", "joint modes", "basis length", "max error", "rms error", "99.9th percentile",
-        "peak pressure ratio", "displacement error",
+        "peak pressure ratio", "displacement error", "max error of recovered pressures",
     )  # fmt: skip
-    rows = [
+    rows: list[tuple[str | Cell, ...]] = [
         (
             name,
             f"{count}" if count else "none",
             f"{result.n_modes}",
-            *(
-                Cell(text=percent(error), grade=grade(error))
-                for error in (
-                    result.accuracy.max_relative_error,
-                    result.accuracy.rms_relative_error,
-                    result.accuracy.p999_relative_error,
-                )
+            Cell(
+                text=percent(result.accuracy.max_relative_error),
+                grade=grade(result.accuracy.max_relative_error),
             ),
+            percent(result.accuracy.rms_relative_error),
+            percent(result.accuracy.p999_relative_error),
             Cell(
                 text=number(result.accuracy.max_pressure_ratio, 4),
                 grade=grade(abs(result.accuracy.max_pressure_ratio - 1.0)),
             ),
             percent(result.accuracy.displacement_error),
+            _recovered(result),
         )
         for name, sizes in case.methods.items()
         for count, result in sorted(sizes.items())
@@ -211,14 +212,18 @@ def error_table(case: CaseResult) -> Table:
     return _table(columns, rows)
 
 
+def _recovered(result: MethodResult) -> Cell:
+    if result.recovered_error is None:
+        return Cell(text="—")
+    return Cell(text=percent(result.recovered_error), grade=grade(result.recovered_error))
+
+
 def timing_table(results: Results) -> Table:
     """Return what the full model and each method cost."""
     cost = timings(results)
-    full = cost.get("full", {})
+    full = cost["full"]
     rows: list[tuple[str, ...]] = []
-    for name, entry in cost.items():
-        if not isinstance(entry, dict):
-            continue
+    for name, entry in {"full": full, **cost["methods"]}.items():
         cells = [seconds(entry["offline"]) if "offline" in entry else "—"]
         for key in ("per_static_case", "per_step"):
             cells += [seconds(entry[key]) if key in entry else "—", _ratio(full, entry, key, name)]

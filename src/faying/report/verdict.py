@@ -101,6 +101,7 @@ def _sentence(
     ratios = [result.accuracy.max_pressure_ratio for result in _all(cases, method, count)]
     span = f"largest pressure {_span(ratios)} × the full model's"
     size = f"max relative pressure error against the full model {percent(error)} ({case}), {span}"
+    size += _recovery(_all(cases, method, count))
     if error <= GOOD:
         modes = f" from {count} joint modes on" if count and several else ""
         return f"can be trusted for pressure on these load cases{modes}: {size}."
@@ -108,6 +109,14 @@ def _sentence(
     if error <= FAIR:
         return f"usable with care: {best}{size}."
     return f"not to be trusted for pressure on these load cases: {best}{size}."
+
+
+def _recovery(results: list[MethodResult]) -> str:
+    """Return how good pressures are that were recovered from the motion of transients."""
+    errors = [r.recovered_error for r in results if r.recovered_error is not None]
+    if not errors:
+        return ""
+    return f"; recovered from its motion in transients, pressures are off by {percent(max(errors))}"
 
 
 def _all(cases: Mapping[str, CaseResult], method: str, count: int) -> list[MethodResult]:
@@ -123,13 +132,29 @@ def _span(values: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def headline(found: list[MethodVerdict]) -> str:
-    """Return the answer in one sentence."""
+def headline(found: list[MethodVerdict], results: Results) -> str:
+    """Return the answer in a sentence or two."""
+    coarse = [name for name, case in results.cases.items() if _changes(case) > STEP_MATTERS]
+    if not coarse:
+        return _answer(found)
+    return (
+        f"{_answer(found)} The full model's own pressures are not converged in time in "
+        f"{', '.join(coarse)}: see below before using them."
+    )
+
+
+def _changes(case: CaseResult) -> float:
+    """Return how much of the peak pressure half the time step changes at most."""
+    check = step_check(case)
+    return max(abs(check.change), check.difference) if check else 0.0
+
+
+def _answer(found: list[MethodVerdict]) -> str:
     if not found:
         return "No reduced model was compared with the full model."
     good = [label(v.method, v.joint_modes) for v in found if v.grade == "good"]
     rest = [v.method for v in found if v.grade != "good"]
-    bound = f"max relative pressure error at most {percent(GOOD)} on every load case"
+    bound = f"max relative pressure error at most {100 * GOOD:g} % on every load case"
     if not good:
         best = found[0]
         return (
@@ -150,7 +175,7 @@ def reservations(results: Results) -> list[str]:
         )
     for name, case in results.cases.items():
         check = step_check(case)
-        if check is not None and max(abs(check.change), check.difference) > STEP_MATTERS:
+        if check is not None and _changes(case) > STEP_MATTERS:
             said.append(
                 f"{name}: the time step is not fine enough for the pressure: with half of it the "
                 f"peak changes by {percent(check.change)} and the pressure at one instant by up to "

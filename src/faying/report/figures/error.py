@@ -24,6 +24,9 @@ from faying.study.units import Units, units_of
 JOINT_MODES = 20
 """Count of the seed's Fig. 15.6."""
 SHOWN = ("jim-a", "jim-b", "compliance")
+SATURATED = 1.0
+"""Errors beyond the largest reference pressure get the end colours, or one bad point of one method
+would blanch all other maps."""
 
 
 def plot_error(
@@ -43,7 +46,8 @@ def plot_error(
     colours = scale(ERROR_MAP, 100 * largest, signed=True)
     draw_points(axes, record, plane, 100 * error, colours)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    colour_bar(axes, colours, "pressure error [%]")
+    beyond = bool(np.abs(error).max(initial=0.0) > largest)
+    colour_bar(axes, colours, "pressure error [%]", pointed=beyond)
     return axes
 
 
@@ -78,7 +82,7 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
         return None
     units, records = units_of(results.units), results.interfaces
     errors = [(result.response.pressure - reference) / top for _, result in methods]
-    largest = max(float(np.abs(error).max()) for error in errors)
+    largest = min(max(float(np.abs(error).max()) for error in errors), SATURATED)
     sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
     figure = new_figure(5.4 * len(methods), max(sum(h + 0.3 for _, h in sizes), 2.4))
     grid = figure.subplots(
@@ -98,7 +102,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     caption = (
         f"Relative pressure error (p − p_ref) / max p_ref, Eq. (15.31), in {case.name} (as "
         "Fig. 15.6). Colours are values at the contact points, not averages; red is too high, "
-        "blue too low; all panels share one scale, so a white panel is a good one. "
+        "blue too low; all panels share one scale, which ends at 100 % at most, so a white panel "
+        "is a good one. "
         f"{'. '.join(notes)}."
     )
     return Drawn(

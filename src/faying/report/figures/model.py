@@ -125,7 +125,7 @@ def title_height(axes: Any) -> float:
 
 def name_axes(axes: Any, length: str) -> None:
     """Label the three axes."""
-    axes.set_xlabel(f"x [{length}]", labelpad=22)
+    axes.set_xlabel(f"x [{length}]", labelpad=30)
     axes.set_ylabel(f"y [{length}]")
     axes.set_zlabel(f"z [{length}]")
 
@@ -147,7 +147,7 @@ def plot_model(model: Model, axes: Any) -> Any:
     plot_bodies(mesh.nodes, mesh.blocks, bodies(mesh), axes)
     name_axes(axes, units_of(model.units).length)
     beams = mesh.nodes[np.array([beam.nodes for beam in assembly.beams], dtype=int).reshape(-1, 2)]
-    axes.add_collection3d(Line3DCollection(beams, colors=BOLT_COLOUR, lw=2.0, zorder=5))
+    _add_lines(axes, beams, color=BOLT_COLOUR, lw=2.0, zorder=5)
     for name, boundary in model.boundaries.items():
         points = mesh.nodes[mesh.node_index(np.unique(boundary.nodes))]
         axes.plot(*points.T, "D", color="#0072B2", ms=5, zorder=6)
@@ -158,6 +158,12 @@ def plot_model(model: Model, axes: Any) -> Any:
     return axes
 
 
+def _add_lines(axes: Any, lines: Matrix, **style: Any) -> None:
+    """Draw lines (n, 2, 3); matplotlib refuses to draw none."""
+    if len(lines):
+        axes.add_collection3d(Line3DCollection(lines, **style))
+
+
 def model_figure(results: Results) -> Drawn:
     """Draw the model of a run."""
     units = units_of(results.units)
@@ -166,8 +172,7 @@ def model_figure(results: Results) -> Drawn:
     plot_bodies(results.nodes, results.blocks, results.body, axes)
     name_axes(axes, units.length)
     for record in results.interfaces.values():
-        edges = outline(record)
-        axes.add_collection3d(Line3DCollection(edges, colors=INTERFACE_COLOUR, lw=1.4, zorder=4))
+        _add_lines(axes, outline(record), color=INTERFACE_COLOUR, lw=1.4, zorder=4)
     for name, bolt in results.bolts.items():
         if bolt.axis is not None:
             plot_bolt_axis(axes, bolt.axis, name)

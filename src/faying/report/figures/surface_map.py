@@ -1,6 +1,7 @@
 """Fields on an interface, drawn in the interface's own plane."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -283,18 +284,20 @@ def outline(record: InterfaceRecord) -> Matrix:
     return bounding
 
 
-def colour_bar(axes: Axes, scale: Scale, label: str) -> None:
-    """Put a colour bar beside a map, or below a long one."""
+def colour_bar(axes: Axes, scale: Scale, label: str, *, pointed: bool = False) -> None:
+    """Put a colour bar beside a map, or below a long one; pointed where values go beyond."""
     width, height = (abs(np.diff(limits)[0]) for limits in (axes.get_xlim(), axes.get_ylim()))
     figure = axes.get_figure(root=True)
     if figure is None:
         return
     mappable = ScalarMappable(scale.limits, scale.colours)
+    extend = "both" if pointed else "neither"
     if width > 5 * height:
-        figure.colorbar(mappable, ax=axes, location="bottom", label=label, shrink=0.5, aspect=40)
+        bar: dict[str, Any] = {"location": "bottom", "shrink": 0.5, "aspect": 40}
+        figure.colorbar(mappable, ax=axes, label=label, extend=extend, **bar)
         return
     inset = axes.inset_axes((1.02, 0.0, 0.025, 1.0))
-    figure.colorbar(mappable, cax=inset, label=label)
+    figure.colorbar(mappable, cax=inset, label=label, extend=extend)
 
 
 def panel_size(record: InterfaceRecord, plane: Plane, width: float) -> tuple[float, float]:

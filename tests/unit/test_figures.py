@@ -1,0 +1,351 @@
+"""Figures show what the numbers say, in all cases a run can leave."""
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fake_results import NX, NY, fake_results
+from matplotlib.image import imread
+
+import faying.sources
+from faying.contact.facets import reference_nodes, shape_functions
+from faying.contact.interface import FacePairs
+from faying.exceptions import FormatError
+from faying.report import style
+from faying.report.figures import (
+    plot_convergence,
+    plot_error,
+    plot_model,
+    plot_peak_pressure,
+    plot_pressure,
+    write_figures,
+)
+from faying.report.figures.deformed import exaggeration
+from faying.report.figures.error import shown_methods
+from faying.report.figures.model import plot_bodies
+from faying.report.figures.surface_map import best_plane, outline, subdivision
+from faying.report.figures.time_step import step_check
+from faying.report.quantities import number, percent, place, seconds
+from faying.report.style import METHOD_COLOURS, house_style, new_figure
+from faying.study.file_names import file_names
+from faying.study.units import units_of
+
+RESULTS = fake_results()
+JOINT = RESULTS.interfaces["joint"]
+MM = units_of("mm-t-s")
+
+
+@pytest.fixture(scope="module")
+def entries(tmp_path_factory):
+    return write_figures(RESULTS, tmp_path_factory.mktemp("run") / "figures")
+
+
+@pytest.fixture
+def coarse(monkeypatch):
+    """Quick pictures where only their existence matters."""
+    monkeypatch.setattr(style, "DPI", 40)
+
+
+def panel():
+    return new_figure(4.0, 3.0).add_subplot()
+
+
+def test_every_picture_of_the_paper_is_drawn(entries):
+    assert [entry.path.stem for entry in entries] == [
+        "model",
+        "preload",
+        "tightening",
+        "convergence",
+        "case_LC1_pressure",
+        "case_LC1_deformed",
+        "case_LC1_error",
+        "case_LC2-torsion_pressure",
+        "case_LC2-torsion_deformed",
+        "case_LC2-torsion_error",
+        "case_LC2-step_response",
+        "case_LC2-step_time-step",
+    ]
+
+
+def test_pictures_are_not_blank(entries):
+    for entry in entries:
+        pixels = imread(entry.path)[..., :3]
+        assert min(pixels.shape[:2]) > 200
+        # Margins are cut, so ink fills a good part of any picture of ours.
+        assert 0.01 < (pixels.min(axis=-1) < 0.97).mean() < 0.99, entry.path.name
+
+
+def test_captions_give_the_numbers(entries):
+    captions = {entry.path.stem: entry.caption for entry in entries}
+    peak = RESULTS.cases["LC1"].reference.pressure.max()
+    assert f"max {peak:.1f} MPa at" in captions["case_LC1_pressure"]
+    assert "node pairs stick" in captions["preload"]
+    assert "axis of bolt" in captions["model"]
+
+
+def test_drawing_leaves_no_global_state():
+    assert "matplotlib.pyplot" not in sys.modules
+    import matplotlib as mpl
+
+    before = dict(mpl.rcParams)
+    with house_style():
+        pass
+    assert dict(mpl.rcParams) == before
+
+
+def test_pressure_scale_starts_at_zero_and_error_scale_is_symmetric():
+    axes = plot_pressure(JOINT, JOINT.preload_pressure, panel(), MM)
+    (mesh,) = axes.collections[1:2]
+    assert mesh.norm.vmin == 0.0
+    assert mesh.norm.vmax == pytest.approx((JOINT.averaging @ JOINT.preload_pressure).max())
+    assert axes.get_xlabel() == "x [mm]"
+    error = np.linspace(-0.3, 0.1, len(JOINT.points))
+    axes = plot_error(JOINT, error, panel(), MM, largest=0.3)
+    (image,) = axes.images
+    assert (image.norm.vmin, image.norm.vmax) == (-30.0, 30.0)
+    assert image.get_array().min() == pytest.approx(-30.0)
+
+
+def test_error_map_shows_each_point_in_its_place():
+    error = JOINT.points[:, 0] / 100.0
+    (image,) = plot_error(JOINT, error, panel(), MM, largest=0.3).images
+    left, right, _, _ = image.get_extent()
+    values = image.get_array()[image.get_array().shape[0] // 2]
+    x = np.linspace(left, right, len(values))
+    # The nearest of points 5 mm apart is at most half of that away, and a pixel.
+    assert np.abs(values - x).max() < 2.6
+
+
+def test_methods_keep_their_colours():
+    axes = plot_convergence(RESULTS.cases["LC1"], panel())
+    colours = {line.get_label(): line.get_color() for line in axes.lines}
+    for method in RESULTS.cases["LC1"].methods:
+        assert colours[method] == METHOD_COLOURS[method]
+    assert axes.get_yscale() == "log"
+
+
+def test_error_maps_take_twenty_modes_or_the_most():
+    case = RESULTS.cases["LC1"]
+    assert [(n, r.joint_modes) for n, r in shown_methods(case)] == [
+        ("jim-a", 20),
+        ("jim-b", 20),
+        ("compliance", 0),
+    ]
+    fewer = replace(case, methods={"jim-b": {5: case.methods["jim-b"][5]}})
+    assert [(n, r.joint_modes) for n, r in shown_methods(fewer)] == [("jim-b", 5)]
+
+
+def test_exaggeration_is_round():
+    case = RESULTS.cases["LC1"]
+    # The end sags by 1 on a length of 30; 12 % of the length would be a factor of 3.6.
+    assert exaggeration(RESULTS, case) == 2.0
+
+
+def test_step_check_sees_a_difference_the_peak_hides():
+    case = RESULTS.cases["LC2-step"]
+    half = replace(case.half_step, pressure=case.half_step.pressure.copy())
+    peak = case.reference.pressure.max()
+    half.pressure[:] = 0.0
+    half.pressure[4, 0] = peak
+    check = step_check(replace(case, half_step=half))
+    assert check.change == pytest.approx(0.0, abs=1e-15)
+    assert check.difference > 0.5
+    assert step_check(RESULTS.cases["LC1"]) is None
+
+
+def test_smooth_maps_interpolate_like_the_facets():
+    for kind, nodes in (("tri3", 3), ("tri6", 6), ("quad4", 4), ("quad8", 8)):
+        places, triangles = subdivision(kind, 4)
+        corners = places[triangles]
+        edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = 0.5 * np.cross(*(np.pad(e, ((0, 0), (0, 1))) for e in edges))[:, 2]
+        # Rounding only; all triangles turn the same way and tile the reference facet.
+        assert area.min() > 0
+        assert area.sum() == pytest.approx(0.5 if nodes % 3 == 0 else 1.0, rel=1e-12)
+        shape = shape_functions(kind, places[np.unique(triangles)])
+        np.testing.assert_allclose(
+            shape @ reference_nodes(kind), places[np.unique(triangles)], atol=1e-12
+        )
+
+
+def test_outline_is_the_rim():
+    lengths = np.linalg.norm(np.diff(outline(JOINT), axis=1)[:, 0], axis=1)
+    assert lengths.sum() == pytest.approx(2 * 5.0 * (NX + NY))
+
+
+def test_plane_of_a_vertical_interface():
+    turn = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    upright = replace(
+        JOINT,
+        points=JOINT.points @ turn,
+        pair_points=JOINT.pair_points @ turn,
+        normals=JOINT.normals @ turn,
+    )
+    plane = best_plane(upright)
+    assert plane.flat
+    assert plane.labels == ("x", "z")
+    np.testing.assert_allclose(plane.axes @ plane.axes.T, np.eye(2), atol=1e-15)
+
+
+def test_sleeve_is_projected_along_its_axis():
+    angle = JOINT.points[:, 0] / 30.0 * 2 * np.pi
+    ring = np.stack([50 * np.cos(angle), 50 * np.sin(angle), JOINT.points[:, 1]], axis=-1)
+    normals = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
+    sleeve = replace(JOINT, points=ring, pair_points=ring, normals=normals)
+    plane = best_plane(sleeve)
+    assert not plane.flat
+    plot_pressure(sleeve, JOINT.preload_pressure, panel(), MM)
+
+
+def without_contact(results):
+    def quiet(case):
+        zero = replace(
+            case.reference,
+            pressure=0 * case.reference.pressure,
+            nodal_displacement=None
+            if case.reference.nodal_displacement is None
+            else 0 * case.reference.nodal_displacement,
+        )
+        return replace(case, reference=zero)
+
+    interfaces = {
+        name: replace(
+            record,
+            preload_pressure=0 * record.preload_pressure,
+            stuck=np.zeros(len(record.pairs), dtype=bool),
+        )
+        for name, record in results.interfaces.items()
+    }
+    cases = {name: quiet(case) for name, case in results.cases.items()}
+    return replace(results, interfaces=interfaces, cases=cases)
+
+
+def bare(results):
+    n = 0
+    joint = replace(
+        JOINT,
+        points=np.empty((n, 3)),
+        normals=np.empty((n, 3)),
+        weights=np.empty(n),
+        initial_gap=np.empty(n),
+        slice=(0, 0),
+        pairs=np.empty((n, 2), dtype=np.int64),
+        pair_points=np.empty((n, 3)),
+        averaging=np.empty((n, n)),
+        faces=(),
+        stuck=np.empty(n, dtype=bool),
+        preload_pressure=np.empty(n),
+    )
+    case = results.cases["LC1"]
+    empty = replace(case.reference, pressure=np.empty(0), gap=np.empty(0), bolt_forces={})
+    return replace(
+        results,
+        interfaces={"joint": joint},
+        bolts={},
+        blocks=(),
+        nodes=np.empty((0, 3)),
+        body=np.empty(0, dtype=np.int64),
+        cases={"LC1": replace(case, reference=empty, methods={}, components={})},
+    )
+
+
+@pytest.mark.parametrize("spoiled", [without_contact, bare])
+def test_empty_and_zero_data_still_make_pictures(spoiled, tmp_path, coarse):
+    for entry in write_figures(spoiled(RESULTS), tmp_path):
+        assert entry.path.is_file()
+
+
+def test_dollar_signs_in_names_are_text(tmp_path, coarse):
+    case = replace(RESULTS.cases["LC1"], name="a$b$")
+    results = replace(RESULTS, title="$\\frac{$", cases={"a$b$": case})
+    assert len(write_figures(results, tmp_path)) > 4
+
+
+def test_case_named_like_a_section_keeps_its_pictures_apart(tmp_path, coarse):
+    case = replace(RESULTS.cases["LC1"], name="model")
+    paths = [e.path for e in write_figures(replace(RESULTS, cases={"model": case}), tmp_path)]
+    assert len(set(paths)) == len(paths)
+
+
+def test_real_model_is_drawn_with_bolt_and_boundary():
+    model = faying.sources.lap_joint(element_size=5.0)
+    figure = new_figure(5.0, 4.0)
+    axes = plot_model(model, figure.add_subplot(projection="3d"))
+    assert "tip" in {text.get_text().strip() for text in axes.texts}
+    figure.canvas.draw()
+
+
+def test_only_the_outside_is_drawn():
+    axes = new_figure(4.0, 4.0).add_subplot(projection="3d")
+    plot_bodies(RESULTS.nodes, RESULTS.blocks, RESULTS.body, axes)
+    faces = axes.collections[0].get_facecolor()
+    # Two bars, each with top and bottom of NX NY facets and a belt of 2 (NX + NY).
+    assert len(faces) == 2 * (2 * NX * NY + 2 * (NX + NY))
+
+
+def test_peak_pressure_panel_keeps_to_the_reference():
+    case = RESULTS.cases["LC2-step"]
+    axes = plot_peak_pressure(case, panel(), MM)
+    assert axes.get_ylim()[0] == 0.0
+    assert axes.get_ylim()[1] < 2 * max(
+        case.reference.pressure.max(), case.half_step.pressure.max()
+    )
+
+
+def test_tri6_interface_is_drawn():
+    nodes = np.array([[0, 1, 2, 3, 4, 5]])
+    corners = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0]])
+    points = np.concatenate([corners, (corners + np.roll(corners, -1, axis=0)) / 2])
+    record = replace(
+        JOINT,
+        points=points,
+        pair_points=points,
+        normals=np.tile([0.0, 0, 1], (6, 1)),
+        weights=np.ones(6),
+        pairs=np.stack([np.arange(6), np.arange(6, 12)], axis=-1),
+        averaging=np.eye(6),
+        faces=(FacePairs(kind="tri6", minus=nodes, plus=nodes + 6),),
+        slice=(0, 6),
+    )
+    axes = plot_pressure(record, np.arange(6.0), panel(), MM)
+    axes.figure.canvas.draw()
+    assert len(axes.collections) > 1
+
+
+def test_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FormatError, match="cannot write figures"):
+        write_figures(RESULTS, tmp_path / "file" / "figures")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (number(10463.95), "10500"),
+        (number(-0.0333), "−0.0333"),
+        (number(2.5e-4), "2.50e-4"),
+        (number(9.999), "10.0"),
+        (number(0.0), "0"),
+        (number(np.inf), "∞"),
+        (percent(0.0423), "4.2 %"),
+        (percent(4.07), "407 %"),
+        (percent(-0.05), "−5.0 %"),
+        (percent(1e-12), "< 1e-7 %"),
+        (percent(0.0), "0 %"),
+        (seconds(0.00123), "1.23 ms"),
+        (seconds(75.2), "75.2 s"),
+        (place(np.array([-52.0, 4.25, -1e-14]), "mm", 40.0), "(−52, 4.25, 0) mm"),
+        (place(np.array([0.0521, 0.2, 0.0]), "m", 0.04), "(0.0521, 0.2, 0) m"),
+        (units_of("mm-t-s").of("force/length³"), "N/mm³"),
+        (units_of("m-kg-s").pressure, "Pa"),
+        (units_of("in-lbm-h").pressure, "force/length²"),
+    ],
+)
+def test_numbers_as_text(text, expected):
+    assert text == expected
+
+
+def test_file_names_stay_apart():
+    names = file_names(["a/b", "a b", "A-B", "///", "jim-a+compliance"])
+    assert list(names.values()) == ["a-b", "a-b-2", "A-B-3", "unnamed", "jim-a+compliance"]

@@ -1,0 +1,219 @@
+"""The report answers in the order an engineer asks, with units, and works without a network."""
+
+from dataclasses import replace
+from html.parser import HTMLParser
+from urllib.parse import unquote
+
+import pytest
+from fake_results import fake_results
+
+from faying.exceptions import FormatError
+from faying.report import style
+from faying.report.html import render, write_report
+from faying.report.tables import applied_loads, case_table, error_table, timing_table
+from faying.report.verdict import headline, reservations, verdicts
+from faying.study.units import units_of
+
+RESULTS = fake_results()
+VOID = {"meta", "img", "br", "hr", "link"}
+
+
+class Page(HTMLParser):
+    """Checks nesting while it collects."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.ids, self.links, self.images, self.text = [], [], [], [], []
+        self.feed(text)
+        assert not self.open
+
+    def handle_starttag(self, tag, attrs):
+        attributes = dict(attrs)
+        if tag not in VOID:
+            self.open.append(tag)
+        if "id" in attributes:
+            self.ids.append(attributes["id"])
+        if tag == "a":
+            self.links.append(attributes["href"])
+        if tag == "img":
+            self.images.append(attributes["src"])
+        assert tag not in {"script", "link", "iframe"}
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.text.append(data)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "DPI", 50)  # quick; what is drawn is checked elsewhere
+        path = write_report(RESULTS, folder)
+    return path, Page(path.read_text(encoding="utf-8"))
+
+
+def test_page_stands_alone(written):
+    path, page = written
+    assert path.name == "report.html"
+    assert "http" not in path.read_text(encoding="utf-8")
+    assert len(page.images) == 12
+    for image in page.images:
+        assert image.startswith("figures/")
+        assert (path.parent / unquote(image)).is_file()
+
+
+def test_contents_lead_somewhere(written):
+    _, page = written
+    anchors = [link[1:] for link in page.links if link.startswith("#")]
+    assert len(anchors) == 9 + len(RESULTS.cases)
+    assert set(anchors) <= set(page.ids)
+    assert len(set(page.ids)) == len(page.ids)
+
+
+def test_user_text_is_escaped(written):
+    _, page = written
+    text = "".join(page.text)
+    assert "Two bars <fake> & co" in text
+    assert "# α & <β>" in text
+
+
+def test_sections_come_in_the_order_of_the_questions(written):
+    _, page = written
+    order = ["summary", "model", "load-cases", "convergence", "errors", "accuracy", "timings"]
+    assert [name for name in page.ids if name in order] == order
+
+
+def test_page_says_what_it_must(written):
+    text = " ".join("".join(written[1].text).split())
+    for needed in (
+        "max relative pressure error",
+        "nodal averages",
+        "quadrature",
+        "Time-step check",
+        "10000 N",
+        "100000 N/mm³",
+        "jim-a with 40 joint modes: no solution",
+        "recovered from its motion in transients, pressures are off by 2.0 %",
+        "tip Fz = −500 N, tip Mx = 20000 N·mm",
+    ):
+        assert needed in text, needed
+
+
+def with_errors(**errors):
+    """Give every case the same errors by method and joint modes."""
+
+    def result(template, error):
+        return replace(template, accuracy=replace(template.accuracy, max_relative_error=error))
+
+    cases = {}
+    for name, case in RESULTS.cases.items():
+        template = case.methods["jim-b"][5]
+        cases[name] = replace(
+            case,
+            methods={
+                method.replace("_", "-"): {n: result(template, e) for n, e in sizes.items()}
+                for method, sizes in errors.items()
+            },
+        )
+    return replace(RESULTS, cases=cases)
+
+
+def test_verdict_takes_the_smallest_reliable_count():
+    results = with_errors(
+        jim_b={5: 0.04, 10: 0.2, 20: 0.03, 40: 0.01}, jim_a={5: 0.5, 20: 0.08}, compliance={0: 0.6}
+    )
+    found = {v.method: v for v in verdicts(results)}
+    # 5 modes were good by luck: with 10 the error is 20 %.
+    assert (found["jim-b"].joint_modes, found["jim-b"].grade) == (20, "good")
+    assert "from 20 joint modes on" in found["jim-b"].sentence
+    assert (found["jim-a"].joint_modes, found["jim-a"].grade) == (20, "fair")
+    assert found["compliance"].grade == "poor"
+    assert "not to be trusted" in found["compliance"].sentence
+    assert "jim-b, 20 joint modes" in headline(verdicts(results), results)
+
+
+def test_worst_case_decides():
+    results = with_errors(compliance={0: 0.001})
+    case = results.cases["LC1"]
+    bad = replace(
+        case.methods["compliance"][0],
+        accuracy=replace(case.methods["compliance"][0].accuracy, max_relative_error=0.3),
+    )
+    results = replace(
+        results,
+        cases={**results.cases, "LC1": replace(case, methods={"compliance": {0: bad}})},
+    )
+    (verdict,) = verdicts(results)
+    assert (verdict.grade, verdict.case) == ("poor", "LC1")
+    assert "No method meets the mark" in headline([verdict], results)
+
+
+def test_case_without_solution_cannot_be_trusted():
+    results = with_errors(compliance={0: 0.001})
+    results = replace(
+        results,
+        cases={**results.cases, "LC1": replace(results.cases["LC1"], methods={})},
+    )
+    (verdict,) = verdicts(results)
+    assert verdict.grade == "poor"
+    assert "no solution in LC1" in verdict.sentence
+
+
+def test_coarse_time_step_is_told_first():
+    case = RESULTS.cases["LC2-step"]
+    half = replace(case.half_step, pressure=1.4 * case.half_step.pressure)
+    results = replace(RESULTS, cases={"LC2-step": replace(case, half_step=half)})
+    assert "not converged in time in LC2-step" in headline(verdicts(results), results)
+    assert any("time step is not fine enough" in said for said in reservations(results))
+    unchecked = replace(
+        RESULTS, cases={"LC2-step": replace(case, half_step=None, half_step_times=None)}
+    )
+    assert any("no time-step check" in said for said in reservations(unchecked))
+
+
+def test_grades_are_written_as_marks_too():
+    table = error_table(RESULTS.cases["LC1"])
+    for row in table.rows:
+        error = row[3]
+        assert error.mark == {"good": "✓", "fair": "~", "poor": "✗"}[error.grade]
+    assert len({len(row) for row in table.rows} | {len(table.columns)}) == 1
+
+
+def test_load_case_table_has_the_peak_and_its_place():
+    table = case_table(RESULTS)
+    cells = {row[0].text: [cell.text for cell in row] for row in table.rows}
+    # The pressure's hump is centred between nodes, four of which share the peak.
+    assert cells["LC1"][4].startswith("joint (15, 5, 5) mm")
+    assert cells["LC2-step"][4].endswith(" s")
+    assert "…" in cells["LC2-step"][8]
+
+
+def test_unreadable_study_text_is_no_obstacle():
+    assert applied_loads("not = [toml", units_of("mm-t-s")) == {}
+    assert applied_loads("load_case = 3", units_of("mm-t-s")) == {}
+
+
+def test_timings_compare_with_the_full_model():
+    rows = {row[0].text: [cell.text for cell in row] for row in timing_table(RESULTS).rows}
+    assert rows["full model"][2] == "0.250 s"
+    assert rows["jim-b"][1] == "3.00 s"
+    assert rows["compliance"][3] == "1.0 ×"
+
+
+def test_results_without_methods_make_a_report(tmp_path):
+    cases = {n: replace(c, methods={}, half_step=None) for n, c in RESULTS.cases.items()}
+    quiet = replace(RESULTS, cases=cases, bolts={}, warnings=(), timings={})
+    page = Page(render(quiet, [], tmp_path))
+    assert "No reduced model was compared" in "".join(page.text)
+    assert page.images == []
+    assert page.text
+
+
+def test_folder_that_cannot_be_written(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FormatError, match="cannot write"):
+        write_report(RESULTS, tmp_path / "file")
