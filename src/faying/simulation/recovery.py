@@ -1,0 +1,464 @@
+"""Pressure recovery: trustworthy contact pressures from any reduced trajectory (design §3).
+
+A reduced trajectory is poor in pressure because its few trial vectors must carry the contact. Its
+inertia and damping forces are good all the same, as they are spread over the whole structure.
+Recovery takes only those from it and solves, at each instant, the static contact problem of the
+full model:
+
+    g_free = g₀ + G K⁻¹ (f − M Φ q̈ − C Φ q̇),   s = (S + D) λ + g_free ≥ 0,  λ ≥ 0,  λᵀ s = 0.
+
+It is the mode-acceleration method of structural dynamics with contact. ``docs/theory/recovery.md``
+derives it and says what limits it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.contact.condensed import CondensedContact
+from faying.exceptions import ModelError
+from faying.model.model import Model
+from faying.model.structure import Structure
+from faying.model.system import PortCompliance, boundary_slices, input_forces
+from faying.reduction.basis import Basis
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import History, Load
+from faying.simulation.solution import Solution
+from faying.simulation.static import port_forces, relative_forces
+from faying.simulation.transient import solve_transient
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Recovered:
+    """Pressures of the full model recovered from a reduced history or static solution.
+
+    Read like a :class:`~faying.simulation.solution.Solution`; arrays have no leading axis for one
+    static solution, otherwise one entry per case or instant. :func:`faying.compare` accepts it.
+
+    Attributes
+    ----------
+    name
+        Name of the load.
+    system
+        The full model.
+    contact_forces : (..., n_point) [force]
+        λ = w ∘ p.
+    gap : (..., n_point) [length]
+    port_displacements : (..., n_relative + n_boundary + n_bolt) [length]
+        Relative displacements of the pairs, boundary displacements, bolt elongations.
+    inputs : (..., n_boundary + n_bolt) [force]
+    iterations : (...)
+        Linear systems each contact problem took.
+    times : (n_time,) or None
+    """
+
+    name: str
+    system: Model
+    contact_forces: Matrix
+    gap: Matrix
+    port_displacements: Matrix
+    inputs: Matrix
+    iterations: Indices
+    times: Vector | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("contact_forces", "gap", "port_displacements", "inputs"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def pressure(self) -> Matrix:
+        """Contact pressure p (..., n_point) [force/length²], compression positive."""
+        pressure: Matrix = self.contact_forces / self.system.contact.weights
+        return pressure
+
+    @property
+    def max_pressure(self) -> Matrix:
+        """Largest pressure over the contact points (...)."""
+        return np.asarray(self.pressure.max(axis=-1, initial=0.0))
+
+    def contact_force(self, interface: str | None = None) -> Matrix:
+        """Return the total normal force Σ λ of one interface, or of all (...) [force]."""
+        points = slice(None) if interface is None else self.system.contact.slices[interface]
+        return np.asarray(self.contact_forces[..., points].sum(axis=-1))
+
+    def displacement(self, boundary: str) -> Matrix:
+        """Return the recovered displacements at a boundary (..., n) in its components' order."""
+        place = boundary_slices(self.system.boundaries)[boundary]
+        displacement: Matrix = self._outer_ports[..., place]
+        return displacement
+
+    def bolt_force(self, bolt: str) -> Matrix:
+        """Return the axial force of a bolt (...) [force], tension positive."""
+        place = list(self.system.bolts).index(bolt) - len(self.system.bolts)
+        elongation = self._outer_ports[..., place]
+        return np.asarray(self.system.bolts[bolt].stiffness * elongation + self.inputs[..., place])
+
+    @property
+    def _outer_ports(self) -> Matrix:
+        outer: Matrix = self.port_displacements[..., self.system.port_compliance.n_relative :]
+        return outer
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Recovery:
+    """What recovery needs of a model and a basis: a few dense matrices, no finite elements.
+
+    With Q the ports (relative displacements, boundary, bolt elongations):
+
+    Attributes
+    ----------
+    model
+        The full model.
+    ports
+        Q K⁻¹ Qᵀ.
+    static_contact
+        Contact points, law and compliance S of the full model.
+    inertia : (n_port, n_mode)
+        Q K⁻¹ M Φ.
+    damping : (n_port, n_mode)
+        Q K⁻¹ C Φ.
+    """
+
+    model: Model
+    ports: PortCompliance
+    static_contact: CondensedContact
+    inertia: Matrix
+    damping: Matrix
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inertia", frozen(self.inertia))
+        object.__setattr__(self, "damping", frozen(self.damping))
+
+    def free_displacements(
+        self, inputs: Matrix, velocities: Matrix, accelerations: Matrix
+    ) -> Matrix:
+        """Return Q K⁻¹ (f − M Φ q̈ − C Φ q̇) (..., n_port) for all instants at once."""
+        moving = accelerations @ self.inertia.T + velocities @ self.damping.T
+        free: Matrix = static_displacements(self.ports, inputs) - moving
+        return free
+
+
+def recovery_operator(model: Model, basis: Basis) -> Recovery:
+    """Precompute the recovery matrices of a model and a basis.
+
+    Independent of any solution; the matrices are all an importing program needs.
+
+    Raises
+    ------
+    ModelError
+        If the basis belongs to a model with another number of degrees of freedom.
+    SingularMatrixError
+        If the structure is not held without its boundary.
+
+    Notes
+    -----
+    Two back-substitutions per trial vector, and the port compliance the model keeps.
+    """
+    structure = model.structure
+    if basis.vectors.shape[0] != structure.n_dof:
+        message = (
+            f"the basis has {basis.vectors.shape[0]} rows but the model has {structure.n_dof} "
+            "degrees of freedom; recover with the model the basis was made from"
+        )
+        raise ModelError(message)
+    return Recovery(
+        model=model,
+        ports=model.port_compliance,
+        static_contact=model.static_contact,
+        inertia=_at_ports(structure, structure.solve(model.M @ basis.vectors)),
+        damping=_at_ports(structure, structure.solve(model.C @ basis.vectors)),
+    )
+
+
+def recover_pressure(
+    model: Model,
+    solution: Solution,
+    *,
+    instants: Indices | None = None,
+    operator: Recovery | None = None,
+) -> Recovered:
+    """Recover the pressures of the full model from a static or transient solution.
+
+    Parameters
+    ----------
+    model
+        The full model; its contact law counts, that of the solution does not.
+    solution
+        Of a reduced model with any basis, or of the full model (which gives itself back).
+    instants
+        Indices of the instants or cases wanted; all unless given.
+    operator
+        Result of :func:`recovery_operator` where it is known already.
+
+    Returns
+    -------
+    Recovered
+
+    Raises
+    ------
+    ModelError
+        If the solution does not belong to the model.
+
+    Notes
+    -----
+    Accelerations are those that balance the reduced equations at each instant under the contact
+    forces of the solution, q̈ = M_r⁻¹ (f_r + (GΦ)ᵀ λ − C_r q̇ − K_r q). For implicit Euler they are
+    the stored ones. Generalized-α enforces balance between instants and stores accelerations that
+    are only first-order accurate at them; the balanced ones are consistent at every instant. The
+    first instant is the state before the load, at rest: static balance.
+
+    Cost: one small matrix product for all instants and one warm contact problem each.
+    """
+    at = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
+    chosen = _selected(solution, at)
+    if isinstance(solution.system, ReducedModel):
+        free = _free_from_reduced(model, solution.system, chosen, operator)
+    else:
+        free = _free_from_full(model, chosen)
+    return _contact(model, chosen.name, chosen.inputs, free, chosen.times)
+
+
+def recover_from_modal(
+    operator: Recovery,
+    times: Vector,
+    coordinates: Matrix,
+    load: Load,
+    *,
+    velocities: Matrix | None = None,
+    accelerations: Matrix | None = None,
+) -> Recovered:
+    """Recover pressures from a modal history that another program made.
+
+    Parameters
+    ----------
+    operator
+        Result of :func:`recovery_operator` for the basis of the history.
+    times : (n_time,) [time]
+        Increasing.
+    coordinates : (n_time, n_mode)
+        q in the order of the basis; read only where a derivative is missing.
+    load
+        Boundary forces at those instants, e.g. as :class:`~faying.simulation.load.History`, and
+        bolt forces.
+    velocities, accelerations : (n_time, n_mode), optional
+        Derived from a cubic spline where missing: accelerations from the velocities where these
+        are given, otherwise from the coordinates. The error falls with the sampling interval, but
+        only to first order where contact changes. A spline rings across a jump of the load, and
+        implicit Euler's accelerations are not those of a smooth curve: export accelerations there,
+        or use :func:`backward_differences`.
+
+    Raises
+    ------
+    ModelError
+        If shapes do not fit, times do not increase, or fewer than four instants must be
+        differentiated.
+    """
+    times = np.asarray(times, dtype=float)
+    shape = (len(times), operator.inertia.shape[1])
+    given = {"coordinates": coordinates, "velocities": velocities, "accelerations": accelerations}
+    for name, values in given.items():
+        if values is not None and np.shape(values) != shape:
+            message = (
+                f"the {name} have shape {np.shape(values)}, expected {shape}: "
+                "one row per time and one column per trial vector"
+            )
+            raise ModelError(message)
+    v, a = _derivatives(times, np.asarray(coordinates), velocities, accelerations)
+    inputs = load.inputs(operator.model, times)
+    free = operator.free_displacements(inputs, v, a)
+    return _contact(operator.model, load.name, inputs, free, times)
+
+
+def backward_differences(times: Vector, coordinates: Matrix) -> tuple[Matrix, Matrix]:
+    """Return the velocities and accelerations implicit Euler had, from rest, at equal steps.
+
+    Parameters
+    ----------
+    times : (n_time,) [time]
+    coordinates : (n_time, n_mode)
+
+    Returns
+    -------
+    tuple of ndarray (n_time, n_mode)
+        (q₁ − q₀)/h and its difference over h; zero at the first instant.
+    """
+    steps = np.diff(np.asarray(times, dtype=float))[:, None]
+    velocities, accelerations = np.zeros((2, *np.shape(coordinates)))
+    velocities[1:] = np.diff(coordinates, axis=0) / steps
+    accelerations[1:] = np.diff(velocities, axis=0) / steps
+    return velocities, accelerations
+
+
+def recover_from_boundary_loads(
+    rom: ReducedModel,
+    times: Vector,
+    forces: Mapping[str, Vector],
+    *,
+    step: float | None = None,
+    integrator: Integrator | None = None,
+    name: str = "boundary loads",
+) -> Recovered:
+    """Simulate a reduced model under imported boundary forces, then recover its pressures.
+
+    The best recovery there is: with ``compliance=True`` the reduced model itself has accurate
+    inertia forces, see ``docs/theory/recovery.md``.
+
+    Parameters
+    ----------
+    times : (n_time,) [time]
+        Starting at zero, when the joint rests under its bolts.
+    forces
+        ``"boundary.component"`` to forces or moments (n_time,), linear in between.
+    step
+        Time step; the smallest interval between ``times`` unless given.
+
+    Raises
+    ------
+    ModelError
+        If the times do not start at zero and increase, or a boundary does not exist.
+    """
+    times = np.asarray(times, dtype=float)
+    if len(times) < 2 or times[0] != 0:
+        message = "boundary loads need at least two instants, the first at time zero"
+        raise ModelError(message)
+    load = Load({key: History(times, values) for key, values in forces.items()}, name=name)
+    interval = float(np.diff(times).min()) if step is None else step
+    solution = solve_transient(
+        rom, load, step=interval, duration=float(times[-1]), integrator=integrator
+    )
+    return recover_pressure(rom.model, solution)
+
+
+def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
+    """Return port displacements Q K⁻¹ f (..., n_port) under boundary and bolt forces alone."""
+    columns = ports.matrix[ports.n_relative :]
+    displacements: Matrix = port_forces(ports, inputs) @ columns
+    return displacements
+
+
+def _selected(solution: Solution, at: slice | Indices) -> Solution:
+    """Take some instants; nothing to choose from in a single static solution."""
+    if solution.contact_forces.ndim == 1:
+        return solution
+    return Solution(
+        name=solution.name,
+        system=solution.system,
+        states=solution.states[at],
+        contact_forces=solution.contact_forces[at],
+        gap=solution.gap[at],
+        inputs=solution.inputs[at],
+        iterations=solution.iterations[at],
+        times=None if solution.times is None else solution.times[at],
+        velocities=None if solution.velocities is None else solution.velocities[at],
+        accelerations=None if solution.accelerations is None else solution.accelerations[at],
+    )
+
+
+def _free_from_reduced(
+    model: Model, rom: ReducedModel, solution: Solution, operator: Recovery | None
+) -> Matrix:
+    """Port displacements without contact forces, from a solution of a reduced model."""
+    if solution.velocities is None:
+        return static_displacements(model.port_compliance, solution.inputs)
+    known = recovery_operator(model, rom.basis) if operator is None else operator
+    accelerations = balanced_accelerations(rom, solution)
+    return known.free_displacements(solution.inputs, solution.velocities, accelerations)
+
+
+def _free_from_full(model: Model, solution: Solution) -> Matrix:
+    """Q (u − K⁻¹ Gᵀ λ): by balance, what the full model displaces without contact forces."""
+    if solution.states.shape[-1] != model.structure.n_dof:
+        message = (
+            f"the solution has {solution.states.shape[-1]} degrees of freedom but the model "
+            f"{model.structure.n_dof}; recover with the model that was solved"
+        )
+        raise ModelError(message)
+    displacements = _at_ports(model.structure, solution.states.T).T
+    return displacements - _contact_displacements(model, solution.contact_forces)
+
+
+def balanced_accelerations(system: ReducedModel, solution: Solution) -> Matrix:
+    """Return q̈ (n_time, n_mode) that balances a reduced model at the instants themselves.
+
+    Massless coordinates, which feel no inertia force, get the least-norm value.
+    """
+    known = solution.velocities
+    velocities = np.zeros_like(solution.states) if known is None else known
+    force = input_forces(system, solution.inputs) + relative_forces(system, solution.contact_forces)
+    elastic, damping, mass = (np.asarray(matrix) for matrix in (system.K, system.C, system.M))
+    unbalanced = force - solution.states @ elastic - velocities @ damping
+    return np.asarray(np.linalg.lstsq(mass, unbalanced.T, rcond=None)[0].T, dtype=np.float64)
+
+
+def _contact(
+    model: Model, name: str, inputs: Matrix, free: Matrix, times: Vector | None
+) -> Recovered:
+    """Solve the static contact problem of every row, each started from the one before."""
+    condensed, n_relative = model.static_contact, model.port_compliance.n_relative
+    rows = np.atleast_2d(free)
+    shape = (len(rows), model.contact.n_points)
+    forces, gaps = np.empty(shape), np.empty(shape)
+    iterations = np.empty(len(rows), dtype=np.int64)
+    active = None
+    for row, displacement in enumerate(rows[:, :n_relative]):
+        solution = condensed.solve(displacement, active)
+        forces[row], gaps[row] = solution.forces, condensed.gap(solution)
+        iterations[row], active = solution.iterations, solution.active
+    one = free.ndim == 1
+    lambdas = forces[0] if one else forces
+    return Recovered(
+        name=name,
+        system=model,
+        contact_forces=lambdas,
+        gap=gaps[0] if one else gaps,
+        port_displacements=free + _contact_displacements(model, lambdas),
+        inputs=inputs,
+        iterations=iterations[0] if one else iterations,
+        times=times,
+    )
+
+
+def _contact_displacements(model: Model, forces: Matrix) -> Matrix:
+    """Q K⁻¹ Gᵀ λ (..., n_port)."""
+    ports = model.port_compliance
+    at_pairs = (model.contact.interpolation.T @ np.asarray(forces).T).T
+    displacements: Matrix = at_pairs @ ports.matrix[: ports.n_relative]
+    return displacements
+
+
+def _at_ports(structure: Structure, displacements: Matrix) -> Matrix:
+    """Q U (n_port, k) of displacements U (n_dof, k)."""
+    return np.vstack(
+        [
+            structure.relative_operator @ displacements,
+            displacements[structure.boundary],
+            structure.elongations @ displacements,
+        ]
+    )
+
+
+def _derivatives(
+    times: Vector, q: Matrix, v: Matrix | None, a: Matrix | None
+) -> tuple[Matrix, Matrix]:
+    """Velocities and accelerations, by a cubic spline where they are missing."""
+    if v is not None and a is not None:
+        return v, a
+    if len(times) < 4 or not (np.diff(times) > 0).all():
+        message = (
+            f"{len(times)} instants are too few, or do not increase, to derive what is missing; "
+            "give velocities and accelerations"
+        )
+        raise ModelError(message)
+    velocity = CubicSpline(times, q).derivative()(times) if v is None else v
+    if a is not None:
+        return velocity, a
+    if v is None:
+        return velocity, CubicSpline(times, q).derivative(2)(times)
+    return velocity, CubicSpline(times, v).derivative()(times)

@@ -1,0 +1,159 @@
+"""Certificates of reduced models against the full solution they do without."""
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import ModelError
+from faying.reduction.choose import choose_joint_modes
+from faying.simulation.certificate import certifier, certify
+from faying.simulation.worst_case import worst_case_load
+
+LOADS = (
+    fy.Load({"tip.Fz": -500.0}, name="LC1"),
+    fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2"),
+)
+BOX = fy.LoadBox(ranges={"tip.Fz": (-750.0, 750.0), "tip.Mx": (-30e3, 30e3)}, levels=3)
+PENALTIES = (1e4, 1e5, 8.4e5)
+
+
+@pytest.fixture(scope="module")
+def preloaded():
+    return fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3}, sticking=fy.Sticking())
+
+
+@pytest.fixture(scope="module")
+def bases(preloaded):
+    """Bases do not depend on the penalty but for the snapshots of B."""
+    model = preloaded.with_penalty(1e5)
+    classic = fy.craig_bampton(model, normal_modes=20)
+    snapshots = fy.static_snapshots(model, BOX.static_loads(model))
+    return {
+        "craig-bampton": classic,
+        "jim-a": fy.jim_a(model, joint_modes=20, classic=classic),
+        "jim-b": fy.jim_b(model, snapshots, joint_modes=20, classic=classic),
+    }
+
+
+def locked(preloaded, penalty):
+    model = preloaded.with_penalty(penalty)
+    return model.with_bolt_forces(fy.tighten(model, {"bolt": 10e3}).initial_forces)
+
+
+def energy_norm(model, forces):
+    H = model.static_contact.flexibility
+    return np.sqrt(((forces @ H) * forces).sum(axis=-1))
+
+
+@pytest.mark.parametrize("penalty", PENALTIES)
+@pytest.mark.parametrize("method", ["craig-bampton", "jim-a", "jim-b"])
+def test_everything_certified_holds_and_the_energy_sharply(preloaded, bases, method, penalty):
+    model = locked(preloaded, penalty)
+    loads = [*LOADS, *BOX.random_loads(model, 20, seed=1)]
+    exact = fy.solve_static_cases(model, loads)
+    cases = fy.solve_static_cases(fy.reduce(model, bases[method]), loads)
+    certificate = certifier(model).certify_inputs(cases.inputs, cases.pressure)
+
+    slight = 1e-9 * exact.max_pressure.max()  # round-off of the exact solution
+    assert (certificate.pressure_low <= exact.pressure + slight).all()
+    assert (certificate.pressure_high >= exact.pressure - slight).all()
+    low, high = certificate.contact_force["joint"].T
+    assert (low <= exact.contact_force() * (1 + 1e-9)).all()
+    assert (high >= exact.contact_force() * (1 - 1e-9)).all()
+    force_error = np.abs(cases.contact_force() / exact.contact_force() - 1)
+    assert (certificate.contact_force_error >= force_error).all()
+    difference = cases.pressure - exact.pressure
+    pressure_error = np.abs(difference).max(axis=1) / exact.max_pressure
+    assert (certificate.max_relative_error >= pressure_error).all()
+    weights = model.contact.weights
+    rms = np.sqrt((difference**2 * weights).sum(axis=1) / weights.sum())
+    assert (certificate.rms_pressure_error >= rms).all()
+
+    error = energy_norm(model, cases.contact_forces - exact.contact_forces)
+    sharpness = np.sqrt(2 * certificate.energy) / error
+    relative = error / energy_norm(model, exact.contact_forces)
+    assert (certificate.energy_error >= relative).all()
+    assert sharpness.min() >= 1 - 1e-9  # round-off
+    assert sharpness.max() < 3.0  # measured at most 1.9 on the default mesh
+
+
+def test_the_exact_solution_is_certified_to_round_off(preloaded):
+    exact = fy.solve_static(preloaded, LOADS[1])
+    certificate = certify(preloaded, LOADS[1], exact.pressure)
+    # √B is of the order ε ‖H‖ ‖λ‖, pressures that times √(c_n / w).
+    assert certificate.energy_error < 1e-8
+    assert certificate.max_relative_error < 1e-6
+    assert certificate.clipped_pressure == 0.0
+
+
+def test_negative_pressures_are_clipped_and_reported(preloaded):
+    pressure = fy.solve_static(preloaded, LOADS[0]).pressure.copy()
+    at = int(np.argmin(pressure))
+    pressure[at] = -0.25
+    certificate = certify(preloaded, LOADS[0], pressure)
+    assert certificate.clipped_pressure == 0.25
+    assert certificate.pressure[at] == 0.0
+
+
+@pytest.mark.parametrize("quadrature", ["gauss", "nodal"])
+def test_hard_contact(quadrature):
+    bare = fy.lap_joint(element_size=5.0, quadrature=quadrature, penalty=np.inf)
+    model = fy.preload(bare, {"bolt": 10e3})
+    loads = BOX.random_loads(model, 5, seed=2)
+    exact = fy.solve_static_cases(model, loads)
+    soft = locked(model, 1e5)
+    judge = certifier(model)
+    assert (judge.flexibility.range_basis is None) == (quadrature == "nodal")
+    candidate = fy.solve_static_cases(soft, loads).pressure
+    certificate = judge.certify_inputs(exact.inputs, candidate)
+    error = energy_norm(model, candidate * model.contact.weights - exact.contact_forces)
+    assert np.isfinite(certificate.energy).all()
+    assert (np.sqrt(2 * certificate.energy) >= error * (1 - 1e-7)).all()
+    low, high = certificate.contact_force["joint"].T
+    assert (low <= exact.contact_force() * (1 + 1e-7)).all()
+    assert (high >= exact.contact_force() * (1 - 1e-7)).all()
+    # Gauss points outnumber the displacements between the parts: point pressures are not unique.
+    assert np.isfinite(certificate.max_relative_error).all() == (quadrature == "nodal")
+
+
+def test_chosen_joint_modes_meet_the_tolerance(preloaded, bases):
+    model = locked(preloaded, 1e5)
+    loads = BOX.random_loads(model, 10, seed=3)
+    choice = choose_joint_modes(model, bases["jim-b"], loads, 0.05)
+    assert choice.met
+    assert 0 < choice.count < 20
+    assert (choice.bounds[:-1] > 0.05).all()
+    exact = fy.solve_static_cases(model, loads)
+    rom = fy.reduce(model, bases["jim-b"].with_joint_modes(choice.count))
+    difference = fy.solve_static_cases(rom, loads).contact_forces - exact.contact_forces
+    true = energy_norm(model, difference) / energy_norm(model, exact.contact_forces)
+    assert true.max() <= choice.bounds[-1] <= 0.05
+    assert not choose_joint_modes(model, bases["jim-b"], loads, 1e-6).met
+
+
+def test_worst_case_is_worse_than_random_loads(preloaded, bases):
+    model = locked(preloaded, 1e5)
+    rom = fy.reduce(model, bases["jim-b"].with_joint_modes(10))
+    worst = worst_case_load(rom, BOX, samples=20, seed=4)
+    again = worst_case_load(rom, BOX, samples=20, seed=4)
+    assert worst.load.forces == again.load.forces
+    for key, (low, high) in BOX.ranges.items():
+        assert low <= worst.load.forces[key] <= high
+    judge = certifier(model)
+    cases = fy.solve_static_cases(rom, BOX.random_loads(model, 50, seed=5))
+    random = judge.certify_inputs(cases.inputs, cases.pressure).energy_error
+    assert worst.bound >= random.max()
+    difference = worst.reduced.contact_forces - worst.exact.contact_forces
+    true = energy_norm(model, difference) / energy_norm(model, worst.exact.contact_forces)
+    assert worst.bound >= true > 0.5 * worst.bound
+
+
+def test_wrong_input_is_refused(preloaded, bases):
+    with pytest.raises(ModelError, match="one per contact point"):
+        certify(preloaded, LOADS[0], np.zeros(3))
+    with pytest.raises(ModelError, match="at least one load"):
+        choose_joint_modes(preloaded, bases["jim-b"], [], 0.1)
+    certificate = certify(preloaded, LOADS[0], np.zeros(preloaded.contact.n_points))
+    assert certificate.energy_error == np.inf  # nothing certain about no pressure at all
+    with pytest.raises(ModelError, match="energy_error, contact_force_error"):
+        certificate.bound("colour")
