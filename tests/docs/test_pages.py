@@ -1,0 +1,108 @@
+"""The code in README and docs runs, and their links lead somewhere."""
+
+import doctest
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pages import PAGES, ROOT, Block, blocks
+
+SHELL_OF_CHECKOUT = {"README.md", "CONTRIBUTING.md"}
+"""Pages whose shell commands set up a checkout; .ci/run runs those."""
+
+RESULTS_OF_A_RUN = {"results.md"}
+"""Pages whose code reads the results.h5 of a run of the demo."""
+
+named = pytest.mark.parametrize(
+    "page", PAGES, ids=lambda path: str(path.relative_to(ROOT).with_suffix(""))
+)
+
+
+def faying(arguments: list[str], folder: Path) -> None:
+    """Run the command line in a folder and show what it says when it fails."""
+    done = subprocess.run(
+        [sys.executable, "-m", "faying.cli", *arguments],
+        cwd=folder,
+        env={**os.environ, "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr + done.stdout
+
+
+def run_python(block: Block, page: Path, names: dict[str, Any]) -> None:
+    where = f"{page.name}, line {block.line}"
+    if ">>>" in block.text:
+        parser, runner = doctest.DocTestParser(), doctest.DocTestRunner()
+        case = parser.get_doctest(block.text, names, where, str(page), block.line)
+        report: list[str] = []
+        runner.run(case, out=report.append, clear_globs=False)
+        assert runner.summarize(verbose=False).failed == 0, "".join(report)
+        names.update(case.globs)
+        return
+    # The line numbers of a traceback are those of the page.
+    exec(compile("\n" * block.line + block.text, str(page), "exec"), names)
+
+
+def run_shell(block: Block, page: Path, folder: Path) -> None:
+    if page.name in SHELL_OF_CHECKOUT:
+        return
+    for line in block.text.splitlines():
+        command, *arguments = shlex.split(line, comments=True)
+        assert command == "faying", f"{page.name}: '{command}' is not run by this test"
+        faying(arguments, folder)
+
+
+@named
+def test_code_runs(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    if page.name in RESULTS_OF_A_RUN:
+        faying(["demo", "--quick", "--out", "."], tmp_path)
+    names: dict[str, Any] = {"__name__": "page"}
+    for block in blocks(page):
+        if block.language == "python":
+            run_python(block, page, names)
+        elif block.language == "bash":
+            run_shell(block, page, tmp_path)
+        elif block.words:
+            (tmp_path / block.words).write_text(block.text, encoding="utf-8")
+
+
+def headings(path: Path) -> set[str]:
+    """Anchors of a page as GitHub makes them."""
+    text = re.sub(r"^```.*?^```$", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+    lines = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", line.lower()).replace(" ", "-") for line in lines}
+
+
+@named
+def test_links_lead_somewhere(page):
+    text = re.sub(r"`[^`\n]*`", "", page.read_text(encoding="utf-8"))
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if target.startswith(("http:", "https:", "mailto:")):
+            continue
+        file, _, anchor = target.partition("#")
+        path = (page.parent / file).resolve() if file else page
+        assert path.exists(), target
+        assert not anchor or anchor in headings(path), target
+
+
+@named
+def test_pages_are_reached_from_the_index(page):
+    """Every page of docs is linked from README, the index or a page of its folder."""
+    if page.parent == ROOT:
+        return
+    others = [other for other in PAGES if other != page]
+    linked = {
+        (other.parent / target.partition("#")[0]).resolve()
+        for other in others
+        for target in re.findall(r"\]\(([^)\s]+)\)", other.read_text(encoding="utf-8"))
+    }
+    assert page.resolve() in linked or page.name == "index.md"

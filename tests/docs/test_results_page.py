@@ -1,0 +1,46 @@
+"""docs/results.md lists what results.h5 and summary.json hold."""
+
+import re
+
+import pytest
+from pages import DOCS
+
+from faying.contact.interface import FacePairs
+from faying.model.mesh import CellBlock
+from faying.simulation.accuracy import Accuracy
+from faying.study.results import (
+    BoltRecord,
+    CaseResult,
+    InterfaceRecord,
+    MethodResult,
+    Response,
+    Results,
+)
+from faying.study.store_fields import MEANINGS
+
+GROUPS = {
+    "/": Results,
+    "/blocks/0": CellBlock,
+    "/interfaces/NAME": InterfaceRecord,
+    "/interfaces/NAME/faces/0": FacePairs,
+    "/bolts/NAME": BoltRecord,
+    "/cases/NAME": CaseResult,
+    "/cases/NAME/reference": Response,
+    "/cases/NAME/methods/METHOD/N": MethodResult,
+    "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
+}
+TEXT = (DOCS / "results.md").read_text(encoding="utf-8")
+PAGE = {
+    group: re.sub(r"\(as `\w+`\)", "", members)
+    for group, members in re.findall(r"^\| `(/[^`]*)` \| (.*) \|$", TEXT, re.MULTILINE)
+}
+
+
+def test_every_kind_of_group_is_there():
+    assert set(PAGE) == set(GROUPS)
+    assert set(GROUPS.values()) == set(MEANINGS)
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_members_are_those_that_are_stored(group):
+    assert re.findall(r"`(\w+)`", PAGE[group]) == list(MEANINGS[GROUPS[group]])
