@@ -15,6 +15,7 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
 from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.clamping import check_clamping, element_seats
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
 from faying.model.dofs import DofMap
@@ -219,6 +220,7 @@ def _bolt(assembly: Assembly, dofs: DofMap, K: SparseMatrix, spec: BoltSpec) -> 
 def _of_element(assembly: Assembly, spec: BoltSpec) -> tuple[SparseMatrix, float]:
     """Elongation row (1, 6 n_node) and axial stiffness of the element that is tightened."""
     element = bolt_axis_element(assembly, spec)
+    check_clamping(assembly.mesh, spec, element_seats(assembly, element))
     if isinstance(element, Beam):
         start, end = (assembly.mesh.nodes[node] for node in element.nodes)
         length = float(np.linalg.norm(end - start))

@@ -26,10 +26,10 @@ def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
         If a node is unknown, the two are the same, the stiffness is not positive, or the
         direction is missing, zero, or points from the head to the nut.
     """
-    ids = tuple(spec.nodes or ())
+    ids = list(spec.nodes or ())
     if len(ids) != 2 or ids[0] == ids[1]:
         message = (
-            f"bolt '{spec.name}': nodes are {list(ids)}; give two different node ids, the head's "
+            f"bolt '{spec.name}': nodes are {ids}; give two different node ids, the head's "
             "and the nut's side of the cut"
         )
         raise ModelError(message)
@@ -103,9 +103,9 @@ def _direction(spec: BoltSpec, apart: Vector) -> Vector:
     unit: Vector = given / length
     if distance > 0 and not unit @ apart > 0:
         message = (
-            f"bolt '{spec.name}': the direction does not point from the nut, node "
-            f"{(spec.nodes or ())[1]}, to the head, node {(spec.nodes or ())[0]}; turn it round, "
-            "or leave it out"
+            f"bolt '{spec.name}': direction {spec.direction} does not point from the nut to the "
+            f"head (nodes are [head, nut] = {list(spec.nodes or ())}); turn it round, or leave it "
+            "out"
         )
         raise ModelError(message)
     return unit

@@ -15,6 +15,7 @@ from faying.model.assembly import (
     RigidCoupling,
 )
 from faying.model.bodies import bodies
+from faying.model.clamping import check_clamping
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
@@ -63,7 +64,7 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
     ends = _ends(spec)
     material = _material(assembly, spec)
     seats = _seats(assembly.mesh, spec, ends)
-    _check_clamping(assembly.mesh, spec, ends, seats)
+    check_clamping(assembly.mesh, spec, seats)
     n_node = len(assembly.mesh.nodes)
     mesh = _with_nodes(assembly.mesh, ends)
     first_id = _largest_id(assembly) + 1
@@ -185,29 +186,6 @@ def _seat(
     np.minimum.at(closest, labels[nodes], offset)
     held: Mask = closest <= closest.min() + _SAME_PLANE * radius
     return nodes[held[labels[nodes]]]
-
-
-def _check_clamping(
-    mesh: Mesh, spec: BoltSpec, ends: Matrix, seats: tuple[Indices, Indices]
-) -> None:
-    """Refuse a bolt through one body only; a fork with another part between its arms is fine."""
-    labels = bodies(mesh)
-    held = np.union1d(labels[seats[0]], labels[seats[1]])
-    if not np.array_equal(np.unique(labels[seats[0]]), np.unique(labels[seats[1]])):
-        return
-    length = np.linalg.norm(ends[1] - ends[0])
-    axis = (ends[1] - ends[0]) / length
-    from_end = mesh.nodes - ends[0]
-    along = from_end @ axis
-    radial = np.linalg.norm(from_end - np.outer(along, axis), axis=1)
-    between = (along >= 0) & (along <= length) & (radial <= (spec.washer_radius or 0.0))
-    if np.any(between & (labels >= 0) & ~np.isin(labels, held)):
-        return
-    message = (
-        f"bolt '{spec.name}' clamps nothing: both washers hold the same body, with no interface "
-        "between them; check that the parts have nodes of their own where they touch"
-    )
-    raise ModelError(message)
 
 
 def _with_nodes(mesh: Mesh, points: Matrix) -> Mesh:

@@ -19,6 +19,9 @@ NO_RESISTANCE = 1e-9
 CLAMPS_NOTHING = 1e-9
 """Gap closed per elongation of the bolt under its own force, at or below which it is round-off."""
 
+SURPLUS = 1e-6
+"""Relative excess of a bolt's stiffness over all that resists it; more than rounding is wrong."""
+
 LIMIT = 100
 """Newton steps per increment; two or three are usual."""
 
@@ -89,7 +92,8 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
     Raises
     ------
     ModelError
-        If a bolt does not exist or a force is not finite and positive.
+        If a bolt does not exist, is stiffer than K allows or closes no gap, or a force is not
+        finite and positive.
     ConvergenceError
         If no initial force gives the nominal force, e.g. because a bolt clamps nothing.
 
@@ -100,6 +104,7 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
     """
     names = list(system.bolts)
     _check(forces, names)
+    _check_stiffness(system)
     _check_clamping(system, forces)
     state = initial_bolt_forces(system)
     active: Mask | None = None
@@ -210,12 +215,30 @@ def _reach(
             forces, slope, active = _bolt_forces(system, state, active)
             if np.abs(goal - forces[chosen]).max() < distance:
                 break
-    names = [list(system.bolts)[bolt] for bolt in chosen]
+    worst = int(np.abs(miss).argmax())
     message = (
-        f"bolt {', '.join(names)} does not reach its preload of {goal.max():g} (missing "
-        f"{np.abs(miss).max():.3g}); check that it clamps an interface"
+        f"bolt '{list(system.bolts)[chosen[worst]]}' cannot be tightened to {goal[worst]:g}: what "
+        "it pulls at gives way; check that it clamps an interface"
     )
     raise ConvergenceError(message)
+
+
+def _check_stiffness(system: System) -> None:
+    """Refuse bolts of given matrices that are stiffer than the structure they are part of.
+
+    K ⪰ k eᵀe exactly where k e K⁻¹ eᵀ ≤ 1; bolts faying assembled itself always satisfy it.
+    """
+    ports = system.port_compliance
+    for number, bolt in enumerate(system.bolts.values()):
+        row = ports.n_boundary + number
+        flexibility = float(ports.input_rows[row, row])
+        if bolt.stiffness * flexibility > 1 + SURPLUS:
+            message = (
+                f"bolt '{bolt.name}': its stiffness {bolt.stiffness:g} is not contained in K, "
+                f"which resists its elongation with {1 / flexibility:.6g} in all; give EA/L of "
+                "what K holds between its nodes"
+            )
+            raise ModelError(message)
 
 
 def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
@@ -226,8 +249,8 @@ def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
         closing = system.contact.interpolation @ ports.contact_columns[row]
         if closing.max(initial=0.0) <= CLAMPS_NOTHING * ports.input_rows[row, row]:
             message = (
-                f"bolt '{name}' clamps nothing: its tension closes no interface; check that it "
-                "joins both sides of one"
+                f"bolt '{name}' clamps nothing: its tension closes no interface; check that head "
+                "and nut are on the far sides of one, and that its direction is not reversed"
             )
             raise ModelError(message)
 

@@ -1,0 +1,101 @@
+"""Whether a bolt clamps something: what its head and its nut hold, and what lies between."""
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Beam, Spring
+from faying.model.bodies import bodies
+from faying.model.mesh import Mesh
+from faying.model.specs import BoltSpec
+
+# A body in the plane of a seat touches it, but is not between the seats.
+_INSIDE = 1e-2
+
+
+def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> None:
+    """Refuse a bolt through one body only; a fork with another part between its arms is fine.
+
+    Parameters
+    ----------
+    seats
+        Nodes of solids that the head and the nut hold.
+
+    Raises
+    ------
+    ModelError
+        If both hold the same bodies and no other one lies between them.
+    """
+    labels = bodies(mesh)
+    head, nut = (np.unique(labels[seat]) for seat in seats)
+    if not len(head) or not len(nut) or not np.array_equal(head, nut):
+        return
+    if np.setdiff1d(labels[_between(mesh, spec, seats)], [-1, *head]).size:
+        return
+    held = ", ".join(map(str, mesh.node_ids[np.unique(np.concatenate(seats))][:4].tolist()))
+    message = (
+        f"bolt '{spec.name}' clamps nothing: head and nut hold the same body (at nodes {held}, …) "
+        "with no other between them; check that the parts have nodes of their own where they touch"
+    )
+    raise ModelError(message)
+
+
+def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indices]:
+    """Find the nodes of solids that the two ends of a deck's bolt hold, apart from each other.
+
+    Ends are followed through beams, springs, couplings and equations up to the first solids, but
+    not through the cut element and what joins the same two nodes (its shear and bending springs).
+    """
+    first, second = cut.nodes if isinstance(cut, Beam) else (node for node, _ in cut.ends)
+    links = _links(assembly, (first, second))
+    solid = bodies(assembly.mesh) >= 0
+    of_node, through = links.tocsc(), links[:, np.flatnonzero(~solid)]
+    _, group = connected_components(through @ through.T, directed=False)
+
+    def reached(node: int) -> Indices:
+        if solid[node]:
+            return np.array([node])
+        at_node = of_node.indices[of_node.indptr[node] : of_node.indptr[node + 1]]
+        nodes = np.unique(links[np.flatnonzero(np.isin(group, group[at_node]))].indices)
+        found: Indices = nodes[solid[nodes]]
+        return found
+
+    return reached(first), reached(second)
+
+
+def _links(assembly: Assembly, cut: tuple[int, int]) -> SparseMatrix:
+    """Return the nodes (n_link, n_node) that each beam, spring, coupling and equation joins."""
+    parts = [np.array(beam.nodes) for beam in assembly.beams]
+    parts += [np.array([node for node, _ in spring.ends]) for spring in assembly.springs]
+    parts += [np.append(rigid.nodes, rigid.reference) for rigid in assembly.rigid_couplings]
+    parts += [np.append(mean.nodes, mean.reference) for mean in assembly.average_couplings]
+    parts += [np.array([node for node, _, _ in e.terms]) for e in assembly.equations]
+    parts = [part for part in parts if np.setdiff1d(part, cut).size]
+    columns = np.concatenate([np.empty(0, dtype=np.int64), *parts])
+    rows = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+    shape = (len(parts), len(assembly.mesh.nodes))
+    return sp.csr_array((np.ones(len(columns)), (rows, columns)), shape=shape)
+
+
+def _between(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> Indices:
+    """Nodes inside the cylinder from seat to seat."""
+    ends = np.array([mesh.nodes[seat].mean(axis=0) for seat in seats])
+    length = float(np.linalg.norm(ends[1] - ends[0]))
+    if length == 0:
+        return np.empty(0, dtype=np.int64)
+    axis = (ends[1] - ends[0]) / length
+    along, radial = _cylindrical(mesh.nodes, ends[0], axis)
+    radius = max(spec.washer_radius or 0.0, float(radial[np.concatenate(seats)].max()))
+    # A beam may end at a single node of a solid; its thickness is then unknown.
+    radius = radius if radius > _INSIDE * length else length / 2
+    inside = (along > _INSIDE * length) & (along < (1 - _INSIDE) * length)
+    return np.flatnonzero(inside & (radial <= radius))
+
+
+def _cylindrical(points: Matrix, origin: Vector, axis: Vector) -> tuple[Vector, Vector]:
+    """Return the distances of points (n, 3) along an axis and from it."""
+    relative = points - origin
+    along = relative @ axis
+    return along, np.linalg.norm(relative - np.outer(along, axis), axis=1)
