@@ -32,6 +32,8 @@ def _load_boundaries(study: Study) -> Iterator[tuple[Location, str]]:
             yield ("load_case", i, "forces", j, "boundary"), force.boundary
     for i, side in enumerate(study.reduction.training.box):
         yield ("reduction", "training", "box", i, "boundary"), side.boundary
+    for i, side in enumerate(study.validation.box):
+        yield ("validation", "box", i, "boundary"), side.boundary
 
 
 def _problem(study: Study, location: Location, text: str) -> Problem:
@@ -140,7 +142,10 @@ def _boundaries(study: Study) -> Iterator[Problem]:
 
 def _reduction(study: Study) -> Iterator[Problem]:
     reduction, training = study.reduction, study.reduction.training
-    modes = reduction.joint_modes
+    modes = () if reduction.joint_modes == "auto" else reduction.joint_modes
+    if reduction.joint_modes == "auto" and not training.box:
+        text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
+        yield _problem(study, ("reduction", "joint_modes"), text)
     if any(later <= earlier for earlier, later in pairwise(modes)):
         found = ", ".join(map(str, modes))
         text = f"found {found}; the numbers of modes must increase, sort them"

@@ -6,7 +6,13 @@ from faying.model.model import Model
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
 from faying.study.history import read_history
-from faying.study.tables import ForceSection, LoadCaseSection, Study, TrainingSection
+from faying.study.tables import (
+    ForceSection,
+    LoadCaseSection,
+    Study,
+    TrainingSection,
+    ValidationSection,
+)
 
 
 def case_load(case: LoadCaseSection) -> Load:
@@ -35,6 +41,14 @@ def training_box(training: TrainingSection) -> LoadBox:
     )
 
 
+def validation_box(validation: ValidationSection) -> LoadBox:
+    """Return the box in which the worst loads are searched."""
+    return LoadBox(
+        ranges={side.target: (side.min, side.max) for side in validation.box},
+        preload_factors=validation.preload_factors,
+    )
+
+
 def check_loads(study: Study, model: Model) -> None:
     """Refuse loads on components that a boundary of the model does not have.
 
@@ -45,7 +59,8 @@ def check_loads(study: Study, model: Model) -> None:
     """
     start = np.zeros(1)
     training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
-    for load in (*map(case_load, study.load_cases), training):
+    worst = Load({side.target: 0.0 for side in study.validation.box}, name="validation")
+    for load in (*map(case_load, study.load_cases), training, worst):
         load.inputs(model, start)
 
 

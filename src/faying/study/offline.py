@@ -10,6 +10,7 @@ from faying.linalg.factorization import SingularMatrixError
 from faying.model.diagnosis import unconstrained
 from faying.model.model import Model
 from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.choose import JointModeChoice, choose_joint_modes
 from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.jim_a import jim_a
 from faying.reduction.jim_b import jim_b
@@ -102,7 +103,8 @@ def build_bases(
     """Build the bases that the study's methods need: classic, jim-a, jim-b."""
     reduction, model = study.reduction, joint.model
     needed = {METHODS[name].joint_modes for name in reduction.methods} - {None}
-    most = max(reduction.joint_modes)
+    asked = reduction.joint_modes
+    most = MOST_AUTOMATIC if asked == "auto" else max(asked)
     with stages.stage("normal_modes"):
         classic = craig_bampton(model, normal_modes=reduction.normal_modes)
     bases = {"classic": classic}
@@ -121,6 +123,12 @@ def build_bases(
             bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
     return bases
 
+
+MOST_AUTOMATIC = 60
+"""Joint modes from which an automatic number is chosen."""
+
+AUTOMATIC_LOADS = 30
+"""Random loads of the training box that an automatic number is certified at."""
 
 DEFAULT_SUBAREAS = 200
 """Test loads of method A: fine enough for the 40 modes of the default study by far."""
@@ -152,15 +160,34 @@ def _training_forces(
     return np.hstack(snapshots)
 
 
-def reduced_models(
+def choose_counts(
     study: Study, model: Model, bases: Mapping[str, Basis], stages: Stages
+) -> dict[str, JointModeChoice]:
+    """Choose the number of joint modes of each basis where the study leaves it to faying."""
+    if study.reduction.joint_modes != "auto":
+        return {}
+    loads = training_box(study.reduction.training).random_loads(model, AUTOMATIC_LOADS, seed=2)
+    with stages.stage("choose joint modes"):
+        return {
+            name: choose_joint_modes(model, basis, loads, study.reduction.tolerance)
+            for name, basis in bases.items()
+            if basis.count(ModeKind.JOINT)
+        }
+
+
+def reduced_models(
+    study: Study,
+    model: Model,
+    bases: Mapping[str, Basis],
+    choices: Mapping[str, JointModeChoice],
+    stages: Stages,
 ) -> dict[str, dict[int, ReducedModel]]:
     """Project the model onto every basis the study names, at every number of joint modes."""
     models: dict[str, dict[int, ReducedModel]] = {}
     for name in study.reduction.methods:
         method = METHODS[name]
         basis = bases[method.joint_modes or "classic"]
-        counts = _counts(study, basis) if method.joint_modes else [0]
+        counts = _counts(study, basis, choices.get(method.joint_modes or ""))
         with stages.stage(f"project {name}"):
             models[name] = {
                 count: reduce(model, basis.with_joint_modes(count), compliance=method.compliance)
@@ -169,7 +196,11 @@ def reduced_models(
     return models
 
 
-def _counts(study: Study, basis: Basis) -> list[int]:
+def _counts(study: Study, basis: Basis, choice: JointModeChoice | None) -> list[int]:
     """Numbers of joint modes asked for, as far as the training gave independent ones."""
     available = basis.count(ModeKind.JOINT)
+    if choice is not None:
+        return [choice.count]
+    if study.reduction.joint_modes == "auto":
+        return [0]
     return sorted({min(count, available) for count in study.reduction.joint_modes})

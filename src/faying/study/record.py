@@ -16,7 +16,7 @@ from faying.model.matrices import mass_properties
 from faying.model.specs import BoltSpec
 from faying.study.offline import PreparedJoint
 from faying.study.progress import Stages
-from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results
+from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
 from faying.study.tables import Study
 
 
@@ -24,6 +24,7 @@ def record(
     study: Study,
     joint: PreparedJoint,
     cases: Mapping[str, CaseResult],
+    validation: ValidationRecord,
     stages: Stages,
     warnings: Sequence[str],
 ) -> Results:
@@ -54,6 +55,7 @@ def record(
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
         },
         warnings=tuple(warnings),
+        validation=validation,
     )
 
 

@@ -7,7 +7,10 @@ from typing import Any
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
+from faying.reduction.best_possible import BestPossible
+from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
+from faying.simulation.penalty_sweep import PenaltySweep
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,6 +61,8 @@ class MethodResult:
         Length of the basis.
     recovered_error
         Largest relative error of the recovered pressures, of transients.
+    certified_bound
+        Bound of the largest relative error that needs no full solution, of static cases.
     """
 
     joint_modes: int
@@ -65,6 +70,7 @@ class MethodResult:
     response: Response
     accuracy: Accuracy
     recovered_error: float | None = None
+    certified_bound: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -156,6 +162,109 @@ class BoltRecord:
     axis: Matrix | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class LoadSpaceResult:
+    """Errors of one reduced model over random loads of the training box.
+
+    Attributes
+    ----------
+    median_error, worst_error
+        Of the largest relative pressure errors of the loads.
+    """
+
+    median_error: float
+    worst_error: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadSpaceRecord:
+    """Methods at loads they have not seen.
+
+    Attributes
+    ----------
+    n_loads
+        Random loads from the training box.
+    methods
+        Method name to joint mode count to errors.
+    best_possible
+        What any linear basis of as many vectors could reach at best.
+    """
+
+    n_loads: int
+    methods: Mapping[str, Mapping[int, LoadSpaceResult]]
+    best_possible: BestPossible
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorstCaseRecord:
+    """The load of the validation box that a method gets most wrong.
+
+    Attributes
+    ----------
+    forces
+        ``"boundary.component"`` to force or moment.
+    bolt_forces
+        Initial bolt forces there.
+    bound
+        Certified energy error, which the search maximizes.
+    certified_bound
+        Certified bound of the relative pressure error.
+    max_relative_error
+        The true error, confirmed by one full solution.
+    evaluations
+        Loads judged by their certificate, without full solution.
+    """
+
+    joint_modes: int
+    forces: Mapping[str, float]
+    bolt_forces: Mapping[str, float]
+    bound: float
+    certified_bound: float
+    max_relative_error: float
+    evaluations: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PenaltyRecord:
+    """What the contact stiffness does to the study's static load cases.
+
+    Attributes
+    ----------
+    recommended : [force/length³]
+    reached
+        Whether its pressures are those of hard contact within the doctor's tolerance.
+    advice
+        The reasons, for people.
+    """
+
+    sweep: PenaltySweep
+    recommended: float
+    reached: bool
+    advice: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ValidationRecord:
+    """What a run found beyond its load cases.
+
+    Attributes
+    ----------
+    load_space
+        None without a training box.
+    worst_cases
+        Method name to its worst load; empty without a validation box.
+    penalty
+        None where it was switched off.
+    choices
+        Basis name to the number of joint modes chosen automatically.
+    """
+
+    load_space: LoadSpaceRecord | None = None
+    worst_cases: Mapping[str, WorstCaseRecord] = field(default_factory=dict)
+    penalty: PenaltyRecord | None = None
+    choices: Mapping[str, JointModeChoice] = field(default_factory=dict)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Results:
     """Everything a run computed.
@@ -195,3 +304,4 @@ class Results:
     timings: Mapping[str, Any]
     provenance: Mapping[str, str]
     warnings: tuple[str, ...] = field(default=())
+    validation: ValidationRecord = field(default_factory=ValidationRecord)

@@ -9,13 +9,14 @@ from typing import Any
 from faying.study.cases import CaseRunner
 from faying.study.checkpoint import open_checkpoint
 from faying.study.files import write_text
-from faying.study.offline import build_bases, prepare_joint, reduced_models
+from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
 from faying.study.results import Results
 from faying.study.store import write_results
 from faying.study.summary import summarize
 from faying.study.tables import Study
+from faying.study.validation import validate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,14 +57,15 @@ def run(
     checkpoint = open_checkpoint(out, study.text, resume=resume)
     stages = Stages(progress)
     joint = prepare_joint(study, stages)
-    models = reduced_models(
-        study, joint.model, build_bases(study, joint, stages, checkpoint), stages
-    )
+    bases = build_bases(study, joint, stages, checkpoint)
+    choices = choose_counts(study, joint.model, bases, stages)
+    models = reduced_models(study, joint.model, bases, choices, stages)
     runner = CaseRunner(joint=joint, models=models, stages=stages, checkpoint=checkpoint)
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
-    results = record(study, joint, cases, stages, failures)
+    validation = validate(study, joint, models, bases, choices, stages)
+    results = record(study, joint, cases, validation, stages, failures)
     write_results(results, out / "results.h5")
     summary = summarize(results)
     write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")

@@ -4,14 +4,22 @@ from dataclasses import dataclass
 
 from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
+from faying.reduction.best_possible import BestPossible
+from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
+from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.results import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
+    LoadSpaceRecord,
+    LoadSpaceResult,
     MethodResult,
+    PenaltyRecord,
     Response,
     Results,
+    ValidationRecord,
+    WorstCaseRecord,
 )
 
 
@@ -51,6 +59,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "timings": Meaning("wall time by stage", "s"),
         "provenance": Meaning("what computed this file"),
         "warnings": Meaning("what did not converge or deserves notice", "", "(n_warning,)"),
+        "validation": Meaning("load space, worst loads and penalty"),
     },
     CellBlock: {
         "kind": Meaning("hex8, hex20, tet4, tet10 or wedge6"),
@@ -101,6 +110,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "n_modes": Meaning("length of the basis", "1"),
         "response": Meaning("solution of the reduced model"),
         "accuracy": Meaning("errors against the full model"),
+        "certified_bound": Meaning("bound of max_relative_error without full solution", "1"),
         "recovered_error": Meaning("max |p - p_ref| / max p_ref of recovered pressures", "1"),
     },
     Accuracy: {
@@ -127,5 +137,67 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "recovered_pressure": Meaning(
             "pressure recovered from the motion", "force/length²", "(n_time, n_point)"
         ),
+    },
+    ValidationRecord: {
+        "load_space": Meaning("methods at random loads of the training box"),
+        "worst_cases": Meaning("method name to the load it gets most wrong"),
+        "penalty": Meaning("what the contact stiffness does"),
+        "choices": Meaning("numbers of joint modes chosen automatically"),
+    },
+    LoadSpaceRecord: {
+        "n_loads": Meaning("random loads", "1"),
+        "methods": Meaning("method name, then number of joint modes"),
+        "best_possible": Meaning("the floor under all linear bases of pressures"),
+    },
+    LoadSpaceResult: {
+        "median_error": Meaning("median of the loads' largest relative errors", "1"),
+        "worst_error": Meaning("largest of them", "1"),
+    },
+    BestPossible: {
+        "counts": Meaning("vectors of the basis", "1", "(n_count,)"),
+        "training_rms": Meaning("rms error of the cases it is made of", "1", "(n_count,)"),
+        "training_max": Meaning("largest error of the cases it is made of", "1", "(n_count,)"),
+        "unseen_rms": Meaning("rms error of other cases", "1", "(n_count,)"),
+        "unseen_median": Meaning("median case's largest error", "1", "(n_count,)"),
+        "unseen_max": Meaning("worst case's largest error", "1", "(n_count,)"),
+    },
+    WorstCaseRecord: {
+        "joint_modes": Meaning("joint modes of the basis", "1"),
+        "forces": Meaning("boundary.component to force [force] or moment", "force"),
+        "bolt_forces": Meaning("initial bolt forces", "force"),
+        "bound": Meaning("certified energy error, which was maximized", "1"),
+        "certified_bound": Meaning("certified bound of the relative pressure error", "1"),
+        "max_relative_error": Meaning("true error by one full solution", "1"),
+        "evaluations": Meaning("loads judged without full solution", "1"),
+    },
+    PenaltyRecord: {
+        "sweep": Meaning("static cases over the contact stiffness"),
+        "recommended": Meaning("recommended contact stiffness", "force/length³"),
+        "reached": Meaning("whether it is within the tolerance of hard contact"),
+        "advice": Meaning("the reasons"),
+    },
+    PenaltySweep: {
+        "loads": Meaning("names of the load cases", "", "(n_load,)"),
+        "penalties": Meaning("contact stiffness", "force/length³", "(n_penalty,)"),
+        "automatic": Meaning("10 E/h", "force/length³"),
+        "max_pressure": Meaning("largest pressure", "force/length²", "(n_penalty, n_load)"),
+        "max_average": Meaning("largest nodal average", "force/length²", "(n_penalty, n_load)"),
+        "penetration": Meaning("largest penetration", "length", "(n_penalty, n_load)"),
+        "deviation": Meaning("largest difference to hard contact", "1", "(n_penalty, n_load)"),
+        "rms_deviation": Meaning("rms difference to hard contact", "1", "(n_penalty, n_load)"),
+        "hard_max_average": Meaning(
+            "largest pressure of hard contact", "force/length²", "(n_load,)"
+        ),
+        "element_size": Meaning("root of the mean facet area", "length"),
+        "deflection": Meaning("largest boundary translation", "length", "(n_load,)"),
+        "errors": Meaning("method name to max relative error", "1", "(n_penalty, n_load)"),
+    },
+    JointModeChoice: {
+        "count": Meaning("chosen number of joint modes", "1"),
+        "met": Meaning("whether the tolerance is certified"),
+        "tolerance": Meaning("what was asked for", "1"),
+        "measure": Meaning("certified quantity"),
+        "counts": Meaning("numbers that were tried", "1", "(n,)"),
+        "bounds": Meaning("certified error of each", "1", "(n,)"),
     },
 }

@@ -8,7 +8,14 @@ import numpy as np
 
 from faying import __version__
 from faying.reduction.methods import METHODS
-from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Response, Results
+from faying.study.results import (
+    CaseResult,
+    InterfaceRecord,
+    MethodResult,
+    Response,
+    Results,
+    ValidationRecord,
+)
 
 
 def summarize(results: Results) -> dict[str, Any]:
@@ -35,8 +42,32 @@ def summarize(results: Results) -> dict[str, Any]:
             for name, bolt in results.bolts.items()
         },
         "load_cases": {name: _case(case) for name, case in results.cases.items()},
+        "validation": _validation(results.validation),
         "timings": timings(results),
     }
+
+
+def _validation(found: ValidationRecord) -> dict[str, Any]:
+    summary: dict[str, Any] = {}
+    if found.load_space is not None:
+        summary["unseen_loads"] = {
+            name: {str(count): asdict(errors) for count, errors in sizes.items()}
+            for name, sizes in found.load_space.methods.items()
+        }
+    if found.worst_cases:
+        summary["worst_cases"] = {name: asdict(case) for name, case in found.worst_cases.items()}
+    if found.penalty is not None:
+        summary["penalty"] = {
+            "recommended": found.penalty.recommended,
+            "reached": found.penalty.reached,
+            "advice": found.penalty.advice,
+        }
+    if found.choices:
+        summary["joint_modes"] = {
+            name: {"count": choice.count, "met": choice.met, "tolerance": choice.tolerance}
+            for name, choice in found.choices.items()
+        }
+    return summary
 
 
 def timings(results: Results) -> dict[str, Any]:
@@ -128,4 +159,6 @@ def _method(result: MethodResult) -> dict[str, float]:
     figures = asdict(result.accuracy)
     if result.recovered_error is not None:
         figures["recovered_max_relative_error"] = result.recovered_error
+    if result.certified_bound is not None and np.isfinite(result.certified_bound):
+        figures["certified_bound"] = result.certified_bound
     return figures

@@ -302,10 +302,23 @@ class TrainingSection(Timed):
 
 
 class ReductionSection(Section):
-    """[reduction]: the bases to build and compare."""
+    """[reduction]: the bases to build and compare.
+
+    Attributes
+    ----------
+    joint_modes
+        Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
+        meets ``tolerance`` at random loads of the training box.
+    """
 
     normal_modes: Annotated[int, Field(ge=0, strict=True)] = 20
-    joint_modes: Annotated[tuple[Count, ...], Field(min_length=1)] = (5, 10, 20, 40)
+    joint_modes: Annotated[tuple[Count, ...], Field(min_length=1)] | Literal["auto"] = (
+        5,
+        10,
+        20,
+        40,
+    )
+    tolerance: Positive = 0.05
     methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS
     training: TrainingSection = TrainingSection()
 
@@ -357,6 +370,24 @@ class OutputSection(Section):
     report: Switch = True
 
 
+class ValidationSection(Section):
+    """[validation]: what to find out beyond the load cases.
+
+    Attributes
+    ----------
+    box
+        Loads among which each method's worst is searched by certificates; no search without.
+    preload_factors
+        Smallest and largest multiple of the bolt forces in that search.
+    penalty_sweep
+        Whether the static load cases are repeated over the contact stiffness.
+    """
+
+    box: tuple[BoxSide, ...] = ()
+    preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (1.0,)
+    penalty_sweep: Switch = True
+
+
 def _units(label: str) -> str:
     if len(label.split("-")) == 3 and all(label.split("-")):
         return label
@@ -378,6 +409,7 @@ class Study(Section):
     damping: DampingSection = DampingSection()
     reduction: ReductionSection = ReductionSection()
     load_cases: tuple[LoadCaseSection, ...] = Field(default=(), alias="load_case")
+    validation: ValidationSection = ValidationSection()
     output: OutputSection = OutputSection()
     _source: StudySource = PrivateAttr()
 

@@ -1,0 +1,138 @@
+"""What a study says beyond its load cases: a load space, its worst load, and the penalty."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
+
+from faying.model.model import Model
+from faying.reduction.basis import Basis
+from faying.reduction.best_possible import best_possible_errors
+from faying.reduction.choose import JointModeChoice
+from faying.reduction.methods import METHODS
+from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.reduction.snapshots import LoadBox
+from faying.simulation.penalty_advice import recommend_penalty
+from faying.simulation.penalty_sweep import penalty_sweep
+from faying.simulation.static import solve_static_cases
+from faying.simulation.worst_case import WorstCase, worst_case_load
+from faying.study.loads import case_load, training_box, validation_box
+from faying.study.offline import PreparedJoint
+from faying.study.progress import Stages
+from faying.study.results import (
+    LoadSpaceRecord,
+    LoadSpaceResult,
+    PenaltyRecord,
+    ValidationRecord,
+    WorstCaseRecord,
+)
+from faying.study.tables import Study
+
+Models = Mapping[str, Mapping[int, ReducedModel]]
+
+UNSEEN, REFERENCE_CASES = 100, 300
+"""Random loads that test the methods, and others that the best possible basis is made of."""
+
+SEED = 1
+"""Of the random loads, fixed so that runs repeat."""
+
+
+def validate(
+    study: Study,
+    joint: PreparedJoint,
+    models: Models,
+    bases: Mapping[str, Basis],
+    choices: Mapping[str, JointModeChoice],
+    stages: Stages,
+) -> ValidationRecord:
+    """Compute what the study's load spaces and penalty mean for every method."""
+    space = worst = None
+    if study.reduction.training.box:
+        with stages.stage("unseen loads"):
+            space = _load_space(joint.model, training_box(study.reduction.training), models)
+    if study.validation.box:
+        with stages.stage("worst-case search", len(models)) as advance:
+            worst = {
+                name: _worst(sizes, validation_box(study.validation), advance)
+                for name, sizes in models.items()
+            }
+    sweep = None
+    if study.validation.penalty_sweep:
+        with stages.stage("penalty sweep"):
+            sweep = _penalty(study, joint.model, bases, models)
+    return ValidationRecord(
+        load_space=space, worst_cases=worst or {}, penalty=sweep, choices=choices
+    )
+
+
+def _load_space(model: Model, box: LoadBox, models: Models) -> LoadSpaceRecord:
+    """Errors at random loads of the training box, beside the floor of all linear bases."""
+    loads = box.random_loads(model, UNSEEN + REFERENCE_CASES, SEED)
+    unseen, others = loads[:UNSEEN], loads[UNSEEN:]
+    exact = solve_static_cases(model, unseen)
+    counts = sorted({count for sizes in models.values() for count in sizes if count})
+    results: dict[str, dict[int, LoadSpaceResult]] = {}
+    for name, sizes in models.items():
+        results[name] = {}
+        for count, rom in sizes.items():
+            found = solve_static_cases(rom, unseen)
+            largest = np.abs(found.pressure - exact.pressure).max(axis=1) / exact.max_pressure
+            results[name][count] = LoadSpaceResult(
+                median_error=float(np.median(largest)), worst_error=float(largest.max())
+            )
+    return LoadSpaceRecord(
+        n_loads=UNSEEN,
+        methods=results,
+        best_possible=best_possible_errors(
+            solve_static_cases(model, others).pressure,
+            counts or [1],
+            unseen=exact.pressure,
+        ),
+    )
+
+
+def _worst(
+    sizes: Mapping[int, ReducedModel], box: LoadBox, advance: Callable[[int], None]
+) -> WorstCaseRecord:
+    """Search the worst load for the largest basis of a method."""
+    count = max(sizes)
+    found = worst_case_load(sizes[count], box)
+    advance(1)
+    return WorstCaseRecord(
+        joint_modes=count,
+        forces={key: float(value) for key, value in _constants(found).items()},
+        bolt_forces=dict(found.load.bolt_forces),
+        bound=found.bound,
+        certified_bound=float(found.certificate.max_relative_error),
+        max_relative_error=found.accuracy.max_relative_error,
+        evaluations=found.evaluations,
+    )
+
+
+def _constants(found: WorstCase) -> dict[str, float]:
+    return {key: value for key, value in found.load.forces.items() if isinstance(value, float)}
+
+
+def _penalty(
+    study: Study, model: Model, bases: Mapping[str, Basis], models: Models
+) -> PenaltyRecord:
+    """Sweep the contact stiffness over the study's static load cases (or its preload)."""
+    loads = [case_load(case) for case in study.load_cases if case.kind == "static"]
+    methods = {
+        name: partial(
+            _reduced,
+            basis=bases[METHODS[name].joint_modes or "classic"],
+            name=name,
+            count=max(sizes),
+        )
+        for name, sizes in models.items()
+    }
+    swept = penalty_sweep(model, loads, methods=methods) if loads else penalty_sweep(model)
+    advice = recommend_penalty(swept)
+    return PenaltyRecord(
+        sweep=swept, recommended=advice.penalty, reached=advice.reached, advice=advice.text
+    )
+
+
+def _reduced(model: Model, *, basis: Basis, name: str, count: int) -> ReducedModel:
+    return reduce(model, basis.with_joint_modes(count), compliance=METHODS[name].compliance)
