@@ -5,7 +5,8 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.reduction.best_possible import best_possible_errors
+from faying.reduction.best_possible import best_possible_errors, best_possible_gap_errors
+from faying.simulation.static import solve_static_inputs
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +57,52 @@ def test_empty_cases_do_not_count():
     errors = best_possible_errors(np.array([[1.0, 0.0], [0.0, 0.0]]), [1], unseen=np.eye(2))
     assert errors.training_max[0] < 1e-15  # one case, its own mode
     assert errors.unseen_max[0] == pytest.approx(1.0)  # the other direction is not represented
+
+
+@pytest.fixture(scope="module")
+def solutions(joint):
+    box = fy.LoadBox(ranges={"tip.Fz": (-750.0, 750.0), "tip.Mx": (-30e3, 30e3)}, levels=4)
+    model = joint.with_penalty(1e4)
+    return [
+        fy.solve_static_cases(model, loads)
+        for loads in (box.static_loads(joint), box.random_loads(joint, 20, seed=1))
+    ]
+
+
+def test_a_soft_law_lets_gaps_do_better_than_pressures(solutions):
+    """The clipped gap is no combination of fixed pressure fields, so that floor does not bind."""
+    training, unseen = solutions
+    gaps = best_possible_gap_errors(training, [10], unseen=unseen)
+    fields = best_possible_errors(training.pressure, [10], unseen=unseen.pressure)
+    assert gaps.unseen_rms[0] < 0.5 * fields.unseen_rms[0]
+
+
+def test_classic_vectors_help_and_all_modes_leave_nothing(solutions, classic):
+    training, unseen = solutions
+    alone = best_possible_gap_errors(training, [0, 5], unseen=unseen)
+    helped = best_possible_gap_errors(training, [0, 5], unseen=unseen, classic=classic)
+    assert (helped.training_rms < alone.training_rms).all()
+    assert helped.unseen_rms[1] < helped.unseen_rms[0]
+    whole = best_possible_gap_errors(training, [len(training.gap)], classic=classic)
+    # Round-off of the gaps (openings of 0.1) times c_n over the pressure.
+    assert whole.training_max[0] < 1e-8
+
+
+def test_gaps_of_a_real_basis_come_no_closer(solutions, classic):
+    """Method B finds its coefficients by Galerkin; the fit has them for free."""
+    training, unseen = solutions
+    model = training.system
+    basis = fy.jim_b(model, training.contact_forces.T, joint_modes=10, classic=classic)
+    found = solve_static_inputs(fy.reduce(model, basis), unseen.inputs)
+    error = np.abs(found.pressure - unseen.pressure) / unseen.max_pressure[:, None]
+    fit = best_possible_gap_errors(training, [10], unseen=unseen, classic=classic)
+    assert np.sqrt((error**2).mean()) > fit.unseen_rms[0]
+
+
+def test_hard_contact_has_no_gap_law(joint):
+    hard = fy.solve_static_cases(joint.with_penalty(np.inf), [fy.Load({})])
+    with pytest.raises(ModelError, match="no pressure follows"):
+        best_possible_gap_errors(hard, [1])
 
 
 @pytest.mark.parametrize(

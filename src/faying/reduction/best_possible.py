@@ -1,18 +1,30 @@
-"""The smallest pressure error a linear basis of a given size could reach."""
+"""How small the pressure error of a linear basis of given size could be, at best.
 
-from collections.abc import Sequence
+Two kinds of bases, two curves. Where the *pressure* is a combination of fixed fields (force bases,
+DEIM, any fit), the proper orthogonal modes of the true pressures are the floor. A *displacement*
+basis makes the gap such a combination and the penalty law clips it, p = c_n ⟨−g⟩, so it is not
+bound by that floor; its yardstick is the best fit of the true gaps, sent through the law.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.exceptions import ModelError
+from faying.reduction.basis import Basis
 from faying.reduction.pod import pod
+from faying.simulation.solution import Solution
+
+Cases = TypeVar("Cases")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BestPossible:
-    """Errors of the best fits by the first k proper orthogonal modes of true pressures.
+    """Errors of the best fits by the first k proper orthogonal modes of true solutions.
 
     Errors are relative to the largest pressure of each case, Eq. (15.31), as fractions.
 
@@ -21,9 +33,7 @@ class BestPossible:
     counts : (n_count,)
         Numbers of vectors k.
     training_rms, training_max : (n_count,)
-        Root mean square and largest error over the points and cases the modes were made of. No
-        linear basis of k vectors has a smaller ``training_rms``; another one may have a smaller
-        largest error, though hardly by much.
+        Root mean square and largest error over the points and cases the modes were made of.
     unseen_rms, unseen_median, unseen_max : (n_count,)
         Of cases the modes have not seen: over all points and cases, the median case's largest
         error, the worst case's. None without such cases.
@@ -46,12 +56,13 @@ class BestPossible:
 def best_possible_errors(
     pressures: Matrix, counts: Sequence[int], *, unseen: Matrix | None = None
 ) -> BestPossible:
-    """Find how well any linear basis of k vectors could represent the pressures of a load space.
+    """Find how well pressures could be combined from k fixed fields.
 
     The true pressures of each case, over their largest value, are fitted by their own proper
-    orthogonal modes: of all bases of that size these leave the smallest root mean square error
-    (Schmidt 1907, Eckart & Young 1936). A method that must *find* the coefficients cannot do
-    better, so this curve is the floor for the convergence of every displacement or force basis.
+    orthogonal modes: no other k fields leave a smaller root mean square error on these cases
+    (Schmidt 1907, Eckart & Young 1936), and a method that must *find* the coefficients cannot do
+    better. Other fields may have a smaller largest error. Bases of displacements are another
+    matter, see :func:`best_possible_gap_errors`.
 
     Parameters
     ----------
@@ -77,25 +88,98 @@ def best_possible_errors(
     >>> best_possible_errors(np.eye(3), [1, 3]).training_max.round(3)
     array([1., 0.])
     """
-    numbers = np.asarray(counts, dtype=np.int64)
-    if numbers.ndim != 1 or (numbers < 0).any():
-        message = f"numbers of vectors must be zero or more; got {list(counts)}"
-        raise ModelError(message)
+    numbers = _checked(counts)
     training = _relative_pressures(pressures)
     modes = pod(training.T, count=int(numbers.max(initial=1))).vectors
-    within = [_errors(training, modes[:, :count]) for count in numbers.tolist()]
-    rms, _, largest = np.array(within).reshape(len(numbers), 3).T
-    if unseen is None:
-        return BestPossible(counts=numbers, training_rms=rms, training_max=largest)
-    held_out = _relative_pressures(unseen)
-    if held_out.shape[1] != training.shape[1]:
+    held_out = None if unseen is None else _relative_pressures(unseen)
+    if held_out is not None and held_out.shape[1] != training.shape[1]:
         message = (
             f"unseen pressures have {held_out.shape[1]} contact points, the others "
             f"{training.shape[1]}; take both from one model"
         )
         raise ModelError(message)
-    beyond = [_errors(held_out, modes[:, :count]) for count in numbers.tolist()]
-    unseen_rms, unseen_median, unseen_max = np.array(beyond).reshape(len(numbers), 3).T
+
+    def miss(cases: Matrix, count: int) -> Matrix:
+        fitted = (cases @ modes[:, :count]) @ modes[:, :count].T
+        return np.abs(cases - fitted)
+
+    return _collected(numbers, miss, training, held_out)
+
+
+def best_possible_gap_errors(
+    training: Solution,
+    counts: Sequence[int],
+    *,
+    unseen: Solution | None = None,
+    classic: Basis | None = None,
+) -> BestPossible:
+    """Find how well gaps could be combined from k fixed fields, and the pressures that follow.
+
+    What a displacement basis with k joint modes can express at best: the true gaps of each case
+    are fitted in the least-squares sense by the gaps of the classic basis and by the k proper
+    orthogonal modes of what those leave, and the penalty law makes the pressures. The fit is the
+    best for the gaps, hence nearly but not strictly so for the pressures.
+
+    Parameters
+    ----------
+    training, unseen
+        Full static solutions of many loads, from :func:`faying.solve_static_cases`.
+    counts
+        Numbers of joint modes.
+    classic
+        Vectors every basis has besides its joint modes; none unless given.
+
+    Raises
+    ------
+    ModelError
+        If contact is hard, so that gaps say nothing about pressures; or as
+        :func:`best_possible_errors`.
+    """
+    numbers, contact = _checked(counts), training.system.contact
+    if not np.isfinite(contact.penalty).all():
+        message = "with hard contact no pressure follows from a gap; give the model a penalty"
+        raise ModelError(message)
+    given = np.zeros((contact.n_points, 0))
+    if classic is not None:
+        shapes = contact.interpolation @ (contact.relative_operator @ classic.vectors)
+        given = la.orth(shapes)
+    left = training.gap.T - given @ (given.T @ training.gap.T)
+    modes = pod(left, count=int(numbers.max(initial=1))).vectors
+
+    def miss(cases: Solution, count: int) -> Matrix:
+        fields = np.hstack([given, modes[:, :count]])
+        gap = (cases.gap @ fields) @ fields.T
+        pressure = contact.penalty * np.maximum(-gap, 0.0)
+        pressed = cases.max_pressure > 0
+        missed: Matrix = np.abs(pressure - cases.pressure)[pressed]
+        return missed / cases.max_pressure[pressed, None]
+
+    return _collected(numbers, miss, training, unseen)
+
+
+def _checked(counts: Sequence[int]) -> Indices:
+    numbers = np.asarray(counts, dtype=np.int64)
+    if numbers.ndim != 1 or not len(numbers) or (numbers < 0).any():
+        message = f"numbers of vectors must be zero or more; got {list(counts)}"
+        raise ModelError(message)
+    return numbers
+
+
+def _collected(
+    numbers: Indices,
+    miss: Callable[[Cases, int], Matrix],
+    training: Cases,
+    unseen: Cases | None,
+) -> BestPossible:
+    """Summarize the misses (n_case, n_point) of every number of vectors."""
+
+    def columns(cases: Cases) -> Matrix:
+        return np.array([_summary(miss(cases, count)) for count in numbers.tolist()]).T
+
+    rms, _, largest = columns(training)
+    if unseen is None:
+        return BestPossible(counts=numbers, training_rms=rms, training_max=largest)
+    unseen_rms, unseen_median, unseen_max = columns(unseen)
     return BestPossible(
         counts=numbers,
         training_rms=rms,
@@ -106,12 +190,10 @@ def best_possible_errors(
     )
 
 
-def _errors(cases: Matrix, modes: Matrix) -> tuple[float, float, float]:
-    """Root mean square, median case's and worst case's largest error of the L2 fit."""
-    residual = np.abs(cases - (cases @ modes) @ modes.T)
-    largest = residual.max(axis=1)
-    rms = np.sqrt(np.mean(residual**2))
-    return float(rms), float(np.median(largest)), float(largest.max())
+def _summary(miss: Matrix) -> tuple[float, float, float]:
+    """Root mean square, median case's and worst case's largest error."""
+    largest = miss.max(axis=1)
+    return float(np.sqrt(np.mean(miss**2))), float(np.median(largest)), float(largest.max())
 
 
 def _relative_pressures(pressures: Matrix) -> Matrix:
