@@ -24,7 +24,8 @@ from faying.report.figures import (
 from faying.report.figures.deformed import exaggeration
 from faying.report.figures.error import shown_methods
 from faying.report.figures.model import plot_bodies
-from faying.report.figures.surface_map import best_plane, outline, subdivision
+from faying.report.figures.plane import best_plane
+from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import step_check
 from faying.report.quantities import number, percent, place, seconds
 from faying.report.style import METHOD_COLOURS, house_style, new_figure
@@ -217,7 +218,7 @@ def without_contact(results):
         )
         for name, record in results.interfaces.items()
     }
-    cases = {name: quiet(case) for name, case in results.cases.items()}
+    cases = {name: quiet(results.cases[name]) for name in ("LC1", "LC2-step")}
     return replace(results, interfaces=interfaces, cases=cases)
 
 
@@ -263,7 +264,7 @@ def test_dollar_signs_in_names_are_text(tmp_path, coarse):
 
 
 def test_case_named_like_a_section_keeps_its_pictures_apart(tmp_path, coarse):
-    case = replace(RESULTS.cases["LC1"], name="model")
+    case = replace(RESULTS.cases["LC1"], name="model", methods={})
     paths = [e.path for e in write_figures(replace(RESULTS, cases={"model": case}), tmp_path)]
     assert len(set(paths)) == len(paths)
 

@@ -85,6 +85,13 @@ def test_reading_returns_anything_that_was_written(tmp_path, values, timings, wo
     assert_same(read_results(tmp_path / "results.h5"), results)
 
 
+def test_any_name_comes_back(tmp_path):
+    # HDF5 splits at slashes and reads a dot as the group itself.
+    names = dict.fromkeys(("a/b", "a%2Fb", ".", "..", "50 %", "%2E", "λ, ß"), "text")
+    write_results(replace(RESULTS, provenance=names), tmp_path / "results.h5")
+    assert_same(read_results(tmp_path / "results.h5").provenance, names)
+
+
 def test_every_field_has_a_meaning():
     for kind, meanings in MEANINGS.items():
         assert set(meanings) == {field.name for field in fields(kind)}, kind

@@ -8,8 +8,8 @@ from matplotlib.ticker import MaxNLocator
 
 from faying._typing import Vector
 from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import (
-    best_plane,
     colour_bar,
     draw_points,
     panel_size,

@@ -3,6 +3,7 @@
 from matplotlib.axes import Axes
 
 from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import (
     HOW_TO_READ,
     described_average,
@@ -11,7 +12,7 @@ from faying.report.figures.pressure import (
     plot_pressure,
     summary,
 )
-from faying.report.figures.surface_map import best_plane, draw_edges, panel_size, prepare
+from faying.report.figures.surface_map import draw_edges, panel_size, prepare
 from faying.report.style import METHOD_COLOURS, new_figure, plain
 from faying.study.results import InterfaceRecord, Results
 from faying.study.units import Units, units_of

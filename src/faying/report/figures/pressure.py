@@ -5,8 +5,8 @@ from matplotlib.axes import Axes
 
 from faying._typing import Vector
 from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import (
-    best_plane,
     colour_bar,
     draw_averages,
     draw_points,
