@@ -71,6 +71,8 @@ class DenseFactorization:
 def factorize(A: SparseMatrix | Matrix) -> Factorization:
     """Factorize a symmetric positive definite matrix, sparse or dense.
 
+    A matrix condensed from a larger one goes to :func:`factorize_condensed`.
+
     Raises
     ------
     SingularMatrixError
@@ -86,11 +88,26 @@ def factorize(A: SparseMatrix | Matrix) -> Factorization:
     >>> factorize(np.diag([2.0, 4.0])).solve(np.array([1.0, 1.0]))
     array([0.5 , 0.25])
     """
-    return _factorize_sparse(A) if sp.issparse(A) else _factorize_dense(np.asarray(A))
+    if sp.issparse(A):
+        return _factorize_sparse(A)
+    dense = np.asarray(A)
+    return factorize_condensed(dense, np.diag(dense))
 
 
-def _factorize_dense(A: Matrix) -> Factorization:
-    scale = _jacobi_scale(np.diag(A))
+def factorize_condensed(A: Matrix, singly: Vector) -> Factorization:
+    """Factorize ΨᵀKΨ, whose own diagonal is round-off where Ψ holds a free motion.
+
+    Parameters
+    ----------
+    singly : (n,)
+        ψᵀ diag(K) ψ of each column: twice its energy if all degrees of freedom moved singly.
+
+    Raises
+    ------
+    SingularMatrixError
+        If some motion meets no resistance; the error carries that motion.
+    """
+    scale = _jacobi_scale(singly)
     scaled = A * scale[:, None] * scale
     try:
         smallest_pivot = float(np.diag(la.cholesky(scaled)).min(initial=1.0)) ** 2
@@ -98,7 +115,8 @@ def _factorize_dense(A: Matrix) -> Factorization:
         smallest_pivot = 0.0
     if smallest_pivot < MECHANISM:
         vectors = np.linalg.eigh(scaled)[1]
-        raise SingularMatrixError(vectors[:, 0] * scale)
+        motion = vectors[:, 0] * scale
+        raise SingularMatrixError(motion / np.abs(motion).max())
     return DenseFactorization(factor=la.cholesky(A, lower=True))
 
 

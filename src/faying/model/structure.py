@@ -7,7 +7,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, frozen
-from faying.linalg.factorization import Factorization, SingularMatrixError, factorize
+from faying.linalg.factorization import (
+    Factorization,
+    SingularMatrixError,
+    factorize,
+    factorize_condensed,
+)
 from faying.linalg.partial import port_compliance
 from faying.model.system import PortCompliance
 
@@ -84,8 +89,9 @@ class Structure:
     @cached_property
     def boundary_factor(self) -> Factorization:
         """Factorization of the condensed stiffness."""
+        singly = self.K.diagonal() @ self.constraint_modes**2
         try:
-            return factorize(self.boundary_stiffness)
+            return factorize_condensed(self.boundary_stiffness, singly)
         except SingularMatrixError as error:
             raise SingularMatrixError(self.constraint_modes @ error.motion) from None
 
