@@ -156,6 +156,15 @@ def test_format_of_another_version(tmp_path):
         read_results(tmp_path / "results.h5")
 
 
+def test_entry_with_a_default_may_be_missing(tmp_path):
+    write_results(RESULTS, tmp_path / "results.h5")
+    with h5py.File(tmp_path / "results.h5", "r+") as file:
+        del file["validation"], file["warnings"]
+    found = read_results(tmp_path / "results.h5")
+    assert found.warnings == ()
+    assert found.validation.load_space is None
+
+
 def test_missing_entry_is_named(tmp_path):
     write_results(RESULTS, tmp_path / "results.h5")
     with h5py.File(tmp_path / "results.h5", "r+") as file:

@@ -196,7 +196,11 @@ def _quoted(name: str) -> str:
 def _read_value(group: h5py.Group, kind: type) -> Any:
     """Read a dataclass; the annotations of its fields say how."""
     hints = get_type_hints(kind)
-    defaulted = {field.name for field in fields(kind) if field.default is not MISSING}
+    defaulted = {
+        field.name
+        for field in fields(kind)
+        if field.default is not MISSING or field.default_factory is not MISSING
+    }
     values: dict[str, Any] = {}
     for name in MEANINGS[kind]:
         if name in group:
