@@ -28,22 +28,37 @@ if TYPE_CHECKING:
     from faying.model.model import Model
     from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
     from faying.reduction.basis import Basis
+    from faying.reduction.best_possible import best_possible_errors
+    from faying.reduction.choose import choose_joint_modes
     from faying.reduction.compliance import interface_compliance
     from faying.reduction.craig_bampton import craig_bampton
     from faying.reduction.jim_a import jim_a
     from faying.reduction.jim_b import jim_b
     from faying.reduction.pod import pod
     from faying.reduction.reduced_model import ReducedModel, reduce
+    from faying.reduction.rivals import rival_system
     from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
     from faying.simulation.accuracy import Accuracy, compare, relative_error
+    from faying.simulation.certificate import certify
+    from faying.simulation.energy import energy_balance
     from faying.simulation.frequencies import preloaded_frequencies
     from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
     from faying.simulation.load import History, Load
     from faying.simulation.newton import solve_static_newton
+    from faying.simulation.penalty_advice import recommend_penalty
+    from faying.simulation.penalty_sweep import penalty_sweep
     from faying.simulation.preload import Sticking, preload, tighten
+    from faying.simulation.recovery import (
+        recover_from_boundary_loads,
+        recover_from_modal,
+        recover_pressure,
+        recovery_operator,
+    )
+    from faying.simulation.sensitivity import sensitivity
     from faying.simulation.solution import Solution
     from faying.simulation.static import solve_static, solve_static_cases
     from faying.simulation.transient import solve_transient
+    from faying.simulation.worst_case import worst_case_load
     from faying.sources import from_matrices, lap_joint, read_nastran
 
 # Names are imported when first used, so that `faying --help` need not wait for SciPy.
@@ -87,6 +102,19 @@ _HOMES = {
     "compare": "faying.simulation.accuracy",
     "relative_error": "faying.simulation.accuracy",
     "Accuracy": "faying.simulation.accuracy",
+    "certify": "faying.simulation.certificate",
+    "recover_pressure": "faying.simulation.recovery",
+    "recovery_operator": "faying.simulation.recovery",
+    "recover_from_modal": "faying.simulation.recovery",
+    "recover_from_boundary_loads": "faying.simulation.recovery",
+    "worst_case_load": "faying.simulation.worst_case",
+    "choose_joint_modes": "faying.reduction.choose",
+    "sensitivity": "faying.simulation.sensitivity",
+    "penalty_sweep": "faying.simulation.penalty_sweep",
+    "recommend_penalty": "faying.simulation.penalty_advice",
+    "best_possible_errors": "faying.reduction.best_possible",
+    "energy_balance": "faying.simulation.energy",
+    "rival_system": "faying.reduction.rivals",
 }
 
 __all__ = [
@@ -106,22 +134,34 @@ __all__ = [
     "ReducedModel",
     "Solution",
     "Sticking",
+    "best_possible_errors",
     "build_model",
+    "certify",
+    "choose_joint_modes",
     "compare",
     "contact_problem",
     "craig_bampton",
+    "energy_balance",
     "factorize",
     "from_matrices",
     "interface_compliance",
     "jim_a",
     "jim_b",
     "lap_joint",
+    "penalty_sweep",
     "pod",
     "preload",
     "preloaded_frequencies",
     "read_nastran",
+    "recommend_penalty",
+    "recover_from_boundary_loads",
+    "recover_from_modal",
+    "recover_pressure",
+    "recovery_operator",
     "reduce",
     "relative_error",
+    "rival_system",
+    "sensitivity",
     "solve_static",
     "solve_static_cases",
     "solve_static_newton",
@@ -129,6 +169,7 @@ __all__ = [
     "static_snapshots",
     "step_snapshots",
     "tighten",
+    "worst_case_load",
 ]
 
 

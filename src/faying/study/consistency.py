@@ -8,7 +8,7 @@ from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
-from faying.study.tables import LoadCaseSection, Loading, Study, Timed
+from faying.study.tables import METHODS, TRAINED, LoadCaseSection, Loading, Study, Timed
 
 MATERIAL_OF_GENERATOR = "steel"
 
@@ -142,8 +142,12 @@ def _boundaries(study: Study) -> Iterator[Problem]:
 
 def _reduction(study: Study) -> Iterator[Problem]:
     reduction, training = study.reduction, study.reduction.training
-    modes = () if reduction.joint_modes == "auto" else reduction.joint_modes
-    if reduction.joint_modes == "auto" and not training.box:
+    modes = reduction.joint_modes
+    rivals = [method for method in reduction.methods if method not in METHODS]
+    if not modes and rivals:
+        text = f"'auto' does not choose for method '{rivals[0]}'; give a list of numbers"
+        yield _problem(study, ("reduction", "joint_modes"), text)
+    if not modes and not training.box:
         text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
         yield _problem(study, ("reduction", "joint_modes"), text)
     if any(later <= earlier for earlier, later in pairwise(modes)):
@@ -153,9 +157,10 @@ def _reduction(study: Study) -> Iterator[Problem]:
     if len(set(reduction.methods)) < len(reduction.methods):
         text = "a method is named twice; name each once"
         yield _problem(study, ("reduction", "methods"), text)
-    if not training.box and any(method.startswith("jim-b") for method in reduction.methods):
+    learning = [method for method in reduction.methods if method in TRAINED]
+    if not training.box and learning:
         text = (
-            "method 'jim-b' learns from training loads and there are none; add "
+            f"method '{learning[0]}' learns from training loads and there are none; add "
             "[reduction.training] with box = [{ boundary, component, min, max }]"
         )
         yield _in_table(study, ("reduction",), text)

@@ -9,6 +9,7 @@ import numpy as np
 from faying.exceptions import StudyError
 from faying.model.assembly import Assembly, Material
 from faying.model.build import build_model
+from faying.model.diagnosis import check_held
 from faying.model.lap_joint import STEEL, JointDescription, lap_joint_assembly
 from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
@@ -89,15 +90,17 @@ def build_loaded(loaded: LoadedModel) -> Model:
 
 
 def build(study: Study) -> Model:
-    """Build the model of a study and check that its loads find their components.
+    """Build the model of a study; check that it is held and its loads find their components.
 
     Raises
     ------
     FayingError
-        As :func:`load_model`, :func:`build_loaded` and :func:`faying.study.loads.check_loads`.
+        As :func:`load_model`, :func:`build_loaded`, :func:`faying.study.loads.check_loads` and
+        :func:`faying.model.diagnosis.check_held`.
     """
     model = build_loaded(load_model(study))
     check_loads(study, model)
+    check_held(model)
     return model
 
 

@@ -1,21 +1,21 @@
 """The offline part of a run: model, preload, bases, reduced models."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from faying._typing import Matrix
-from faying.linalg.factorization import SingularMatrixError
-from faying.model.diagnosis import unconstrained
 from faying.model.model import Model
+from faying.model.system import System
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.choose import JointModeChoice, choose_joint_modes
 from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.jim_a import jim_a
 from faying.reduction.jim_b import jim_b
-from faying.reduction.methods import METHODS
+from faying.reduction.methods import METHODS, Method
 from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.reduction.rivals import RIVALS, rival_system
 from faying.reduction.snapshots import static_snapshots, step_snapshots
 from faying.simulation.frequencies import preloaded_frequencies
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
@@ -88,27 +88,40 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
 
 def _condense(model: Model, stages: Stages) -> None:
     """Factorize and form the interface compliance; the structure keeps both."""
-    try:
-        with stages.stage("factorization"):
-            _ = model.structure.boundary_factor
-    except SingularMatrixError as error:
-        raise unconstrained(model, error) from None
+    with stages.stage("factorization"):
+        _ = model.structure.boundary_factor
     with stages.stage("compliance"):
         _ = model.static_contact.flexibility
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TrainedBases:
+    """What the study's methods are made of.
+
+    Attributes
+    ----------
+    bases
+        ``"classic"``, and ``"jim-a"`` and ``"jim-b"`` where a method needs them.
+    contact_forces : (n_point, n_snapshot) [force]
+        Of the training runs; no snapshot where no method is trained.
+    """
+
+    bases: Mapping[str, Basis]
+    contact_forces: Matrix
+
+
 def build_bases(
     study: Study, joint: PreparedJoint, stages: Stages, checkpoint: Checkpoint
-) -> dict[str, Basis]:
-    """Build the bases that the study's methods need: classic, jim-a, jim-b."""
+) -> TrainedBases:
+    """Build the bases that the study's methods need, and train where one must be."""
     reduction, model = study.reduction, joint.model
-    needed = {METHODS[name].joint_modes for name in reduction.methods} - {None}
-    asked = reduction.joint_modes
-    most = MOST_AUTOMATIC if asked == "auto" else max(asked)
+    own = [METHODS[name].joint_modes for name in reduction.methods if name in METHODS]
+    rivals = [RIVALS[name] for name in reduction.methods if name in RIVALS]
+    most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
         classic = craig_bampton(model, normal_modes=reduction.normal_modes)
     bases = {"classic": classic}
-    if "jim-a" in needed:
+    if "jim-a" in own:
         with stages.stage("jim-a"):
             bases["jim-a"] = jim_a(
                 model,
@@ -117,11 +130,14 @@ def build_bases(
                 weight=reduction.training.weight,
                 classic=classic,
             )
-    if "jim-b" in needed:
-        with stages.stage("jim-b"):
+    forces = np.zeros((model.contact.n_points, 0))
+    if "jim-b" in own or any(rival.trained for rival in rivals):
+        with stages.stage("training"):
             forces = _training_forces(study, joint, classic, stages, checkpoint)
+    if "jim-b" in own:
+        with stages.stage("jim-b"):
             bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
-    return bases
+    return TrainedBases(bases=bases, contact_forces=forces)
 
 
 MOST_AUTOMATIC = 60
@@ -140,14 +156,14 @@ def _training_forces(
     """Contact forces of the training runs of method B, Eq. (15.30)."""
     training, model = study.reduction.training, joint.model
     box = training_box(training)
-    with stages.stage("jim-b static training"):
+    with stages.stage("static training"):
         snapshots = [static_snapshots(model, box.static_loads(model))]
     if training.dynamics:
         prior = training.system == "reduced"
         system = reduce(model, classic, compliance=True) if prior else model
         loads = box.step_loads()
         step, span = time_step(training, joint.period), time_span(training, joint.period)
-        with stages.stage("jim-b step training", len(loads) * round(span / step)) as advance:
+        with stages.stage("step training", len(loads) * round(span / step)) as advance:
             kept = checkpoint.bundle(
                 "training steps",
                 lambda: {
@@ -161,16 +177,16 @@ def _training_forces(
 
 
 def choose_counts(
-    study: Study, model: Model, bases: Mapping[str, Basis], stages: Stages
+    study: Study, model: Model, trained: TrainedBases, stages: Stages
 ) -> dict[str, JointModeChoice]:
     """Choose the number of joint modes of each basis where the study leaves it to faying."""
-    if study.reduction.joint_modes != "auto":
+    if study.reduction.joint_modes:
         return {}
     loads = training_box(study.reduction.training).random_loads(model, AUTOMATIC_LOADS, seed=2)
     with stages.stage("choose joint modes"):
         return {
             name: choose_joint_modes(model, basis, loads, study.reduction.tolerance)
-            for name, basis in bases.items()
+            for name, basis in trained.bases.items()
             if basis.count(ModeKind.JOINT)
         }
 
@@ -178,22 +194,47 @@ def choose_counts(
 def reduced_models(
     study: Study,
     model: Model,
-    bases: Mapping[str, Basis],
+    trained: TrainedBases,
     choices: Mapping[str, JointModeChoice],
     stages: Stages,
-) -> dict[str, dict[int, ReducedModel]]:
-    """Project the model onto every basis the study names, at every number of joint modes."""
-    models: dict[str, dict[int, ReducedModel]] = {}
+) -> dict[str, dict[int, System]]:
+    """Reduce the model by every method the study names, at every number of joint modes."""
+    models: dict[str, dict[int, System]] = {}
     for name in study.reduction.methods:
-        method = METHODS[name]
-        basis = bases[method.joint_modes or "classic"]
-        counts = _counts(study, basis, choices.get(method.joint_modes or ""))
         with stages.stage(f"project {name}"):
-            models[name] = {
-                count: reduce(model, basis.with_joint_modes(count), compliance=method.compliance)
-                for count in counts
-            }
+            if name in RIVALS:
+                models[name] = _rivals(study, name, model, trained)
+            else:
+                models[name] = dict(_projected(study, METHODS[name], model, trained, choices))
     return models
+
+
+def _projected(
+    study: Study,
+    method: Method,
+    model: Model,
+    trained: TrainedBases,
+    choices: Mapping[str, JointModeChoice],
+) -> Iterator[tuple[int, ReducedModel]]:
+    """Project the model onto the basis of a method."""
+    basis = trained.bases[method.joint_modes or "classic"]
+    choice = choices.get(method.joint_modes or "")
+    for count in _counts(study, basis, choice) if method.joint_modes else [0]:
+        yield count, reduce(model, basis.with_joint_modes(count), compliance=method.compliance)
+
+
+def _rivals(study: Study, name: str, model: Model, trained: TrainedBases) -> dict[int, System]:
+    """Build a rival of the literature at every number of vectors."""
+    return {
+        count: rival_system(
+            name,
+            model,
+            classic=trained.bases["classic"],
+            contact_forces=trained.contact_forces,
+            count=count,
+        )
+        for count in study.reduction.joint_modes
+    }
 
 
 def _counts(study: Study, basis: Basis, choice: JointModeChoice | None) -> list[int]:
@@ -201,6 +242,4 @@ def _counts(study: Study, basis: Basis, choice: JointModeChoice | None) -> list[
     available = basis.count(ModeKind.JOINT)
     if choice is not None:
         return [choice.count]
-    if study.reduction.joint_modes == "auto":
-        return [0]
     return sorted({min(count, available) for count in study.reduction.joint_modes})

@@ -187,12 +187,15 @@ class LoadSpaceRecord:
     methods
         Method name to joint mode count to errors.
     best_possible
-        What any linear basis of as many vectors could reach at best.
+        What any linear basis of pressures of as many vectors could reach at best.
+    best_possible_gap
+        The same for displacement bases, which represent the gap and leave the clipping to the law.
     """
 
     n_loads: int
     methods: Mapping[str, Mapping[int, LoadSpaceResult]]
     best_possible: BestPossible
+    best_possible_gap: BestPossible
 
 
 @dataclass(frozen=True, kw_only=True)

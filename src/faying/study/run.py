@@ -57,14 +57,20 @@ def run(
     checkpoint = open_checkpoint(out, study.text, resume=resume)
     stages = Stages(progress)
     joint = prepare_joint(study, stages)
-    bases = build_bases(study, joint, stages, checkpoint)
-    choices = choose_counts(study, joint.model, bases, stages)
-    models = reduced_models(study, joint.model, bases, choices, stages)
-    runner = CaseRunner(joint=joint, models=models, stages=stages, checkpoint=checkpoint)
+    trained = build_bases(study, joint, stages, checkpoint)
+    choices = choose_counts(study, joint.model, trained, stages)
+    models = reduced_models(study, joint.model, trained, choices, stages)
+    runner = CaseRunner(
+        joint=joint,
+        models=models,
+        classic=trained.bases["classic"],
+        stages=stages,
+        checkpoint=checkpoint,
+    )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
-    validation = validate(study, joint, models, bases, choices, stages)
+    validation = validate(study, joint, models, trained, choices, stages)
     results = record(study, joint, cases, validation, stages, failures)
     write_results(results, out / "results.h5")
     summary = summarize(results)

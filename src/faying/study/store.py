@@ -29,7 +29,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 from urllib.parse import unquote
 
 import h5py
@@ -229,7 +229,7 @@ def _read(node: h5py.Group | h5py.Dataset, hint: Any) -> Any:
     if isinstance(origin, type) and issubclass(origin, Mapping):
         key: Callable[[str], Any] = arguments[0]
         return {key(unquote(name)): _read(node[name], arguments[1]) for name in node}
-    return node.asstr()[()] if hint is str else hint(node[()])
+    return node.asstr()[()] if hint is str or origin is Literal else hint(node[()])
 
 
 def _read_tuple(node: h5py.Group | h5py.Dataset, arguments: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -148,6 +148,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "n_loads": Meaning("random loads", "1"),
         "methods": Meaning("method name, then number of joint modes"),
         "best_possible": Meaning("the floor under all linear bases of pressures"),
+        "best_possible_gap": Meaning("the yardstick of displacement bases, by the gap"),
     },
     LoadSpaceResult: {
         "median_error": Meaning("median of the loads' largest relative errors", "1"),

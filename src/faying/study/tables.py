@@ -35,7 +35,16 @@ SOURCES_TO_COME = ("abaqus", "mesh")
 """Sources the study format knows and this version cannot read."""
 
 Method = Literal[
-    "craig-bampton", "jim-a", "jim-b", "compliance", "jim-a+compliance", "jim-b+compliance"
+    "craig-bampton",
+    "jim-a",
+    "jim-b",
+    "compliance",
+    "jim-a+compliance",
+    "jim-b+compliance",
+    "trial-vector-derivatives",
+    "cone-greedy",
+    "nmf",
+    "deim",
 ]
 METHODS: tuple[Method, ...] = (
     "craig-bampton",
@@ -45,6 +54,11 @@ METHODS: tuple[Method, ...] = (
     "jim-a+compliance",
     "jim-b+compliance",
 )
+"""Compared unless the study says otherwise; the others are rivals from the literature."""
+
+TRAINED: tuple[Method, ...] = ("jim-b", "jim-b+compliance", "cone-greedy", "nmf", "deim")
+"""Methods that learn from the loads of a training box."""
+
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 OutputField = Literal["pressure", "gap", "displacement"]
 
@@ -301,6 +315,19 @@ class TrainingSection(Timed):
     weight: Literal["K", "I"] = "K"
 
 
+def _joint_modes(value: Any) -> Any:
+    """Let "auto" stand for no number at all."""
+    if value == "auto":
+        return ()
+    if value == []:
+        message = "found an empty list, expected numbers of joint modes or 'auto'"
+        raise refusal(message)
+    if isinstance(value, str):
+        message = f"found {shown(value)}, expected 'auto' or a list of numbers of joint modes"
+        raise refusal(message)
+    return value
+
+
 class ReductionSection(Section):
     """[reduction]: the bases to build and compare.
 
@@ -308,16 +335,11 @@ class ReductionSection(Section):
     ----------
     joint_modes
         Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
-        meets ``tolerance`` at random loads of the training box.
+        meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
     """
 
     normal_modes: Annotated[int, Field(ge=0, strict=True)] = 20
-    joint_modes: Annotated[tuple[Count, ...], Field(min_length=1)] | Literal["auto"] = (
-        5,
-        10,
-        20,
-        40,
-    )
+    joint_modes: Annotated[tuple[Count, ...], BeforeValidator(_joint_modes)] = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS
     training: TrainingSection = TrainingSection()
