@@ -35,8 +35,10 @@ class Factorization(Protocol):
 class SingularMatrixError(ModelError):
     """The matrix has (nearly) no stiffness against one motion, which the error carries."""
 
-    def __init__(self, motion: Vector) -> None:
-        super().__init__("the matrix is singular: the structure can move without resistance")
+    def __init__(self, motion: Vector, message: str = "") -> None:
+        super().__init__(
+            message or "the matrix is singular: the structure can move without resistance"
+        )
         self.motion = motion
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -18,6 +19,7 @@ from faying.model.boundary import FORCE_NAMES, Boundary
 from faying.model.clamping import check_clamping, element_seats
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
+from faying.model.diagnosis import unconstrained
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
@@ -87,6 +89,7 @@ def build_model(
         relative_operator=stack(joints).relative_operator,
         boundary=boundary_dofs(placed),
         elongations=elongations(tightened, K.shape[0]),
+        diagnose=partial(unconstrained, assembly, dofs),
     )
     return Model(
         structure=structure,

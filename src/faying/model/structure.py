@@ -1,12 +1,13 @@
 """The linear part of a model, and the one factorization everything else is computed from."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, frozen
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.linalg.factorization import (
     Factorization,
     SingularMatrixError,
@@ -36,6 +37,8 @@ class Structure:
     boundary : (n_boundary,)
         Indices of the boundary degrees of freedom, boundary by boundary, none twice.
     elongations : (n_bolt, n_dof)
+    diagnose
+        Says what moves freely, given a motion (n_dof,) that K does not resist.
     """
 
     M: SparseMatrix
@@ -44,6 +47,7 @@ class Structure:
     relative_operator: SparseMatrix
     boundary: Indices
     elongations: Matrix
+    diagnose: Callable[[SparseMatrix, Vector], str] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boundary", frozen(self.boundary, np.int64))
@@ -69,7 +73,12 @@ class Structure:
         except SingularMatrixError as error:
             motion = np.zeros(self.n_dof)
             motion[self.interior] = error.motion
-            raise SingularMatrixError(motion) from None
+            raise self.unconstrained(motion) from None
+
+    def unconstrained(self, motion: Vector) -> SingularMatrixError:
+        """Return the error that says what moves freely in a motion (n_dof,)."""
+        message = self.diagnose(self.K, motion) if self.diagnose else ""
+        return SingularMatrixError(motion, message)
 
     @cached_property
     def constraint_modes(self) -> Matrix:
@@ -93,7 +102,7 @@ class Structure:
         try:
             return factorize_condensed(self.boundary_stiffness, singly)
         except SingularMatrixError as error:
-            raise SingularMatrixError(self.constraint_modes @ error.motion) from None
+            raise self.unconstrained(self.constraint_modes @ error.motion) from None
 
     def solve_held(self, forces: Matrix) -> Matrix:
         """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary held."""

@@ -10,7 +10,7 @@ import scipy.sparse.linalg as spla
 
 from faying._typing import Mask, SparseMatrix, Vector
 from faying.exceptions import ConvergenceError
-from faying.linalg.factorization import factorize
+from faying.linalg.factorization import SingularMatrixError, factorize
 from faying.model.model import Model
 from faying.model.system import input_forces
 from faying.simulation.load import Load
@@ -26,6 +26,8 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
 
     Raises
     ------
+    ModelError
+        If something moves freely.
     ConvergenceError
         If the points in contact do not settle.
 
@@ -39,7 +41,10 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     external = input_forces(model, inputs)
     hard = np.isinf(model.contact.penalty)
     solver = _hard if hard.any() else _penalty
-    u, forces, iterations = solver(model, external)
+    try:
+        u, forces, iterations = solver(model, external)
+    except SingularMatrixError as error:
+        raise model.structure.unconstrained(error.motion) from None
     gap = model.contact.initial_gap + model.contact.gap_operator @ u
     return Solution(
         name=load.name,

@@ -1,0 +1,124 @@
+"""Motions of a structure that no stiffness resists while every body stays rigid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.linalg.factorization import MECHANISM
+from faying.model.assembly import Assembly
+from faying.model.bodies import bodies
+from faying.model.dofs import DofMap
+from faying.model.matrices import rigid_body_motions
+
+LARGEST = 2000
+"""Unknowns of the dense eigenvalue problem above which it costs more than a minute."""
+
+# Size of a rigid motion of a body, relative to its largest, below which its free nodes do not
+# show it: they lie on one line, say.
+_UNSEEN = 1e-8
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FreeMotions:
+    """What can move freely.
+
+    Attributes
+    ----------
+    motions : (n_dof, n_motion)
+        Displacements at the free degrees of freedom without strain energy.
+    labels : (n_node,)
+        Rigid part each node belongs to, -1 for single nodes.
+    """
+
+    motions: Matrix
+    labels: Indices
+
+
+def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotions:
+    """Find the motions without strain energy in which every body moves as a rigid one.
+
+    These are all the mechanisms a structure can have, but hinges inside a body. Contact and
+    initial forces hold nothing.
+
+    Parameters
+    ----------
+    K : (n_dof, n_dof)
+        At the free degrees of freedom.
+
+    Notes
+    -----
+    The unknowns are six per body, and the degrees of freedom of nodes of beams, springs and
+    couplings; given matrices count as one body per connected part. One dense eigenvalue problem;
+    with more than 2000 unknowns nothing is looked for.
+    """
+    labels = rigid_parts(assembly)
+    shapes = _shapes(assembly, dofs, labels)
+    if not 0 < shapes.shape[1] <= LARGEST:
+        return FreeMotions(motions=np.zeros((len(dofs.free), 0)), labels=labels)
+    stiffness = (shapes.T @ (K @ shapes)).toarray()
+    singly = shapes.power(2).T @ K.diagonal()
+    scale = 1 / np.sqrt(np.maximum(singly, np.finfo(float).eps * singly.max(initial=1.0)))
+    energies, vectors = np.linalg.eigh(stiffness * scale[:, None] * scale)
+    free = vectors[:, energies < MECHANISM]
+    return FreeMotions(motions=shapes @ (scale[:, None] * free), labels=labels)
+
+
+def rigid_parts(assembly: Assembly) -> Indices:
+    """Label what deforms as a whole: bodies of solids, then connected parts of given matrices."""
+    labels = np.array(bodies(assembly.mesh))
+    block = assembly.matrices
+    if block is None:
+        return labels
+    n_node = len(labels)
+    given = sp.coo_array(block.K)
+    ends = (block.nodes[given.row], block.nodes[given.col])
+    graph = sp.csr_array((np.ones(given.nnz, dtype=np.int8), ends), shape=(n_node, n_node))
+    _, part = connected_components(graph, directed=False)
+    new = np.intersect1d(block.nodes, np.flatnonzero(labels < 0))
+    _, number = np.unique(part[new], return_inverse=True)
+    labels[new] = labels.max(initial=-1) + 1 + number.ravel()
+    return labels
+
+
+def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
+    """Rigid motions of all parts and unit motions of all else (n_dof, n_unknown)."""
+    node, component = np.divmod(dofs.free, 6)
+    # Solids do not resist rotations of their nodes, given matrices may.
+    rigid = (labels[node] >= 0) & ((component < 3) | (assembly.matrices is not None))
+    single = np.flatnonzero(~rigid)
+    columns = [
+        sp.csr_array(
+            (np.ones(len(single)), (single, np.arange(len(single)))),
+            shape=(len(node), len(single)),
+        )
+    ]
+    for label in range(int(labels.max(initial=-1)) + 1):
+        rows = np.flatnonzero(rigid & (labels[node] == label))
+        motions = _independent(assembly.mesh.nodes[node[rows]], component[rows])
+        place = (np.repeat(rows, motions.shape[1]), np.tile(np.arange(motions.shape[1]), len(rows)))
+        shape = (len(node), motions.shape[1])
+        columns.append(sp.csr_array((motions.ravel(), place), shape=shape))
+    return sp.hstack(columns, format="csr")
+
+
+def _independent(points: Matrix, components: Indices) -> Matrix:
+    """Rigid motions at the given components (n, k <= 6), those that differ there."""
+    if not len(points):
+        return np.zeros((0, 0))
+    motions = rigid_motions(points, components, points.mean(axis=0))
+    lengths = np.linalg.norm(motions, axis=0)
+    left, size, _ = np.linalg.svd(
+        motions / np.where(lengths > 0, lengths, 1.0), full_matrices=False
+    )
+    kept: Matrix = left[:, size > _UNSEEN * size[0]]
+    return kept
+
+
+def rigid_motions(points: Matrix, components: Indices, origin: Vector) -> Matrix:
+    """Return component ``components[i]`` of the six rigid motions at ``points[i]`` (n, 6)."""
+    every = rigid_body_motions(points, origin).reshape(-1, 6, 6)
+    motions: Matrix = every[np.arange(len(points)), components]
+    return motions
