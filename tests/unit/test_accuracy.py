@@ -1,0 +1,75 @@
+"""Errors in the seed's measure, Eq. (15.31)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import ModelError
+
+LOAD = fy.Load({"tip.Fz": -500.0})
+
+
+@pytest.fixture(scope="module")
+def reference(joint):
+    return fy.solve_static(joint, LOAD)
+
+
+def test_relative_error_is_over_the_largest_reference():
+    error = fy.relative_error(np.array([1.0, 5.0, 0.0]), np.array([0.0, 4.0, 2.0]))
+    np.testing.assert_array_equal(error, [0.25, 0.25, -0.5])
+
+
+def test_largest_pressure_is_over_all_instants():
+    error = fy.relative_error(np.array([[1.0], [3.0]]), np.array([[2.0], [4.0]]))
+    np.testing.assert_array_equal(error, [[-0.25], [-0.25]])
+
+
+def test_a_solution_equals_itself(reference):
+    accuracy = fy.compare(reference, reference)
+    assert accuracy.max_relative_error == accuracy.rms_relative_error == 0
+    assert accuracy.p999_relative_error == accuracy.displacement_error == 0
+    assert accuracy.max_pressure_ratio == 1
+
+
+def test_figures_of_a_known_difference(reference):
+    changed = reference.contact_forces.copy()
+    place = int(np.argmax(reference.pressure))
+    changed[place] *= 1.5
+    other = replace(reference, contact_forces=changed, states=1.1 * reference.states)
+    accuracy = fy.compare(other, reference)
+    n = len(changed)
+    assert accuracy.max_relative_error == pytest.approx(0.5)
+    assert accuracy.rms_relative_error == pytest.approx(0.5 / np.sqrt(n))
+    # One of n errors: the percentile interpolates between it and zero.
+    assert accuracy.p999_relative_error == pytest.approx(0.5 * (1 - 0.001 * (n - 1)))
+    assert accuracy.max_pressure_ratio == pytest.approx(1.5)
+    assert accuracy.displacement_error == pytest.approx(0.1)
+
+
+def test_rotations_do_not_count_as_displacements(reference, joint):
+    changed = reference.states.copy()
+    changed[joint.boundaries["tip"].dofs[3:]] += 1.0
+    assert fy.compare(replace(reference, states=changed), reference).displacement_error == 0
+
+
+def test_transients_compare_over_all_instants(joint):
+    coarse, fine = (
+        fy.solve_transient(joint, LOAD, step=1e-4, duration=5e-4, integrator=scheme)
+        for scheme in (fy.ImplicitEuler(), fy.GeneralizedAlpha(0.8))
+    )
+    accuracy = fy.compare(coarse, fine)
+    largest = np.abs(coarse.pressure - fine.pressure).max() / fine.pressure.max()
+    assert accuracy.max_relative_error == pytest.approx(largest)
+    assert accuracy.rms_relative_error < accuracy.p999_relative_error <= largest
+
+
+def test_refuses_what_does_not_compare(reference, joint):
+    with pytest.raises(ModelError, match="cannot be compared; solve the same load case"):
+        fy.relative_error(np.zeros(3), np.ones(4))
+    with pytest.raises(ModelError, match="no contact pressure"):
+        fy.relative_error(np.ones(3), np.zeros(3))
+    motion = fy.solve_transient(joint, LOAD, step=1e-4, duration=2e-4)
+    with pytest.raises(ModelError, match="cannot be compared"):
+        fy.compare(motion, reference)
