@@ -90,9 +90,9 @@ def _ways(points: Matrix, moved: Matrix) -> str:
     if count == 6:
         return "is held by nothing"
     one = _simplest(ways)
-    text = f"can turn freely {_axis(one, centre, radius)}"
-    if np.linalg.norm(one[3:]) < _ROUNDING:
-        text = f"can move freely along {_direction(one[:3])}"
+    shifts = np.linalg.norm(one[3:]) < _ROUNDING
+    turning = "" if shifts else f"can turn freely {_axis(one, centre, radius)}"
+    text = turning or f"can move freely along {_direction(one[:3])}"
     return text if count == 1 else f"{text} (one of {count} free motions)"
 
 
