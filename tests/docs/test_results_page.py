@@ -7,14 +7,22 @@ from pages import DOCS
 
 from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
+from faying.reduction.best_possible import BestPossible
+from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
+from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.results import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
+    LoadSpaceRecord,
+    LoadSpaceResult,
     MethodResult,
+    PenaltyRecord,
     Response,
     Results,
+    ValidationRecord,
+    WorstCaseRecord,
 )
 from faying.study.store_fields import MEANINGS
 
@@ -28,6 +36,14 @@ GROUPS = {
     "/cases/NAME/reference": Response,
     "/cases/NAME/methods/METHOD/N": MethodResult,
     "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
+    "/validation": ValidationRecord,
+    "/validation/load_space": LoadSpaceRecord,
+    "/validation/load_space/methods/METHOD/N": LoadSpaceResult,
+    "/validation/load_space/best_possible": BestPossible,
+    "/validation/worst_cases/METHOD": WorstCaseRecord,
+    "/validation/penalty": PenaltyRecord,
+    "/validation/penalty/sweep": PenaltySweep,
+    "/validation/choices/METHOD": JointModeChoice,
 }
 TEXT = (DOCS / "results.md").read_text(encoding="utf-8")
 PAGE = {

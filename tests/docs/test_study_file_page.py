@@ -10,7 +10,6 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from faying.model.lap_joint import lap_joint_assembly
-from faying.reduction.methods import METHODS
 from faying.study import tables
 from faying.study.lap_joint_keys import ELSEWHERE
 
@@ -28,6 +27,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[reduction]": tables.ReductionSection,
     "[reduction.training]": tables.TrainingSection,
     "[reduction.training] box": tables.BoxSide,
+    "[validation]": tables.ValidationSection,
     "[[load_case]]": tables.LoadCaseSection,
     "[[load_case]] forces": tables.ForceSection,
     "[output]": tables.OutputSection,
@@ -86,8 +86,8 @@ def check(written: dict[str, str], defaults: dict[str, object]) -> None:
             assert text in NOTHING, key
         elif isinstance(value, BaseModel):
             assert text in {*NOTHING, "defaults below"}, key
-        elif value == tuple(METHODS):
-            assert text == "all", key
+        elif value == tables.METHODS:
+            assert text == "all six", key
         else:
             assert text == f"`{toml(value)}`", key
 
