@@ -75,6 +75,17 @@ def test_orthonormalizing_survives_bad_scaling():
     np.testing.assert_allclose(basis.vectors.T @ (K @ basis.vectors), np.eye(15), atol=1e-12)
 
 
+def test_orthonormalizing_survives_nearly_parallel_shapes():
+    rng = np.random.default_rng(1)
+    K = sp.diags_array(np.geomspace(1, 1e4, 40)).tocsr()
+    common = rng.standard_normal((40, 1))
+    vectors = common + 1e-6 * rng.standard_normal((40, 10))
+    basis = Basis(vectors=vectors, kinds=(J,) * 10).orthonormalized(K)
+    assert len(basis) == 10
+    # One pass alone would leave round-off over the new part, 1e-16 / 1e-6.
+    np.testing.assert_allclose(basis.vectors.T @ (K @ basis.vectors), np.eye(10), atol=1e-13)
+
+
 def test_a_column_of_zeros_is_dropped():
     basis = Basis(vectors=np.array([[0.0, 1.0]]).T @ np.array([[1.0, 0.0]]), kinds=(N, J))
     assert basis.orthonormalized(sp.eye_array(2).tocsr()).kinds == (N,)
