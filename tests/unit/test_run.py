@@ -1,0 +1,190 @@
+"""A whole run on a tiny joint: what it leaves behind, and how it resumes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faying.exceptions import ConvergenceError, StudyError
+from faying.study import cases
+from faying.study.run import run
+from faying.study.schema import read_study
+from faying.study.store import read_results
+
+STUDY = """
+title = "Tiny joint"
+
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 5.0 }
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[sticking]
+stiffness = 1e6
+
+[damping]
+beta = 1e-6
+
+[reduction]
+normal_modes = 4
+joint_modes = [2, 4]
+methods = ["craig-bampton", "jim-a", "jim-b", "compliance", "nmf"]
+
+[reduction.training]
+box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
+levels = 3
+steps_per_period = 20
+
+[validation]
+box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
+
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+periods = 0.5
+steps_per_period = 20
+
+[output]
+report = false
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "tiny.toml"
+    path.write_text(STUDY)
+    return read_study(path)
+
+
+@pytest.fixture(scope="module")
+def finished(study, tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("finished")
+    assert run(study, out).converged
+    return out
+
+
+def test_a_run_leaves_results_summary_study_and_pressures_for_viewing(finished):
+    names = {path.name for path in finished.iterdir()}
+    assert names == {"results.h5", "summary.json", "study.toml", "interface_joint.vtu"}
+    assert (finished / "study.toml").read_text() == STUDY
+
+
+def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
+    summary = json.loads((finished / "summary.json").read_text())
+    assert set(summary["model"]) == {"nodes", "elements", "dofs", "mass"}
+    assert {"pairs", "points", "area", "penalty"} <= set(summary["interfaces"]["joint"])
+    assert summary["bolts"]["bolt"]["preload"] == 5e3
+    bend, jump = summary["load_cases"]["bend"], summary["load_cases"]["jump"]
+    assert bend["kind"] == "static"
+    assert {
+        "max_pressure",
+        "contact_force",
+        "open_fraction",
+        "max_penetration",
+        "iterations",
+    } <= set(bend["reference"])
+    assert set(bend["methods"]["jim-a"]) == {"2", "4"}
+    assert set(bend["methods"]["compliance"]) == {"0"}
+    assert {
+        "max_relative_error",
+        "rms_relative_error",
+        "p999_relative_error",
+        "max_pressure_ratio",
+        "displacement_error",
+    } <= set(jump["methods"]["jim-b"]["4"])
+    assert "recovered_max_relative_error" in jump["methods"]["craig-bampton"]["0"]
+    assert {"assembly", "factorization", "compliance", "normal_modes"} <= set(summary["timings"])
+    assert {"offline", "per_static_case", "per_step"} == set(
+        summary["timings"]["methods"]["compliance"]
+    )
+    # Rivals that only know statics are absent from transients.
+    assert summary["timings"]["methods"]["nmf"].keys() == {"offline", "per_static_case"}
+
+
+def test_a_certified_bound_is_never_below_the_error(finished):
+    methods = json.loads((finished / "summary.json").read_text())["load_cases"]["bend"]["methods"]
+    figures = [entry for sizes in methods.values() for entry in sizes.values()]
+    assert len(figures) == 8
+    for entry in figures:
+        # 1e-9: round-off of bound and error where both vanish.
+        assert entry["certified_bound"] >= entry["max_relative_error"] - 1e-9
+
+
+def test_results_hold_what_the_run_validated(finished):
+    validation = read_results(finished / "results.h5").validation
+    assert validation.load_space.methods["compliance"][0].worst_error < 1e-8
+    assert validation.worst_cases["jim-a"].joint_modes == 4
+    assert validation.penalty.recommended > 0
+    assert np.all(np.diff(validation.penalty.sweep.penalties) > 0)
+
+
+def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
+    solved = []
+    original = cases.solve_transient
+
+    def interrupted(system, load, **options):
+        if len(solved) == 2:
+            raise KeyboardInterrupt
+        solved.append(load.name)
+        return original(system, load, **options)
+
+    monkeypatch.setattr(cases, "solve_transient", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path)
+    assert not (tmp_path / "results.h5").exists()
+
+    def counted(system, load, **options):
+        solved.append(load.name)
+        return original(system, load, **options)
+
+    monkeypatch.setattr(cases, "solve_transient", counted)
+    assert run(study, tmp_path, resume=True).converged
+    # Full, craig-bampton, 2 × jim-a, 2 × jim-b, compliance and the half step, each once.
+    assert len(solved) == 8
+    assert not (tmp_path / "unfinished").exists()
+
+
+def test_resuming_another_study_is_refused(study, tmp_path, monkeypatch):
+    monkeypatch.setattr(cases, "solve_static", _raise(KeyboardInterrupt()))
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path)
+    other = tmp_path / "other.toml"
+    other.write_text(STUDY.replace("-150.0", "-160.0"))
+    with pytest.raises(StudyError, match="without --resume"):
+        run(read_study(other), tmp_path, resume=True)
+
+
+def test_a_method_that_does_not_converge_is_recorded_and_the_rest_kept(
+    study, tmp_path, monkeypatch
+):
+    original = cases.solve_static
+
+    def fragile(system, load):
+        if system.K.shape[0] == 6 + 4 + 1 + 2:  # jim-a and jim-b with two joint modes
+            message = "did not settle"
+            raise ConvergenceError(message)
+        return original(system, load)
+
+    monkeypatch.setattr(cases, "solve_static", fragile)
+    outcome = run(study, tmp_path)
+    assert not outcome.converged
+    assert len(outcome.summary["not_converged"]) == 2
+    assert "bend, jim-a with 2 joint modes" in outcome.summary["not_converged"][0]
+    assert set(outcome.summary["load_cases"]["bend"]["methods"]["jim-a"]) == {"4"}
+
+
+def _raise(error: BaseException):
+    def solve(*_, **__):
+        raise error
+
+    return solve
