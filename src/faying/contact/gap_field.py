@@ -199,7 +199,7 @@ def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) ->
     ModelError
         If the field does not cover the interface.
     """
-    header, table = _read_table(Path(path))
+    header, table = read_gap_table(Path(path))
     if set(header) == set(POINT_COLUMNS):
         columns = table[:, [header.index(name) for name in POINT_COLUMNS]]
         return gap_from_points(interface, columns[:, :3], columns[:, 3])
@@ -210,8 +210,19 @@ def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) ->
     return gap_from_nodes(interface, node_ids, nodes.astype(np.int64).tolist(), gaps)
 
 
-def _read_table(path: Path) -> tuple[list[str], Matrix]:
-    """Read a CSV file of numbers below a line of column names."""
+def read_gap_table(path: Path) -> tuple[list[str], Matrix]:
+    """Read a CSV file of numbers below a line of column names.
+
+    Returns
+    -------
+    tuple of list of str, ndarray (n, n_column)
+        The names, ``x,y,z,gap`` or ``node,gap`` in the order of the file, and the numbers.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, has other columns, or holds something that is no finite number.
+    """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
+from pathlib import Path
 
-from faying.exceptions import StudyError
+from faying.contact.gap_field import read_gap_table
+from faying.exceptions import FormatError, StudyError
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
@@ -87,6 +89,11 @@ def _interfaces(study: Study) -> Iterator[Problem]:
         if (interface.minus == "auto") != (interface.plus == "auto"):
             text = 'only one of minus and plus is "auto"; name both sides, or neither'
             yield _in_table(study, ("interface", i), text)
+        if isinstance(interface.initial_gap, Path):
+            try:
+                read_gap_table(interface.initial_gap)
+            except FormatError as error:
+                yield _problem(study, ("interface", i, "initial_gap"), str(error))
 
 
 def _bolts(study: Study) -> Iterator[Problem]:

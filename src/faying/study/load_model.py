@@ -1,11 +1,14 @@
 """From a study to what :func:`faying.model.build.build_model` takes, and to the model."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
+from faying.contact.gap_field import read_gap_field, with_gap_offset
+from faying.contact.interface import Interface
 from faying.exceptions import StudyError
 from faying.model.assembly import Assembly, Material
 from faying.model.build import build_model
@@ -32,6 +35,8 @@ class LoadedModel:
     ----------
     preloads : [force]
         Bolt name to its final force.
+    gap_offsets : [length]
+        Interface name to what is added to its gap: a number, or a file.
     """
 
     assembly: Assembly
@@ -41,6 +46,7 @@ class LoadedModel:
     damping: Rayleigh
     units: str
     preloads: Mapping[str, float]
+    gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
 
 
 def load_model(study: Study) -> LoadedModel:
@@ -58,7 +64,7 @@ def load_model(study: Study) -> LoadedModel:
     assembly = with_study_sets(described.assembly, study)
     bolts = _merged(study, "bolt", described.bolts, _bolt_entries(study, assembly))
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
-    interfaces = _merged(study, "interface", described.interfaces, _entries(study.interfaces))
+    interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
     reject(study.source, list(boundary_problems(study, [spec.name for spec in boundaries])))
     return LoadedModel(
         assembly=assembly,
@@ -68,18 +74,23 @@ def load_model(study: Study) -> LoadedModel:
         damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
         units=study.units,
         preloads=_preloads(study, bolts),
+        gap_offsets={
+            interface.name: interface.initial_gap
+            for interface in study.interfaces
+            if interface.initial_gap is not None
+        },
     )
 
 
 def build_loaded(loaded: LoadedModel) -> Model:
-    """Build the model from what was loaded.
+    """Build the model from what was loaded, initial gaps included.
 
     Raises
     ------
     ModelError
-        As :func:`faying.model.build.build_model`.
+        As :func:`faying.model.build.build_model`, or if a gap field does not cover its interface.
     """
-    return build_model(
+    model = build_model(
         loaded.assembly,
         interfaces=loaded.interfaces,
         bolts=loaded.bolts,
@@ -87,6 +98,18 @@ def build_loaded(loaded: LoadedModel) -> Model:
         damping=loaded.damping,
         units=loaded.units,
     )
+    return model.with_interfaces(
+        {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
+    )
+
+
+def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
+    """Return an interface of the model with an offset added to its gap."""
+    interface = model.interfaces[name]
+    if isinstance(offset, Path):
+        values = read_gap_field(offset, interface, model.assembly.mesh.node_ids)
+        return with_gap_offset(interface, values)
+    return with_gap_offset(interface, np.asarray(offset))
 
 
 def build(study: Study) -> Model:
@@ -174,6 +197,14 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
 def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
     """Return the keys each entry of a study gives."""
     return [{key: getattr(one, key) for key in one.model_fields_set} for one in sections]
+
+
+def _interface_entries(study: Study) -> list[dict[str, Any]]:
+    """Return the keys of each interface but its initial gap, which its points must exist for."""
+    entries = _entries(study.interfaces)
+    for entry in entries:
+        entry.pop("initial_gap", None)
+    return entries
 
 
 def _bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:

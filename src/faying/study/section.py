@@ -1,5 +1,6 @@
 """What all tables of a study file have in common, and the types of their values."""
 
+import math
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
@@ -74,6 +75,16 @@ def _penalty(value: Any) -> float | str:
     raise refusal(message)
 
 
+def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
+    if isinstance(value, (str, Path)):
+        return _existing_file(Path(value), info)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if number and math.isfinite(value):
+        return float(value)
+    message = f"found {shown(value)}, expected a finite number or the name of a csv file"
+    raise refusal(message)
+
+
 def _is_id(value: Any) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
@@ -103,6 +114,7 @@ Switch = Annotated[bool, Strict()]
 Name = Annotated[str, Strict(), StringConstraints(min_length=1)]
 ExistingFile = Annotated[Path, AfterValidator(_existing_file)]
 Penalty = Annotated[float | str, BeforeValidator(_penalty)]
+InitialGap = Annotated[float | Path, BeforeValidator(_initial_gap)]
 Selection = Annotated[str | int | tuple[int, ...], BeforeValidator(_selection)]
 IdOrName = Annotated[str | int, BeforeValidator(_id_or_name)]
 Point = tuple[Number, Number, Number]

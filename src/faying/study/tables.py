@@ -16,6 +16,7 @@ from faying.study.section import (
     ExistingFile,
     Id,
     IdOrName,
+    InitialGap,
     Name,
     NotNegative,
     Number,
@@ -175,7 +176,14 @@ class MaterialSection(Section):
 
 
 class InterfaceSection(Section):
-    """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`."""
+    """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`.
+
+    Attributes
+    ----------
+    initial_gap : [length]
+        Added to the gap of the geometry before anything is tightened: one offset everywhere, or a
+        file for :func:`faying.contact.gap_field.read_gap_field`.
+    """
 
     name: Name
     minus: Selection = "auto"
@@ -184,6 +192,7 @@ class InterfaceSection(Section):
     order: Count | None = None
     penalty: Penalty = "auto"
     tolerance: Positive | None = None
+    initial_gap: InitialGap | None = None
 
 
 class BoltSection(Section):
