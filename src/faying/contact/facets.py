@@ -144,10 +144,11 @@ def gauss_rule(kind: str, order: int | None = None) -> Rule:
 def nodal_rule(kind: str) -> Rule:
     """Quadrature whose points are nodes of the facet, with positive weights.
 
-    tri3 takes its vertices and quad4 its corners (2 × 2 Lobatto). tri6 takes the mid-sides with a
-    third of the area each: the vertices have weight zero. quad8 takes 3 × 3 Lobatto including the
-    centre, because the rule with its eight nodes alone has the weight -A/12 at the corners, and a
-    contact point cannot stand for a negative area.
+    tri3 takes its vertices and quad4 its corners; a corner stands for ∫N dA, which on a distorted
+    facet is not its 2 × 2 Lobatto weight but balances uniform pressure. tri6 takes the mid-sides
+    with a third of the area each: the vertices have weight zero. quad8 takes 3 × 3 Lobatto with
+    the centre, because the rule with its eight nodes alone has the weight -A/12 at the corners,
+    and a contact point cannot stand for a negative area.
     """
     nodes = reference_nodes(kind)
     if kind == "tri6":
@@ -178,11 +179,22 @@ def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
         Areas use the true Jacobian |∂x/∂ξ × ∂x/∂η| of the curved facet.
     """
     points = np.einsum("qa,fad->fqd", shape_functions(kind, rule.points), coordinates)
-    vectors = area_vectors(kind, coordinates, rule.points)
-    jacobian = np.linalg.norm(vectors, axis=-1)
+    if kind == "quad4" and (rule.nodes >= 0).all():
+        vectors = _corner_areas(kind, coordinates)
+    else:
+        vectors = area_vectors(kind, coordinates, rule.points) * rule.weights[:, None]
+    areas = np.linalg.norm(vectors, axis=-1)
     # A collapsed facet has no normal; zero keeps it visible to the caller's check.
-    normals = vectors / np.where(jacobian > 0, jacobian, 1.0)[..., None]
-    return Surface(points=points, areas=jacobian * rule.weights, normals=normals)
+    normals = vectors / np.where(areas > 0, areas, 1.0)[..., None]
+    return Surface(points=points, areas=areas, normals=normals)
+
+
+def _corner_areas(kind: str, coordinates: Matrix) -> Matrix:
+    """Return ∫ N n dA of every corner (n_face, n_node, 3)."""
+    exact = gauss_rule(kind)
+    share = shape_functions(kind, exact.points) * exact.weights[:, None]
+    vectors: Matrix = np.einsum("ga,fgd->fad", share, area_vectors(kind, coordinates, exact.points))
+    return vectors
 
 
 def area_vectors(kind: str, coordinates: Matrix, points: Matrix) -> Matrix:
