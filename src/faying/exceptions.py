@@ -1,5 +1,8 @@
 """Errors meant for people: one message that names the culprit and the remedy."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class FayingError(Exception):
     """Base of all errors faying raises on purpose; the command line shows no traceback."""
@@ -19,3 +22,13 @@ class StudyError(FayingError):
 
 class ConvergenceError(FayingError):
     """An iteration ended without a solution; the message says how far it got and what to try."""
+
+
+@contextmanager
+def naming(culprit: str) -> Iterator[None]:
+    """Put what a :class:`ModelError` raised inside speaks of in front of its message."""
+    try:
+        yield
+    except ModelError as error:
+        message = f"{culprit}: {error}"
+        raise ModelError(message) from None

@@ -1,6 +1,7 @@
 """Arguments that several commands share."""
 
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Annotated
 
 import typer
@@ -20,6 +21,9 @@ def usable_folder(out: Path) -> Path:
     """
     try:
         out.mkdir(parents=True, exist_ok=True)
+        # Found out now rather than when the results of an hour are to be written.
+        with TemporaryFile(dir=out):
+            pass
     except OSError as error:
         message = f"cannot write to folder {out}: {error.strerror}; choose another with --out"
         raise StudyError(message) from None

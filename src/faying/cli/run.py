@@ -41,7 +41,9 @@ def compute(path: Path, out: Path, *, resume: bool) -> None:
     from faying.study.run import run as run_study
 
     console = Console(stderr=True)
-    with Progress(console=console, transient=True) as progress:
+    # A bar that is not seen would leave an empty line among the messages.
+    hidden = not console.is_terminal
+    with Progress(console=console, transient=True, disable=hidden) as progress:
         result = run_study(study, out, resume=resume, progress=progress)
     typer.echo(f"Results are in {out}")
     if not result.converged:

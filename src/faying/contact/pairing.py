@@ -22,7 +22,7 @@ from faying.contact.exterior import (
 from faying.contact.interface import FacePairs
 from faying.contact.mismatch import check_no_mismatch, facet_place, raise_no_contact
 from faying.contact.selection import select_facets
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies
 from faying.model.specs import InterfaceSpec
@@ -151,11 +151,8 @@ def _one_side_and_the_rest(assembly: Assembly, spec: InterfaceSpec) -> tuple[Fac
 
 
 def _selected(assembly: Assembly, spec: InterfaceSpec, name: str) -> Facets:
-    try:
+    with naming(f"interface '{spec.name}', {name} side"):
         return select_facets(assembly, getattr(spec, name))
-    except ModelError as error:
-        message = f"interface '{spec.name}', {name} side: {error}"
-        raise ModelError(message) from None
 
 
 def _body_ranks(assembly: Assembly) -> Indices:

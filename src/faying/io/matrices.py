@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.exceptions import FormatError, ModelError
+from faying.exceptions import FormatError, ModelError, naming
 from faying.io.matrix_checks import RowLabel, check_mass, checked_matrix, symmetric_matrix
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
@@ -90,7 +90,8 @@ def matrices_assembly(
     face_sets = {key: _face_set(mesh, key, value) for key, value in (faces or {}).items()}
     notes = [_rowless(mesh, key, side, index) for key, side in face_sets.items()]
     for key, value in (node_sets or {}).items():
-        mesh = mesh.with_node_set(key, np.unique(mesh.node_index(np.asarray(value))))
+        with naming(f"node set '{key}'"):
+            mesh = mesh.with_node_set(key, np.unique(mesh.node_index(np.asarray(value))))
     return Assembly(
         mesh=mesh,
         matrices=MatrixBlock(M=mass, C=damping, K=stiffness, nodes=index, components=component),
@@ -231,7 +232,8 @@ def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
             "(n_face, 3, 4, 6 or 8)"
         )
         raise ModelError(message)
-    nodes = mesh.node_index(table.ravel()).reshape(table.shape)
+    with naming(f"face set '{name}'"):
+        nodes = mesh.node_index(table.ravel()).reshape(table.shape)
     return FaceSet(kind=FACE_KINDS[table.shape[1]], nodes=nodes)
 
 

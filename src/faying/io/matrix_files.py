@@ -66,6 +66,9 @@ def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
 
 
 def _npz(path: Path, name: str) -> Any:
+    if not zipfile.is_zipfile(path):
+        message = "it is no .npz file"
+        raise ValueError(message)
     with np.load(path, allow_pickle=False) as file:
         if "format" in file.files and "data" in file.files:
             return sp.load_npz(path)

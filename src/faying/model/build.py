@@ -12,7 +12,7 @@ from faying.contact.interface import FacePairs, Interface, stack
 from faying.contact.pairing import find_interfaces
 from faying.contact.penalty import automatic_penalty
 from faying.contact.zero_thickness import build_interface
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
 from faying.model.boundary import FORCE_NAMES, Boundary
@@ -157,11 +157,8 @@ def _penalty(assembly: Assembly, spec: InterfaceSpec, faces: tuple[FacePairs, ..
         return np.inf
     if spec.penalty != "auto":
         return float(spec.penalty)
-    try:
+    with naming(f"interface '{spec.name}'"):
         return automatic_penalty(assembly, faces)
-    except ModelError as error:
-        message = f"interface '{spec.name}': {error}"
-        raise ModelError(message) from None
 
 
 def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:
@@ -171,9 +168,8 @@ def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) 
     free: Indices = rows[movable[rows]]
     if not len(free):
         message = (
-            f"boundary '{spec.name}' has no free component: its node "
-            f"{assembly.mesh.node_ids[nodes[0]]} is supported or touches nothing; "
-            "choose a node that can move"
+            f"boundary '{spec.name}' takes no load: its node {assembly.mesh.node_ids[nodes[0]]} is "
+            "fixed by supports in every component, or touches nothing; choose a node that can move"
         )
         raise ModelError(message)
     return free
@@ -181,12 +177,13 @@ def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) 
 
 def _boundary_nodes(assembly: Assembly, spec: BoundarySpec) -> Indices:
     if spec.node is not None:
-        return assembly.mesh.node_index(np.array([spec.node]))
+        with naming(f"boundary '{spec.name}'"):
+            return assembly.mesh.node_index(np.array([spec.node]))
     sets: Mapping[str, Indices] = assembly.mesh.node_sets
     if spec.set is None or spec.set not in sets:
         message = (
             f"boundary '{spec.name}': there is no node set '{spec.set}'; "
-            f"the node sets are {', '.join(sets) or 'none'}"
+            f"known are {', '.join(sets) or 'none, so give a node'}"
         )
         raise ModelError(message)
     return sets[spec.set]

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly
 from faying.model.specs import BoltSpec
 
@@ -39,11 +39,8 @@ def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
             "between its nodes that K contains"
         )
         raise ModelError(message)
-    try:
+    with naming(f"bolt '{spec.name}'"):
         head, nut = assembly.mesh.node_index(np.array(ids)).tolist()
-    except ModelError as error:
-        message = f"bolt '{spec.name}': {error}"
-        raise ModelError(message) from None
     direction = _direction(spec, assembly.mesh.nodes[head] - assembly.mesh.nodes[nut])
     columns = np.concatenate([6 * head + np.arange(3), 6 * nut + np.arange(3)])
     data = np.concatenate([direction, -direction])

@@ -122,7 +122,8 @@ def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
         if np.array_equal(np.unique(_element_nodes(assembly, ids)), members)
     ]
     ids = mesh.node_ids[members]
-    named = f" {names[0]}" if names else ""
+    # The last set is the study's own, which its author knows.
+    named = f" {names[-1]}" if names else ""
     return f"body{named} (nodes {ids.min()} to {ids.max()})"
 
 

@@ -38,9 +38,12 @@ def read_history(path: Path) -> History:
 def _text(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        message = f"cannot read load history {path}: {error}; give a text file time, value"
-        raise StudyError(message) from None
+    except UnicodeDecodeError:
+        reason = "it is no UTF-8 text"
+    except OSError as error:
+        reason = str(error.strerror)
+    message = f"cannot read load history {path}: {reason}; give lines 'time, value'"
+    raise StudyError(message)
 
 
 def _is_numeric(line: str) -> bool:

@@ -86,10 +86,14 @@ def _check_above(
         return
     first = int(np.argmax(bad))
     others = f" (and {bad.sum() - 1} more elements)" if bad.sum() > 1 else ""
+    inverted = smallest[first] < -least[first]
+    what, remedy = (
+        ("negative", "it is inside out or too distorted: correct the order of its nodes, or remesh")
+        if inverted
+        else ("no", "it is flat or collapsed: use a wedge or tetrahedron, or merge its nodes away")
+    )
     message = (
-        f"element {ids[first]} ({element.kind}){others}: the Jacobian determinant is "
-        f"{smallest[first]:.3g} at {place} where it must be positive; if it is negative list the "
-        "nodes in the order of the Nastran manual (the element is inside out or too distorted), "
-        "if it is zero replace collapsed nodes by a wedge or tetrahedron, or merge the layer"
+        f"element {ids[first]} ({element.kind}){others} has {what} volume at {place} (Jacobian "
+        f"determinant {smallest[first]:.3g}); {remedy}"
     )
     raise ModelError(message)
