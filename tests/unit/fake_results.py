@@ -4,14 +4,22 @@ import numpy as np
 
 from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
+from faying.reduction.best_possible import BestPossible
+from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
+from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.results import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
+    LoadSpaceRecord,
+    LoadSpaceResult,
     MethodResult,
+    PenaltyRecord,
     Response,
     Results,
+    ValidationRecord,
+    WorstCaseRecord,
 )
 
 NX, NY = 6, 3
@@ -132,6 +140,7 @@ def _method(count, error, reference, points, nodes, times):
         joint_modes=count,
         n_modes=16 + count,
         response=response,
+        certified_bound=2 * error if times is None else None,
         recovered_error=None if times is None else 0.02,
         accuracy=Accuracy(
             max_relative_error=float(relative.max()),
@@ -140,6 +149,78 @@ def _method(count, error, reference, points, nodes, times):
             max_pressure_ratio=float(response.pressure.max() / reference.pressure.max()),
             displacement_error=error / 10,
         ),
+    )
+
+
+def _best(factor):
+    counts = np.array([0, 5, 20])
+    errors = factor / (1.0 + counts)
+    return BestPossible(
+        counts=counts,
+        training_rms=errors / 10,
+        training_max=errors,
+        unseen_rms=errors / 5,
+        unseen_median=errors / 2,
+        unseen_max=2 * errors,
+    )
+
+
+def _validation():
+    loads, penalties = ("LC1", "LC2/torsion"), np.array([1e4, 1e5, 1e6])
+    fields = np.outer(1.0 / penalties, [1e3, 2e3])
+    sweep = PenaltySweep(
+        loads=loads,
+        penalties=penalties,
+        automatic=4e5,
+        max_pressure=100 - 50 * fields,
+        max_average=90 - 50 * fields,
+        penetration=fields,
+        deviation=fields,
+        rms_deviation=fields / 3,
+        hard_max_average=np.array([90.0, 80.0]),
+        element_size=5.0,
+        deflection=np.array([1.0, 1.1]),
+        errors={"jim-b": 0.01 / fields, "compliance": 0 * fields},
+    )
+    return ValidationRecord(
+        load_space=LoadSpaceRecord(
+            n_loads=100,
+            methods={
+                name: {
+                    count: LoadSpaceResult(
+                        median_error=ERRORS[name] / (2 + count), worst_error=ERRORS[name]
+                    )
+                    for count in counts
+                }
+                for name, counts in JOINT_MODES.items()
+            },
+            best_possible=_best(0.5),
+            best_possible_gap=_best(0.3),
+        ),
+        worst_cases={
+            "jim-b": WorstCaseRecord(
+                joint_modes=20,
+                forces={"tip.Fz": -750.0, "tip.Mx": 3e4},
+                bolt_forces={"bolt": 1.2e4},
+                bound=0.2,
+                certified_bound=0.9,
+                max_relative_error=0.3,
+                evaluations=240,
+            )
+        },
+        penalty=PenaltyRecord(
+            sweep=sweep, recommended=4e5, reached=True, advice="Stiff enough <here>."
+        ),
+        choices={
+            "jim-b": JointModeChoice(
+                count=20,
+                met=True,
+                tolerance=0.1,
+                measure="energy_error",
+                counts=np.array([5, 20]),
+                bounds=np.array([0.4, 0.08]),
+            )
+        },
     )
 
 
@@ -183,5 +264,6 @@ def fake_results():
         },
         timings={"assembly": 0.5, "compliance": 0.1, "jim-b": 3.0, "project compliance": 0.01},
         provenance={"faying": "0.1.0", "python": "3.11"},
+        validation=_validation(),
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
     )

@@ -58,6 +58,8 @@ def test_every_picture_of_the_paper_is_drawn(entries):
         "preload",
         "tightening",
         "convergence",
+        "unseen-loads",
+        "penalty",
         "case_LC1_pressure",
         "case_LC1_deformed",
         "case_LC1_error",

@@ -12,6 +12,7 @@ from faying.report import style
 from faying.report.html import render, write_report
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.verdict import headline, reservations, verdicts
+from faying.study.results import ValidationRecord
 from faying.study.units import units_of
 
 WHOLE = fake_results()
@@ -62,7 +63,7 @@ def test_page_stands_alone(written):
     path, page = written
     assert path.name == "report.html"
     assert "http" not in path.read_text(encoding="utf-8")
-    assert len(page.images) == 9
+    assert len(page.images) == 11
     for image in page.images:
         assert image.startswith("figures/")
         assert (path.parent / unquote(image)).is_file()
@@ -71,7 +72,7 @@ def test_page_stands_alone(written):
 def test_contents_lead_somewhere(written):
     _, page = written
     anchors = [link[1:] for link in page.links if link.startswith("#")]
-    assert len(anchors) == 9 + len(RESULTS.cases)
+    assert len(anchors) == 10 + len(RESULTS.cases)
     assert set(anchors) <= set(page.ids)
     assert len(set(page.ids)) == len(page.ids)
 
@@ -85,7 +86,7 @@ def test_user_text_is_escaped(written):
 
 def test_sections_come_in_the_order_of_the_questions(written):
     _, page = written
-    order = ["summary", "model", "load-cases", "convergence", "errors", "accuracy", "timings"]
+    order = ["summary", "model", "load-cases", "convergence", "errors", "beyond", "accuracy"]
     assert [name for name in page.ids if name in order] == order
 
 
@@ -99,6 +100,10 @@ def test_page_says_what_it_must(written):
         "10000 N",
         "100000 N/mm³",
         "jim-a with 40 joint modes: no solution",
+        "Stiff enough <here>.",
+        "tip.Fz = −750 N, tip.Mx = 30000 N·mm",
+        "energy error at most 10 %",
+        "Max relative pressure errors at 100 random static loads",
         "recovered from its motion in transients, pressures are off by 2.0 %",
         "tip Fz = −500 N, tip Mx = 20000 N·mm",
     ):
@@ -165,6 +170,24 @@ def test_case_without_solution_cannot_be_trusted():
     assert "no solution in LC1" in verdict.sentence
 
 
+def test_method_good_on_the_load_cases_only_is_named():
+    results = with_errors(jim_b={5: 0.01, 20: 0.01}, compliance={0: 0.001})
+    said = " ".join(reservations(results))
+    # The fixture's unseen loads: 10 % with five joint modes.
+    assert "jim-b, 5 joint modes: good on the load cases, but 10 % off" in said
+    assert "compliance: good on the load cases" not in said
+
+
+def test_static_rival_is_judged_by_static_cases():
+    results = with_errors(nmf={20: 0.01})
+    step = replace(results.cases["LC2-step"], methods={})
+    results = replace(results, cases={**results.cases, "LC2-step": step})
+    (verdict,) = verdicts(results)
+    assert verdict.grade == "good"
+    assert "static load cases" in verdict.sentence
+    assert "nmf, 20 joint modes (static loads only)" in headline([verdict], results)
+
+
 def test_coarse_time_step_is_told_first():
     case = RESULTS.cases["LC2-step"]
     half = replace(case.half_step, pressure=1.4 * case.half_step.pressure)
@@ -208,7 +231,9 @@ def test_timings_compare_with_the_full_model():
 
 def test_results_without_methods_make_a_report(tmp_path):
     cases = {n: replace(c, methods={}, half_step=None) for n, c in RESULTS.cases.items()}
-    quiet = replace(RESULTS, cases=cases, bolts={}, warnings=(), timings={})
+    quiet = replace(
+        RESULTS, cases=cases, bolts={}, warnings=(), timings={}, validation=ValidationRecord()
+    )
     page = Page(render(quiet, [], tmp_path))
     assert "No reduced model was compared" in "".join(page.text)
     assert page.images == []

@@ -163,6 +163,7 @@ def test_entry_with_a_default_may_be_missing(tmp_path):
     found = read_results(tmp_path / "results.h5")
     assert found.warnings == ()
     assert found.validation.load_space is None
+    assert RESULTS.validation.load_space is not None
 
 
 def test_missing_entry_is_named(tmp_path):

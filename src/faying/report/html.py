@@ -7,6 +7,7 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from faying.exceptions import FormatError
+from faying.report.beyond import choice_table, load_space_table, worst_case_table
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.time_step import StepCheck, step_check
@@ -91,12 +92,15 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         bolts=bolt_table(results),
         load_cases=case_table(results),
         cases=_sections(results, figures),
+        unseen=load_space_table(results),
+        worst_cases=worst_case_table(results),
+        choices=choice_table(results),
         timings=timing_table(results),
         stages=stage_table(results),
         rules=sorted({record.quadrature for record in results.interfaces.values()}),
         figures={
             section: [entry for entry in figures if entry.section == section]
-            for section in ("model", "preload", "convergence")
+            for section in ("model", "preload", "convergence", "beyond")
         },
     )
 

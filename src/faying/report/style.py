@@ -36,7 +36,8 @@ RC: Any = {  # matplotlib types the keys as one long Literal
 }
 
 REFERENCE = "#000000"
-# Okabe and Ito's palette, distinguishable with every colour vision (Color Universal Design, 2008).
+# Okabe and Ito's palette, distinguishable with every colour vision (Color Universal Design, 2008);
+# the rivals' from Tol's muted scheme (SRON/EPS/TN/09-002).
 METHOD_COLOURS = {
     "craig-bampton": "#E69F00",
     "jim-a": "#D55E00",
@@ -44,6 +45,10 @@ METHOD_COLOURS = {
     "compliance": "#009E73",
     "jim-a+compliance": "#CC79A7",
     "jim-b+compliance": "#56B4E9",
+    "trial-vector-derivatives": "#882255",
+    "cone-greedy": "#999933",
+    "nmf": "#332288",
+    "deim": "#44AA99",
 }
 METHOD_MARKERS = {
     "craig-bampton": "s",
@@ -52,6 +57,10 @@ METHOD_MARKERS = {
     "compliance": "D",
     "jim-a+compliance": "v",
     "jim-b+compliance": "P",
+    "trial-vector-derivatives": "<",
+    "cone-greedy": ">",
+    "nmf": "X",
+    "deim": "p",
 }
 OTHER_COLOUR = "#7F7F7F"
 

@@ -37,7 +37,8 @@ class Table:
     rows: tuple[tuple[Cell, ...], ...]
 
 
-def _table(columns: Iterable[str], rows: Iterable[Iterable[str | Cell]]) -> Table:
+def table(columns: Iterable[str], rows: Iterable[Iterable[str | Cell]]) -> Table:
+    """Return a table of texts and cells."""
     cells = (
         tuple(cell if isinstance(cell, Cell) else Cell(text=cell) for cell in row) for row in rows
     )
@@ -57,7 +58,7 @@ def model_table(results: Results) -> Table:
         ("mass", quantity(results.mass, units.mass, 4)),
         ("units", f"{results.units}: forces in {units.force}, pressures in {units.pressure}"),
     ]
-    return _table(("model", ""), rows)
+    return table(("model", ""), rows)
 
 
 def interface_table(results: Results) -> Table:
@@ -81,7 +82,7 @@ def interface_table(results: Results) -> Table:
         )
         for name, r in results.interfaces.items()
     ]
-    return _table(columns, rows)
+    return table(columns, rows)
 
 
 def _open(record: InterfaceRecord) -> float:
@@ -103,7 +104,7 @@ def bolt_table(results: Results) -> Table:
         for name, bolt in results.bolts.items()
     ]
     columns = ("bolt", "nominal preload", "force after tightening", "initial force it is locked at")
-    return _table(columns, rows)
+    return table(columns, rows)
 
 
 def case_table(results: Results) -> Table:
@@ -118,7 +119,7 @@ def case_table(results: Results) -> Table:
         (name, case.kind, loads.get(name, "see the study"), *_reference(results, case, units))
         for name, case in results.cases.items()
     ]
-    return _table(columns, rows)
+    return table(columns, rows)
 
 
 def _reference(results: Results, case: CaseResult, units: Units) -> Iterator[str]:
@@ -187,6 +188,7 @@ def error_table(case: CaseResult) -> Table:
     columns = (
         "method", "joint modes", "basis length", "max error", "rms error", "99.9th percentile",
         "peak pressure ratio", "displacement error", "max error of recovered pressures",
+        "certified bound of max error",
     )  # fmt: skip
     rows: list[tuple[str | Cell, ...]] = [
         (
@@ -205,11 +207,12 @@ def error_table(case: CaseResult) -> Table:
             ),
             percent(result.accuracy.displacement_error),
             _recovered(result),
+            "—" if result.certified_bound is None else percent(result.certified_bound),
         )
         for name, sizes in case.methods.items()
         for count, result in sorted(sizes.items())
     ]
-    return _table(columns, rows)
+    return table(columns, rows)
 
 
 def _recovered(result: MethodResult) -> Cell:
@@ -232,7 +235,7 @@ def timing_table(results: Results) -> Table:
         "model", "offline", "per static case", "full model's time over it", "per time step",
         "full model's time over it",
     )  # fmt: skip
-    return _table(columns, rows)
+    return table(columns, rows)
 
 
 def _ratio(full: dict[str, float], entry: dict[str, float], key: str, name: str) -> str:
@@ -248,4 +251,4 @@ def stage_table(results: Results) -> Table:
         for name, value in results.timings.items()
         if isinstance(value, int | float)
     ]
-    return _table(("stage", "wall time"), rows)
+    return table(("stage", "wall time"), rows)

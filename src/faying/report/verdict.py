@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from faying.reduction.rivals import RIVALS
 from faying.report.figures.time_step import step_check
 from faying.report.quantities import number, percent
 from faying.report.style import label
@@ -60,6 +61,8 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
     counts = sorted({n for case in cases.values() for n in case.methods.get(method, {})})
     if not counts:
         return None
+    if not _is_transient(method):
+        cases = {name: case for name, case in cases.items() if case.times is None}
     worst = {count: _worst(cases, method, count) for count in counts}
     good = [
         count for count in counts if all(worst[more][0] <= GOOD for more in counts if more >= count)
@@ -74,6 +77,11 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
         grade=grade(error),
         sentence=_sentence(cases, method, chosen, error, case, several=len(counts) > 1),
     )
+
+
+def _is_transient(method: str) -> bool:
+    """Return whether a method is for transients too; some rivals of the literature are not."""
+    return method not in RIVALS or RIVALS[method].transient
 
 
 def _worst(cases: Mapping[str, CaseResult], method: str, count: int) -> tuple[float, str]:
@@ -102,13 +110,14 @@ def _sentence(
     span = f"largest pressure {_span(ratios)} × the full model's"
     size = f"max relative pressure error against the full model {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
+    these = "these load cases" if _is_transient(method) else "these static load cases"
     if error <= GOOD:
         modes = f" from {count} joint modes on" if count and several else ""
-        return f"can be trusted for pressure on these load cases{modes}: {size}."
+        return f"can be trusted for pressure on {these}{modes}: {size}."
     best = f"at best, with {count} joint modes, " if count and several else ""
     if error <= FAIR:
         return f"usable with care: {best}{size}."
-    return f"not to be trusted for pressure on these load cases: {best}{size}."
+    return f"not to be trusted for pressure on {these}: {best}{size}."
 
 
 def _recovery(results: list[MethodResult]) -> str:
@@ -152,7 +161,11 @@ def _changes(case: CaseResult) -> float:
 def _answer(found: list[MethodVerdict]) -> str:
     if not found:
         return "No reduced model was compared with the full model."
-    good = [label(v.method, v.joint_modes) for v in found if v.grade == "good"]
+    good = [
+        label(v.method, v.joint_modes) + ("" if _is_transient(v.method) else " (static loads only)")
+        for v in found
+        if v.grade == "good"
+    ]
     rest = [v.method for v in found if v.grade != "good"]
     bound = f"max relative pressure error at most {100 * GOOD:g} % on every load case"
     if not good:
@@ -184,9 +197,34 @@ def reservations(results: Results) -> list[str]:
             )
         if case.times is not None and check is None:
             said.append(f"{name}: no time-step check was run, so convergence in time is open.")
+    said.extend(_unseen(results))
     said.append(
         "Errors compare each reduced model with the full model on the same mesh, contact law, "
         "quadrature and time step, for these load cases only. They say nothing of the full "
         "model's own discretization error, nor of other loads."
     )
     return said
+
+
+def _unseen(results: Results) -> list[str]:
+    """Return the methods that are good on the load cases only."""
+    said = []
+    for verdict in verdicts(results):
+        elsewhere = _elsewhere(results, verdict)
+        if verdict.grade == "good" and elsewhere > GOOD:
+            said.append(
+                f"{label(verdict.method, verdict.joint_modes)}: good on the load cases, but "
+                f"{percent(elsewhere)} off at the worst static load found beyond them."
+            )
+    return said
+
+
+def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
+    """Return the largest error of a method of that size at loads beyond the load cases."""
+    found = results.validation
+    sizes = found.load_space.methods.get(verdict.method, {}) if found.load_space else {}
+    errors = [sizes[verdict.joint_modes].worst_error] if verdict.joint_modes in sizes else []
+    worst = found.worst_cases.get(verdict.method)
+    if worst is not None and worst.joint_modes == verdict.joint_modes:
+        errors.append(worst.max_relative_error)
+    return max(errors, default=0.0)

@@ -8,7 +8,9 @@ from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure
+from faying.report.figures.load_space import load_space_figure
 from faying.report.figures.model import model_figure
+from faying.report.figures.penalty import penalty_figure
 from faying.report.figures.preload import preload_figure
 from faying.report.figures.pressure import pressure_figure
 from faying.report.figures.response import response_figure
@@ -68,13 +70,20 @@ def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
     return FigureEntry(path=path, title=drawn.title, caption=drawn.caption, section=drawn.section)
 
 
-SHARED = ("model", "preload", "tightening", "convergence")
+SHARED = ("model", "preload", "tightening", "convergence", "unseen-loads", "penalty")
 """Figures of the whole run; a load case may bear the name of their section."""
 
 
 def _drawings(results: Results) -> Iterator[Draw]:
     """Yield what to draw, one figure at a time so that only one is in memory."""
-    for draw in (model_figure, preload_figure, tightening_figure, convergence_figure):
+    for draw in (
+        model_figure,
+        preload_figure,
+        tightening_figure,
+        convergence_figure,
+        load_space_figure,
+        penalty_figure,
+    ):
         yield _of_run(draw, results)
     for case in results.cases.values():
         for draw_case in (

@@ -1,0 +1,80 @@
+"""How methods do at loads they have not seen, beside the floors under linear bases."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter
+
+from faying._typing import Indices, Vector
+from faying.report.figures.convergence import FLOOR
+from faying.report.figures.entry import Drawn
+from faying.report.style import colour, marker, new_figure, plain
+from faying.study.results import LoadSpaceRecord, LoadSpaceResult, Results
+
+
+def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes:
+    """Draw the median or the worst error of each method over its joint modes.
+
+    Grey: what any linear basis of as many vectors could reach at best, of pressures and of gaps.
+    """
+    for name, sizes in record.methods.items():
+        found = sorted(sizes)
+        errors = [100 * max(_error(sizes[n], worst=worst), FLOOR) for n in found]
+        if found == [0]:
+            axes.axhline(errors[0], color=colour(name), ls="--", label=plain(name))
+        elif found:
+            axes.plot(found, errors, color=colour(name), marker=marker(name), label=plain(name))
+    for floor, style, label in (
+        (record.best_possible, ":", "best pressure basis"),
+        (record.best_possible_gap, "-.", "best gap basis"),
+    ):
+        values = floor.unseen_max if worst else floor.unseen_median
+        if values is not None:
+            _floor(axes, floor.counts, values, style, label)
+    counts = sorted({n for sizes in record.methods.values() for n in sizes if n}) or [1]
+    axes.set_xticks(counts)
+    axes.set_yscale("log")
+    axes.set_ylim(bottom=100 * FLOOR)
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_xlabel("joint modes")
+    axes.set_ylabel("max relative pressure error [%]")
+    axes.set_title(f"{'worst' if worst else 'median'} of {record.n_loads} loads", loc="left")
+    return axes
+
+
+def _error(result: LoadSpaceResult, *, worst: bool) -> float:
+    return result.worst_error if worst else result.median_error
+
+
+def _floor(axes: Axes, counts: Indices, values: Vector, style: str, label: str) -> None:
+    keep = counts > 0
+    errors = 100 * np.maximum(values[keep], FLOOR)
+    axes.plot(counts[keep], errors, color="0.45", ls=style, marker=".", label=label)
+
+
+def load_space_figure(results: Results) -> Drawn | None:
+    """Draw median and worst errors side by side; None without a load space."""
+    record = results.validation.load_space
+    if record is None or not record.methods:
+        return None
+    figure = new_figure(10.0, 4.8)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, worst in zip(panels, (False, True), strict=True):
+        plot_load_space(record, axes, worst=worst)
+        axes.label_outer(remove_inner_ticks=False)
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    figure.suptitle("Pressure errors at unseen static loads of the training box")
+    caption = (
+        f"Largest relative pressure error of each method at {record.n_loads} random static loads "
+        "from the training box, none of which it was trained with: the median load (left) and the "
+        "worst (right). Grey: the best fit of the true pressures (dotted) or gaps (dash-dotted) "
+        "by as many vectors, made of other loads of the same box. Errors below 1e-4 % lie on the "
+        "lower edge."
+    )
+    return Drawn(
+        figure=figure,
+        stem="unseen-loads",
+        title="Unseen loads",
+        caption=caption,
+        section="beyond",
+    )
