@@ -86,7 +86,10 @@ def read_results(path: Path) -> Results:
         try:
             results: Results = _read_value(file, Results)
         except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-            message = f"{path} is damaged ({error}); run the study again"
+            message = (
+                f"{path} is damaged, or another version of faying wrote it ({error}); "
+                "run the study again"
+            )
             raise FormatError(message) from None
     return results
 
