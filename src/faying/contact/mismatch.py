@@ -6,10 +6,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.exterior import Facets, facet_area_vectors, facet_centres
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
+from faying.model.surface import Facets, facet_area_vectors, facet_centres
 
 _FACING = -0.7
 """Largest cosine between the outward normals of facets that lie on each other."""

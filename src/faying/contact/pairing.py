@@ -12,13 +12,6 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix
-from faying.contact.exterior import (
-    N_NODES,
-    Facets,
-    exterior_facets,
-    facet_area_vectors,
-    unique_rows,
-)
 from faying.contact.interface import FacePairs
 from faying.contact.mismatch import check_no_mismatch, facet_place, raise_no_contact
 from faying.contact.selection import select_facets
@@ -26,6 +19,13 @@ from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies
 from faying.model.specs import InterfaceSpec
+from faying.model.surface import (
+    N_NODES,
+    Facets,
+    exterior_facets,
+    facet_area_vectors,
+    unique_rows,
+)
 
 __all__ = ["exterior_facets", "find_interfaces", "pair_facets", "select_facets"]
 

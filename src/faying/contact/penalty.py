@@ -3,19 +3,19 @@
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.exterior import (
-    Facets,
-    exterior_facets,
-    facet_area_vectors,
-    facet_centres,
-    padded,
-    unique_rows,
-)
 from faying.contact.interface import FacePairs
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
+from faying.model.surface import (
+    Facets,
+    exterior_facets,
+    facet_centres,
+    facet_normals,
+    padded,
+    unique_rows,
+)
 
 PENALTY_FACTOR = 10.0
 """Automatic penalty over E/h: the interface is then ten times stiffer than one element layer."""
@@ -68,8 +68,7 @@ def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
 def _heights(mesh: Mesh, facets: Facets) -> Vector:
     """Measure how far the owning elements reach inwards from their facets (n_facet,)."""
     centres = facet_centres(mesh.nodes, facets)
-    vectors = facet_area_vectors(mesh.nodes, facets)
-    normals = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    normals = facet_normals(mesh.nodes, facets)
     heights = np.zeros(len(facets))
     for block in mesh.blocks:
         order = np.argsort(block.ids)

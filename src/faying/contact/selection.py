@@ -5,11 +5,11 @@ from difflib import get_close_matches
 import numpy as np
 
 from faying._typing import Indices
-from faying.contact.exterior import Facets, exterior_facets, padded, unique_rows
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies
 from faying.model.specs import Selection
+from faying.model.surface import Facets, exterior_facets, padded, unique_rows
 
 _SHOWN = 8
 
@@ -28,7 +28,7 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     Returns
     -------
     Facets
-        In the order of :func:`faying.contact.exterior.exterior_facets`; face sets in their own.
+        In the order of :func:`faying.model.surface.exterior_facets`; face sets in their own.
 
     Raises
     ------

@@ -19,7 +19,7 @@ from faying.model.clamping import check_clamping
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
-from faying.model.surface import exterior_faces, face_normals
+from faying.model.surface import exterior_facets, facet_normals
 
 __all__ = ["add_bolt", "bolt_axis_element", "round_section"]
 
@@ -143,19 +143,20 @@ def _material(assembly: Assembly, spec: BoltSpec) -> Material:
 def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
     """Find the nodes under the two washers."""
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-    faces = [(face.nodes, face_normals(mesh, face)) for face in exterior_faces(mesh)]
+    facets = exterior_facets(mesh)
+    cosines = facet_normals(mesh.nodes, facets) @ axis
     labels = bodies(mesh)
+
+    def facing(towards: float) -> Indices:
+        """Nodes of the facets that face along the axis, or against it."""
+        nodes = np.unique(facets.nodes[towards * cosines >= _SMALLEST_COSINE])
+        return nodes[nodes >= 0]
+
     first, second = (
-        _seat(mesh, spec, labels, _facing(faces, outward), end, outward)
-        for end, outward in ((ends[0], -axis), (ends[1], axis))
+        _seat(mesh, spec, labels, facing(towards), end, towards * axis)
+        for end, towards in ((ends[0], -1.0), (ends[1], 1.0))
     )
     return first, second
-
-
-def _facing(faces: list[tuple[Indices, Matrix]], outward: Vector) -> Indices:
-    """Nodes of the facets that face along ``outward``."""
-    chosen = [nodes[normals @ outward >= _SMALLEST_COSINE].ravel() for nodes, normals in faces]
-    return np.unique(np.concatenate(chosen)) if chosen else np.empty(0, dtype=np.int64)
 
 
 def _seat(

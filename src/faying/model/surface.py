@@ -1,71 +1,189 @@
-"""The surface of the solids: facets that belong to one element only."""
+"""The surface of the solids: facets that belong to one element only, and whose they are."""
 
-from collections import defaultdict
+from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
+from faying._typing import Indices, Mask, Matrix, frozen
+from faying.exceptions import ModelError
 from faying.model.assembly import FaceSet
+from faying.model.bodies import bodies
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
 
-N_CORNERS = {"tri3": 3, "tri6": 3, "quad4": 4, "quad8": 4}
+N_NODES = {"tri3": 3, "quad4": 4, "tri6": 6, "quad8": 8}
+"""Nodes of each facet kind; the numbers differ, so they also tell the kind."""
+
+N_CORNERS = {"tri3": 3, "quad4": 4, "tri6": 3, "quad8": 4}
+
+WIDTH = max(N_NODES.values())
 
 
-def exterior_faces(mesh: Mesh) -> tuple[FaceSet, ...]:
-    """Find the facets no two elements share.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Facets:
+    """Facets of all kinds in one table.
 
-    Facets that touch another body count as exterior, for they have nodes of their own.
+    Attributes
+    ----------
+    nodes : (n_facet, 8)
+        Node indices, corners then mid-sides, counter-clockwise seen from outside; unused columns
+        hold -1.
+    elements, properties, bodies : (n_facet,)
+        Owning element id, its property id and its body; -1 for a facet of no solid element.
+    """
+
+    nodes: Indices
+    elements: Indices
+    properties: Indices
+    bodies: Indices
+
+    def __post_init__(self) -> None:
+        for name in ("nodes", "elements", "properties", "bodies"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+
+    def __len__(self) -> int:
+        """Return the number of facets."""
+        return len(self.nodes)
+
+    @property
+    def corners(self) -> Indices:
+        """Corner nodes (n_facet, 4); triangles repeat their last corner."""
+        corners = self.nodes[:, :4].copy()
+        corners[self.triangular, 3] = corners[self.triangular, 2]
+        return corners
+
+    @property
+    def corner_keys(self) -> Indices:
+        """Sorted corner nodes (n_facet, 4), equal for facets on the same corners; -1 fills up."""
+        corners = self.nodes[:, :4].copy()
+        corners[self.triangular, 3] = -1
+        return np.sort(corners, axis=1)
+
+    @property
+    def triangular(self) -> Mask:
+        """Whether each facet is a triangle."""
+        return np.isin(self.counts, (N_NODES["tri3"], N_NODES["tri6"]))
+
+    @property
+    def counts(self) -> Indices:
+        """Number of nodes of each facet."""
+        counts: Indices = (self.nodes >= 0).sum(axis=1)
+        return counts
+
+    def by_kind(self) -> dict[str, "Facets"]:
+        """Split the table by facet kind; kinds without facets are left out."""
+        counts = self.counts
+        split = {kind: self.taken(counts == n) for kind, n in N_NODES.items()}
+        return {kind: facets for kind, facets in split.items() if len(facets)}
+
+    def taken(self, chosen: Mask | Indices) -> "Facets":
+        """Return the chosen facets."""
+        return Facets(
+            nodes=self.nodes[chosen],
+            elements=self.elements[chosen],
+            properties=self.properties[chosen],
+            bodies=self.bodies[chosen],
+        )
+
+    def joined(self, other: "Facets") -> "Facets":
+        """Return these facets followed by the other ones."""
+        return Facets(
+            nodes=np.concatenate([self.nodes, other.nodes]),
+            elements=np.concatenate([self.elements, other.elements]),
+            properties=np.concatenate([self.properties, other.properties]),
+            bodies=np.concatenate([self.bodies, other.bodies]),
+        )
+
+
+def padded(nodes: Indices) -> Indices:
+    """Widen facets of one kind (n_facet, n_node_per_face) to the table's columns."""
+    return np.pad(nodes, ((0, 0), (0, WIDTH - nodes.shape[1])), constant_values=-1)
+
+
+def exterior_facets(mesh: Mesh) -> Facets:
+    """Find the facets that belong to one element only, and whose they are.
+
+    Facets that touch another body count as exterior: bodies share no nodes.
 
     Parameters
     ----------
     mesh
-        Solids of any kind.
+        Solids of any kind, also mixed; a linear and a quadratic facet on the same corners count
+        as one inner facet.
 
     Returns
     -------
-    tuple of FaceSet
-        One entry per facet kind present; nodes run counter-clockwise seen from outside.
+    Facets
+        Block by block, in the order of the elements' faces.
+
+    Raises
+    ------
+    ModelError
+        If the mesh holds an unknown kind of element.
 
     Notes
     -----
     One sort of all facets of the mesh.
     """
-    facets = _facets(mesh)
-    if not facets:
-        return ()
-    keys = np.concatenate([_corner_key(kind, nodes) for kind, nodes in facets.items()])
-    _, inverse, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
-    single = counts[inverse.ravel()] == 1
-    split = np.split(single, np.cumsum([len(nodes) for nodes in facets.values()])[:-1])
+    tables, elements, properties = [], [], []
+    for block in mesh.blocks:
+        if block.kind not in SOLIDS:
+            message = f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
+            raise ModelError(message)
+        for _, local in SOLIDS[block.kind].faces:
+            tables.append(padded(block.nodes[:, list(local)]))
+            elements.append(block.ids)
+            properties.append(block.properties)
+    if not tables:
+        nothing = np.empty(0, dtype=np.int64)
+        empty = np.empty((0, WIDTH), dtype=np.int64)
+        return Facets(nodes=empty, elements=nothing, properties=nothing, bodies=nothing)
+    nodes = np.concatenate(tables)
+    facets = Facets(
+        nodes=nodes,
+        elements=np.concatenate(elements),
+        properties=np.concatenate(properties),
+        bodies=bodies(mesh)[nodes[:, 0]],
+    )
+    _, inverse, counts = unique_rows(facets.corner_keys)
+    return facets.taken(counts[inverse] == 1)
+
+
+def exterior_faces(mesh: Mesh) -> tuple[FaceSet, ...]:
+    """Return the facets of :func:`exterior_facets`, one face set per kind present."""
     return tuple(
-        FaceSet(kind=kind, nodes=nodes[keep])
-        for (kind, nodes), keep in zip(facets.items(), split, strict=True)
-        if keep.any()
+        FaceSet(kind=kind, nodes=facets.nodes[:, : N_NODES[kind]])
+        for kind, facets in exterior_facets(mesh).by_kind().items()
     )
 
 
-def face_normals(mesh: Mesh, faces: FaceSet) -> Matrix:
-    """Return the unit outward normals (n_face, 3) of facets, taken from their corners."""
-    corners = mesh.nodes[faces.nodes[:, : N_CORNERS[faces.kind]]]
-    # The diagonals of a quadrilateral; two edges of a triangle.
-    across = corners[:, -1] - corners[:, 1], corners[:, 2] - corners[:, 0]
-    normal = np.cross(across[1], across[0])
-    unit: Matrix = normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    return unit
+def unique_rows(rows: Indices) -> tuple[Indices, Indices, Indices]:
+    """Return the first position of each distinct row, each row's group, and the group sizes."""
+    _, first, inverse, counts = np.unique(
+        rows, axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    return first, inverse.ravel(), counts
 
 
-def _facets(mesh: Mesh) -> dict[str, Indices]:
-    """Collect all facets of all elements by kind."""
-    found: dict[str, list[Indices]] = defaultdict(list)
-    for block in mesh.blocks:
-        for kind, local in SOLIDS[block.kind].faces:
-            found[kind].append(block.nodes[:, list(local)])
-    return {kind: np.concatenate(parts) for kind, parts in found.items()}
+def facet_centres(nodes: Matrix, facets: Facets) -> Matrix:
+    """Return the mean (n_facet, 3) of the corners of facets; ``nodes`` are coordinates."""
+    # A triangle repeats its last corner, which must not count twice.
+    triangle, square = np.array([1, 1, 1, 0]) / 3, np.full(4, 1 / 4)
+    weights = np.where(facets.triangular[:, None], triangle, square)
+    centres: Matrix = np.einsum("fc,fcd->fd", weights, nodes[facets.corners])
+    return centres
 
 
-def _corner_key(kind: str, nodes: Indices) -> Indices:
-    """Sort the corners so that the two elements of an inner facet agree; triangles pad with -1."""
-    corners = np.full((len(nodes), 4), -1, dtype=np.int64)
-    corners[:, : N_CORNERS[kind]] = nodes[:, : N_CORNERS[kind]]
-    return np.sort(corners, axis=1)
+def facet_area_vectors(nodes: Matrix, facets: Facets) -> Matrix:
+    """Return the area vectors (n_facet, 3) [length²] spanned by the corners of facets."""
+    corners = nodes[facets.corners]
+    # Half the cross product of the diagonals; with the last corner repeated it is the triangle's.
+    vectors: Matrix = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    return vectors
+
+
+def facet_normals(nodes: Matrix, facets: Facets) -> Matrix:
+    """Return the unit outward normals (n_facet, 3) of facets, taken from their corners."""
+    vectors = facet_area_vectors(nodes, facets)
+    normals: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return normals
