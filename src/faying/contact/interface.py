@@ -61,7 +61,9 @@ class Interface:
         Area each contact point stands for.
     points, normals : (n_point, 3)
     face_of_point : (n_point,)
-        Running number of the facet (through all entries of ``faces``) a point lies on.
+        Running number of the facet (through all entries of ``faces``) a point lies on. Under nodal
+        quadrature the points of facets that meet at a node pair are one point, with the sum of
+        their weights: its facet is then the first of them, and only tells about where it is.
     penalty : [force/length³]
         Contact stiffness c_n of Eq. (15.12); ``inf`` is hard contact, Eq. (15.7).
     quadrature
