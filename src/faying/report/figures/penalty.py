@@ -60,18 +60,19 @@ def penalty_figure(results: Results) -> Drawn | None:
     for axes in (left, right):
         for penalty in used:
             axes.axvline(penalty, color="0.6", lw=1.0, label="this study")
-        axes.axvline(record.recommended, color="#009E73", lw=1.0, ls="--", label="recommended")
+        axes.axvline(record.recommended, color="0.3", lw=1.2, ls=(0, (1, 1)), label="recommended")
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
     figure.suptitle("Contact stiffness")
     unit = units.of("force/length³")
+    missed = "" if record.reached else ", the closest to hard contact but not within its tolerance"
     caption = (
         "Static load cases over the penalty stiffness at the same final bolt forces. Left: "
         "largest difference of the full model's nodal average pressures from hard contact, over "
         "the largest of hard contact. Right: largest relative error of the reduced models against "
         "the full model of the same penalty, worst load case. Recommended: "
-        f"{quantity(record.recommended, unit)} (automatic: {quantity(sweep.automatic, unit)}). "
-        f"{record.advice}"
+        f"{quantity(record.recommended, unit)}{missed} (automatic: "
+        f"{quantity(sweep.automatic, unit)})."
     )
     return Drawn(
         figure=figure, stem="penalty", title="Contact stiffness", caption=caption, section="beyond"
