@@ -89,8 +89,7 @@ def _bodies(mesh: Mesh) -> Table:
 
 
 def _materials(assembly: Assembly) -> Table:
-    blocks = assembly.mesh.blocks
-    owners = np.concatenate([*(b.properties for b in blocks), np.empty(0, dtype=np.int64)])
+    owners = assembly.mesh.element_properties
     rows = [
         (
             number,

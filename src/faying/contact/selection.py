@@ -77,9 +77,7 @@ def _by_name(assembly: Assembly, name: str) -> Facets:
 
 def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
     exterior = exterior_facets(assembly.mesh)
-    blocks = assembly.mesh.blocks
-    elements = np.concatenate([np.empty(0, np.int64), *(block.ids for block in blocks)])
-    properties = np.concatenate([np.empty(0, np.int64), *(b.properties for b in blocks)])
+    elements, properties = assembly.mesh.element_ids, assembly.mesh.element_properties
     meanings = [(properties, exterior.properties), (elements, exterior.elements)]
     for known, owner in meanings:
         if np.isin(numbers, known).all():

@@ -119,18 +119,12 @@ def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
     names = [
         f"'{name}'"
         for name, ids in mesh.element_sets.items()
-        if np.array_equal(np.unique(_element_nodes(assembly, ids)), members)
+        if np.array_equal(mesh.element_nodes(ids), members)
     ]
     ids = mesh.node_ids[members]
     # The last set is the study's own, which its author knows.
     named = f" {names[-1]}" if names else ""
     return f"body{named} (nodes {ids.min()} to {ids.max()})"
-
-
-def _element_nodes(assembly: Assembly, ids: Indices) -> Indices:
-    blocks = assembly.mesh.blocks
-    nothing = np.empty(0, dtype=np.int64)
-    return np.concatenate([nothing, *(b.nodes[np.isin(b.ids, ids)].ravel() for b in blocks)])
 
 
 def _direction(motion: Vector) -> str:

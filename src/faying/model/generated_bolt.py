@@ -125,7 +125,7 @@ def _material(assembly: Assembly, spec: BoltSpec) -> Material:
     """Look the bolt's material up by property id or name; default the first solid's."""
     wanted = spec.material
     if wanted is None and assembly.mesh.n_elements:
-        wanted = next(int(b.properties[0]) for b in assembly.mesh.blocks if len(b.ids))
+        wanted = int(assembly.mesh.element_properties[0])
     by_name = {material.name: material for material in assembly.materials.values()}
     found = by_name.get(wanted) if isinstance(wanted, str) else None
     if isinstance(wanted, int):

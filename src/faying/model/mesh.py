@@ -1,6 +1,6 @@
 """The mesh of solid elements: nodes, blocks of cells of one kind, named sets."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -69,6 +69,21 @@ class Mesh:
         """Number of solid elements."""
         return sum(len(block.ids) for block in self.blocks)
 
+    @property
+    def element_ids(self) -> Indices:
+        """Ids of all solid elements (n_element,), block by block."""
+        return _joined([block.ids for block in self.blocks])
+
+    @property
+    def element_properties(self) -> Indices:
+        """Property ids of all solid elements (n_element,), block by block."""
+        return _joined([block.properties for block in self.blocks])
+
+    def element_nodes(self, element_ids: Indices) -> Indices:
+        """Return the indices of the nodes of solid elements given by id, each once, sorted."""
+        parts = [b.nodes[np.isin(b.ids, element_ids)].ravel() for b in self.blocks]
+        return np.unique(_joined(parts))
+
     def node_index(self, node_ids: Indices) -> Indices:
         """Return the indices of nodes given by id.
 
@@ -91,3 +106,8 @@ class Mesh:
     def with_node_set(self, name: str, nodes: Indices) -> "Mesh":
         """Return a copy with the named set of node indices added."""
         return replace(self, node_sets={**self.node_sets, name: frozen(nodes, np.int64)})
+
+
+def _joined(parts: Sequence[Indices]) -> Indices:
+    """Concatenate any number of index arrays, also none."""
+    return np.concatenate([np.empty(0, dtype=np.int64), *parts])

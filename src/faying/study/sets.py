@@ -45,11 +45,11 @@ def _from_deck(assembly: Assembly, study: Study, name: str, named: NamedSet) -> 
 
 def _from_properties(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
     mesh, wanted = assembly.mesh, named.properties or ()
-    properties, ids = _solids(mesh)
+    properties = mesh.element_properties
     for missing in sorted(set(wanted) - set(properties.tolist())):
         known = ", ".join(map(str, np.unique(properties).tolist()))
         _refuse(study, name, f"no solid has property {missing}; properties are {known or 'none'}")
-    chosen = ids[np.isin(properties, wanted)]
+    chosen = mesh.element_ids[np.isin(properties, wanted)]
     return replace(assembly, mesh=_with_elements(mesh, study, name, chosen))
 
 
@@ -61,7 +61,7 @@ def _from_nodes(assembly: Assembly, study: Study, name: str, named: NamedSet) ->
 
 def _from_elements(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
     wanted, mesh = np.array(named.elements or (), dtype=np.int64), assembly.mesh
-    _check_ids(study, name, "solid element", wanted.tolist(), _solids(mesh)[1])
+    _check_ids(study, name, "solid element", wanted.tolist(), mesh.element_ids)
     return replace(assembly, mesh=_with_elements(mesh, study, name, wanted))
 
 
@@ -83,14 +83,6 @@ def _check_ids(study: Study, name: str, what: str, wanted: Sequence[int], known:
         _refuse(study, name, f"the model has no {what} with id {shown}; correct the list")
 
 
-def _solids(mesh: Mesh) -> tuple[Indices, Indices]:
-    """Property and id of every solid element."""
-    if not mesh.blocks:
-        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    properties = np.concatenate([block.properties for block in mesh.blocks])
-    return properties, np.concatenate([block.ids for block in mesh.blocks])
-
-
 def _with_elements(mesh: Mesh, study: Study, name: str, elements: Indices) -> Mesh:
     """Add an element set, and the set of its nodes where a boundary uses the name."""
     sets = {**mesh.element_sets, name: frozen(elements, np.int64)}
@@ -98,8 +90,7 @@ def _with_elements(mesh: Mesh, study: Study, name: str, elements: Indices) -> Me
     # Not always: an interface would prefer the node set, which may hold facets of neighbours.
     if name in mesh.node_sets or not _used_by_boundary(study, name):
         return mesh
-    parts = [block.nodes[np.isin(block.ids, elements)].ravel() for block in mesh.blocks]
-    return mesh.with_node_set(name, np.unique(np.concatenate(parts)))
+    return mesh.with_node_set(name, mesh.element_nodes(elements))
 
 
 def _used_by_boundary(study: Study, name: str) -> bool:
