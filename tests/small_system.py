@@ -12,7 +12,7 @@ from faying.contact.interface import Contact
 from faying.linalg.factorization import factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.system import PortCompliance, boundary_dofs, elongations
+from faying.model.system import boundary_dofs, elongations, port_compliance_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -31,8 +31,8 @@ class SmallSystem:
         dofs = boundary_dofs(self.boundaries)
         rows = [self.contact.relative_operator, np.eye(len(self.K))[dofs]]
         ports = np.vstack([*rows, elongations(self.bolts, len(self.K))])
-        return PortCompliance(
-            matrix=ports @ np.linalg.solve(self.K, ports.T),
+        return port_compliance_of(
+            ports @ np.linalg.solve(self.K, ports.T),
             n_relative=self.contact.n_points,
             n_boundary=len(dofs),
         )

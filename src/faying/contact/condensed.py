@@ -1,14 +1,28 @@
 """Contact condensed to its points: g = g_free + S λ with S = G A⁻¹ Gᵀ for any linear operator A."""
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Mask, Matrix, SparseMatrix, Vector
+from faying.contact.compressed_space import CompressedSpace, solve_compressed
+from faying.contact.dense_points import DensePoints
 from faying.contact.interface import Contact
-from faying.contact.problem import ContactForces, ContactProblem
+from faying.contact.pair_space import PairSpace
+from faying.contact.pivoting import ActiveSetSpace, ContactForces, solve_complementarity
+from faying.exceptions import ModelError
+from faying.linalg.budget import pairs_fit
+from faying.linalg.compressed import Compliance, CompressedCompliance, smooth_compliance
+from faying.linalg.factorization import Factorization
+from faying.linalg.partial import compressed_port_compliance, port_compliance
+
+MANY_POINTS = 1000
+"""Contact points from which pairs are faster; both take some 10 ms there."""
+
+_log = logging.getLogger("faying")
 
 
 class ContactSolver(Protocol):
@@ -31,6 +45,10 @@ class ContactSolver(Protocol):
         """Solve for the contact forces that a free gap (n_point,) calls up."""
         ...
 
+    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
+        """Return forces (n_active, k) that close gaps (n_active, k) at the active points."""
+        ...
+
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution."""
         ...
@@ -50,14 +68,45 @@ class CondensedContact:
     """
 
     contact: Contact
-    compliance: Matrix
+    compliance: Compliance
+
+    @cached_property
+    def total(self) -> Compliance:
+        """Compliance between pairs with the residual compliance, dense or compressed."""
+        residual = self.contact.residual_compliance
+        if residual is None:
+            return self.compliance
+        if isinstance(residual, CompressedCompliance):
+            # Only reduced models have residuals, and their own compliance is smooth.
+            return residual.added(cast("CompressedCompliance", self.compliance))
+        return np.asarray(cast("Matrix", self.compliance) + residual)
+
+    @cached_property
+    def space(self) -> ActiveSetSpace:
+        """The form in which active sets are solved, chosen by size and memory alone."""
+        total, contact = self.total, self.contact
+        if isinstance(total, CompressedCompliance):
+            _log.info(announcement(total, contact))
+            return CompressedSpace(N=contact.interpolation, S=total, D=contact.flexibility)
+        if contact.n_points >= MANY_POINTS and 2 * len(total) <= contact.n_points:
+            return PairSpace(N=contact.interpolation, S=_finite(total), D=contact.flexibility)
+        return DensePoints(H=_finite(self.flexibility))
+
+    @property
+    def own_compliance(self) -> Vector:
+        """Gap of every contact point per force at it (n_point,) [length/force]."""
+        return np.asarray(self.space.diagonal - self.contact.flexibility)
 
     @cached_property
     def flexibility(self) -> Matrix:
-        """H = S + D (n_point, n_point), residual compliance included; design §3."""
-        residual = self.contact.residual_compliance
-        total = self.compliance if residual is None else self.compliance + residual
-        flexibility = self.contact.at_points(total)
+        """H = S + D (n_point, n_point), residual compliance included; design §3.
+
+        Raises
+        ------
+        ModelError
+            If dense matrices of that size exceed the dense budget.
+        """
+        flexibility = self.contact.at_points(self.total)
         flexibility[np.diag_indices_from(flexibility)] += self.contact.flexibility
         return flexibility
 
@@ -72,10 +121,59 @@ class CondensedContact:
 
     def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
         """Solve for the contact forces that a free gap (n_point,) calls up."""
-        return ContactProblem(H=self.flexibility, g_free=free_gap).solve(active=active)
+        if not np.isfinite(free_gap).all():
+            message = "the gap without contact forces holds NaN or infinity; check loads and model"
+            raise ModelError(message)
+        if isinstance(self.space, CompressedSpace):
+            return solve_compressed(self.space, free_gap, active)
+        return solve_complementarity(self.space, free_gap, active)
+
+    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
+        """Return H_AA⁻¹ B (n_active, k): forces that close gaps B (n_active, k) at active points.
+
+        Where hard contact makes H_AA singular, the forces are those of least norm.
+        """
+        return self.space.solve(gaps, active)
 
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution; negative by the penetration where contact is elastic."""
         penetration = self.contact.flexibility * solution.forces
         gap: Vector = solution.slack - penetration
         return gap
+
+
+def relative_compliance(contact: Contact, factor: Factorization, weight: float = 1.0) -> Compliance:
+    """Return the compliance P A⁻¹ Pᵀ between pairs, times a weight, for a factorized A.
+
+    Notes
+    -----
+    Dense within the dense budget; beyond it compressed for a full model, and in factored form for
+    a reduced one.
+    """
+    ports = contact.relative_operator
+    if contact.places is None or pairs_fit(ports.shape[0], contact.dense_budget):
+        return weight * port_compliance(ports, factor)
+    if isinstance(ports, np.ndarray):
+        core = weight * factor.solve(np.eye(ports.shape[1]))
+        return smooth_compliance(ports, core, contact.places)
+    sparse = cast("SparseMatrix", ports)
+    return compressed_port_compliance(sparse, factor, contact.places).scaled(weight)
+
+
+def announcement(compliance: CompressedCompliance, contact: Contact) -> str:
+    """Say that a compliance is compressed, what that saves and what error it makes."""
+    n = compliance.shape[0]
+    space = CompressedSpace(N=contact.interpolation, S=compliance, D=contact.flexibility)
+    return (
+        f"{contact.n_points} contact points on {n} relative displacements: dense matrices exceed "
+        f"the dense budget of {contact.dense_budget:.2g} bytes, so the compliance is compressed to "
+        f"{compliance.n_bytes / (8 * n**2):.1%} of its size; pressures change by less than "
+        f"{space.truncation:.1e} (relative, root mean square)"
+    )
+
+
+def _finite(matrix: Matrix) -> Matrix:
+    if not np.isfinite(matrix).all():
+        message = "the contact flexibility holds NaN or infinity; check the model's matrices"
+        raise ModelError(message)
+    return matrix

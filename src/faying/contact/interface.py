@@ -5,7 +5,7 @@ gap g = g₀ + n·(u⁺ − u⁻) ≥ 0 is open, and pressure p ≥ 0 is compres
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,8 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.exceptions import ModelError
+from faying.linalg.budget import default_budget, points_fit
+from faying.linalg.compressed import Compliance, CompressedCompliance
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,6 +110,13 @@ class Interface:
         return len(self.weights)
 
     @property
+    def relative_places(self) -> Matrix:
+        """About where each relative displacement is (n_relative, 3): amid the points it moves."""
+        shape = abs(self.point_shape)
+        places = (shape.T @ self.points) / np.asarray(shape.sum(axis=0)).reshape(-1, 1)
+        return np.repeat(places, self.relative_operator.shape[0] // len(places), axis=0)
+
+    @property
     def area(self) -> float:
         """Area of the interface [length²]."""
         return float(self.weights.sum())
@@ -156,6 +165,10 @@ class Contact:
         Interface name to its contact points.
     residual_compliance : (n_relative, n_relative) or None
         Relative displacement per contact force that the basis of a reduced model cannot express.
+    places : (n_relative, 3) or None
+        Where the relative displacements are [length].
+    dense_budget
+        Memory that dense matrices between pairs or contact points may take [bytes].
     """
 
     relative_operator: SparseMatrix | Matrix
@@ -164,7 +177,9 @@ class Contact:
     weights: Vector
     penalty: Vector
     slices: Mapping[str, slice]
-    residual_compliance: Matrix | None = None
+    residual_compliance: Compliance | None = None
+    places: Matrix | None = None
+    dense_budget: int = field(default_factory=default_budget)
 
     @property
     def gap_operator(self) -> SparseMatrix | Matrix:
@@ -181,9 +196,26 @@ class Contact:
         """Number of contact points of all interfaces."""
         return len(self.weights)
 
-    def at_points(self, compliance: Matrix) -> Matrix:
-        """Take a compliance between node pairs to one between contact points, N S Nᵀ."""
-        half = self.interpolation @ compliance
+    def at_points(self, compliance: Compliance) -> Matrix:
+        """Take a compliance between node pairs to one between contact points, N S Nᵀ.
+
+        Raises
+        ------
+        ModelError
+            If dense matrices of that size exceed the dense budget.
+        """
+        if not points_fit(self.n_points, self.dense_budget):
+            message = (
+                f"a dense matrix between {self.n_points} contact points exceeds the dense budget "
+                f"of {self.dense_budget:.2g} bytes; solve without it (solve_static, "
+                "solve_transient), use a coarser interface, or raise the budget with "
+                "model.with_dense_budget"
+            )
+            raise ModelError(message)
+        if isinstance(compliance, CompressedCompliance):
+            half = (compliance @ self.interpolation.T.toarray()).T
+        else:
+            half = self.interpolation @ compliance
         full: Matrix = self.interpolation @ half.T
         return full
 
@@ -198,6 +230,7 @@ def stack(interfaces: Mapping[str, Interface]) -> Contact:
         initial_gap=frozen(np.concatenate([m.initial_gap for m in members])),
         weights=frozen(np.concatenate([m.weights for m in members])),
         penalty=frozen(np.concatenate([np.full(m.n_points, m.penalty) for m in members])),
+        places=frozen(np.concatenate([m.relative_places for m in members])),
         slices={
             name: slice(int(start), int(stop))
             for name, start, stop in zip(interfaces, ends[:-1], ends[1:], strict=True)

@@ -3,7 +3,8 @@
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Matrix, SparseMatrix
+from faying._typing import Indices, Matrix, SparseMatrix
+from faying.linalg.compressed import CompressedCompliance, compress, symmetrized
 from faying.linalg.factorization import Factorization
 
 COLUMN_BLOCK = 256
@@ -22,4 +23,26 @@ def port_compliance(ports: SparseMatrix | Matrix, factor: Factorization) -> Matr
         rows = ports[start : start + COLUMN_BLOCK]
         dense = rows.toarray() if isinstance(rows, sp.sparray) else rows
         compliance[:, start : start + COLUMN_BLOCK] = ports @ factor.solve(dense.T)
-    return (compliance + compliance.T) / 2
+    return symmetrized(compliance)
+
+
+def compressed_port_compliance(
+    ports: SparseMatrix, factor: Factorization, places: Matrix
+) -> CompressedCompliance:
+    """Compute Q A⁻¹ Qᵀ as :func:`port_compliance`, in compressed form.
+
+    Parameters
+    ----------
+    places : (n_port, 3) [length]
+        Where the ports are.
+
+    Notes
+    -----
+    One back-substitution per port, a cluster at a time.
+    """
+
+    def columns(members: Indices) -> Matrix:
+        column: Matrix = ports @ factor.solve(ports[members].toarray().T)
+        return column
+
+    return compress(columns, places)

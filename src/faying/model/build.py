@@ -82,11 +82,13 @@ def build_model(
         for spec, end in zip(boundaries, ends, strict=True)
     }
     tightened = {spec.name: _bolt(assembly, dofs, K, spec) for spec in bolts}
+    stacked = stack(joints)
     structure = Structure(
         M=M,
         C=C,
         K=K,
-        relative_operator=stack(joints).relative_operator,
+        relative_operator=stacked.relative_operator,
+        places=stacked.places,
         boundary=boundary_dofs(placed),
         elongations=elongations(tightened, K.shape[0]),
         diagnose=partial(unconstrained, assembly, dofs),

@@ -72,7 +72,7 @@ class Model:
     @cached_property
     def contact(self) -> Contact:
         """All interfaces stacked."""
-        return stack(self.interfaces)
+        return replace(stack(self.interfaces), dense_budget=self.structure.dense_budget)
 
     @property
     def port_compliance(self) -> PortCompliance:
@@ -91,6 +91,15 @@ class Model:
     def expand(self, states: Matrix) -> Matrix:
         """Return the states themselves: they are the free displacements."""
         return states
+
+    def with_dense_budget(self, n_bytes: int) -> "Model":
+        """Return a copy whose dense contact matrices may take another amount of memory.
+
+        What exceeds it is kept compressed, with the error that this makes reported; what was
+        factorized or condensed before is formed anew.
+        """
+        structure = replace(self.structure, dense_budget=int(n_bytes))
+        return replace(self, structure=structure)
 
     def with_penalty(self, penalty: float) -> "Model":
         """Return a copy with another contact stiffness on all interfaces (``inf`` is hard)."""

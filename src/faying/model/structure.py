@@ -1,20 +1,21 @@
 """The linear part of a model, and the one factorization everything else is computed from."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.linalg.budget import default_budget, pairs_fit
+from faying.linalg.compressed import Compliance, plus, symmetrized
 from faying.linalg.factorization import (
     Factorization,
     SingularMatrixError,
     factorize,
     factorize_condensed,
 )
-from faying.linalg.partial import port_compliance
+from faying.linalg.partial import compressed_port_compliance, port_compliance
 from faying.model.system import PortCompliance
 
 
@@ -39,6 +40,10 @@ class Structure:
     elongations : (n_bolt, n_dof)
     diagnose
         Says what moves freely, given a motion (n_dof,) that K does not resist.
+    places : (n_relative, 3) or None
+        Where the relative displacements are [length]; without them nothing is compressed.
+    dense_budget
+        Memory that dense matrices between pairs or contact points may take [bytes].
     """
 
     M: SparseMatrix
@@ -48,6 +53,8 @@ class Structure:
     boundary: Indices
     elongations: Matrix
     diagnose: Callable[[SparseMatrix, Vector], str] | None = None
+    places: Matrix | None = None
+    dense_budget: int = field(default_factory=default_budget)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boundary", frozen(self.boundary, np.int64))
@@ -124,19 +131,19 @@ class Structure:
         )
 
     @cached_property
-    def _inner_ports(self) -> SparseMatrix:
-        """Relative displacements and bolt elongations stacked; their ports when held."""
-        return sp.vstack([self.relative_operator, sp.csr_array(self.elongations)]).tocsr()
+    def held_compliance(self) -> Compliance:
+        """P K_ii⁻¹ Pᵀ (n_relative, n_relative) of relative displacements, boundary held.
 
-    @cached_property
-    def held_compliance(self) -> Matrix:
-        """Q K_ii⁻¹ Qᵀ of relative displacements and bolt elongations, boundary held.
+        Compressed where dense matrices of its size exceed the dense budget.
 
         Notes
         -----
-        One back-substitution per pair (three where curved) and bolt, in blocks.
+        One back-substitution per pair (three where curved), in blocks.
         """
-        return port_compliance(self._inner_ports[:, self.interior], self.interior_factor)
+        ports = self.relative_operator[:, self.interior].tocsr()
+        if self.places is None or pairs_fit(ports.shape[0], self.dense_budget):
+            return port_compliance(ports, self.interior_factor)
+        return compressed_port_compliance(ports, self.interior_factor, self.places)
 
     @cached_property
     def bolt_shapes(self) -> Matrix:
@@ -152,12 +159,16 @@ class Structure:
         SingularMatrixError
             If the structure is not held without its boundary.
         """
-        n_relative, n_boundary = self.relative_operator.shape[0], len(self.boundary)
-        inner_rows = self._inner_ports @ self.constraint_modes
-        rows = np.vstack([inner_rows[:n_relative], np.eye(n_boundary), inner_rows[n_relative:]])
-        matrix = rows @ self.boundary_factor.solve(rows.T)
-        inner = np.r_[0:n_relative, n_relative + n_boundary : len(rows)]
-        matrix[np.ix_(inner, inner)] += self.held_compliance
+        seen = self.relative_operator @ self.constraint_modes
+        outer = np.vstack([np.eye(len(self.boundary)), self.elongations @ self.constraint_modes])
+        condensed = self.boundary_factor.solve(np.eye(len(self.boundary)))
+        columns, inputs = outer @ condensed @ seen.T, outer @ condensed @ outer.T
+        bolts = slice(len(self.boundary), len(outer))
+        columns[bolts] -= (self.relative_operator @ self.bolt_shapes).T
+        inputs[bolts, bolts] -= self.elongations @ self.bolt_shapes
         return PortCompliance(
-            matrix=(matrix + matrix.T) / 2, n_relative=n_relative, n_boundary=n_boundary
+            relative=plus(self.held_compliance, seen, condensed),
+            contact_columns=columns,
+            input_rows=symmetrized(inputs),
+            n_boundary=len(self.boundary),
         )

@@ -14,6 +14,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import ContactSolver
 from faying.contact.interface import Contact
+from faying.linalg.compressed import Compliance
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
@@ -21,34 +22,50 @@ from faying.model.boundary import Boundary
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PortCompliance:
-    """Displacement at the ports per force at the ports, Q K⁻¹ Qᵀ.
+    """Displacement at the ports per force at the ports, Q K⁻¹ Qᵀ, symmetric.
+
+    Ports come in the order relative displacements, boundary, bolts.
 
     Attributes
     ----------
-    matrix : (n_port, n_port)
-        Symmetric; ports in the order relative displacements, boundary, bolts.
-    n_relative, n_boundary
-        Number of relative displacements and of boundary degrees of freedom.
+    relative : (n_relative, n_relative)
+        Relative displacement per contact force, dense or compressed.
+    contact_columns : (n_boundary + n_bolt, n_relative)
+        Boundary and bolt ports per contact force.
+    input_rows : (n_boundary + n_bolt, n_boundary + n_bolt)
+        Boundary and bolt ports per force at them.
+    n_boundary
+        Number of boundary degrees of freedom.
     """
 
-    matrix: Matrix
-    n_relative: int
+    relative: Compliance
+    contact_columns: Matrix
+    input_rows: Matrix
     n_boundary: int
 
     @property
-    def relative(self) -> Matrix:
-        """Relative displacement per contact force (n_relative, n_relative)."""
-        return self.matrix[: self.n_relative, : self.n_relative]
+    def n_relative(self) -> int:
+        """Number of relative displacements."""
+        return int(self.contact_columns.shape[1])
 
-    @property
-    def contact_columns(self) -> Matrix:
-        """Boundary and bolt ports per contact force (n_boundary + n_bolt, n_relative)."""
-        return self.matrix[self.n_relative :, : self.n_relative]
+    def per_contact(self, forces: Matrix) -> Matrix:
+        """Return the displacements of all ports (..., n_port) under forces (..., n_relative)."""
+        inner = (self.relative @ np.asarray(forces).T).T
+        return np.concatenate([inner, forces @ self.contact_columns.T], axis=-1)
 
-    @property
-    def input_rows(self) -> Matrix:
-        """Boundary and bolt ports per force at them."""
-        return self.matrix[self.n_relative :, self.n_relative :]
+    def per_input(self, forces: Matrix) -> Matrix:
+        """Return the displacements of all ports (..., n_port) under boundary and bolt forces."""
+        return np.concatenate([forces @ self.contact_columns, forces @ self.input_rows], axis=-1)
+
+
+def port_compliance_of(matrix: Matrix, n_relative: int, n_boundary: int) -> PortCompliance:
+    """Return the port compliance of one symmetric matrix (n_port, n_port)."""
+    return PortCompliance(
+        relative=matrix[:n_relative, :n_relative],
+        contact_columns=matrix[n_relative:, :n_relative],
+        input_rows=matrix[n_relative:, n_relative:],
+        n_boundary=n_boundary,
+    )
 
 
 class System(Protocol):

@@ -107,6 +107,10 @@ class DeimContact:
             iterations=iterations,
         )
 
+    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
+        """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""
+        return np.asarray(np.linalg.lstsq(self.flexibility[np.ix_(active, active)], gaps)[0])
+
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution; off the sampling points it need not fit the forces."""
         return np.asarray(solution.slack - self.contact.flexibility * solution.forces)

@@ -105,6 +105,10 @@ class ForceBasisContact:
             iterations=solution.iterations,
         )
 
+    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
+        """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""
+        return np.asarray(np.linalg.lstsq(self.flexibility[np.ix_(active, active)], gaps)[0])
+
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution, which may be closed too far where the basis is poor."""
         return np.asarray(solution.slack - self.contact.flexibility * solution.forces)

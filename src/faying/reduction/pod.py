@@ -7,6 +7,7 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
+from faying.linalg.compressed import Compliance
 
 SVD_RANK = 1e-12
 """Singular values below this fraction of the largest are round-off of the SVD."""
@@ -35,7 +36,7 @@ class Pod:
 
 
 def pod(
-    snapshots: Matrix, *, inner: SparseMatrix | Matrix | None = None, count: int | None = None
+    snapshots: Matrix, *, inner: SparseMatrix | Compliance | None = None, count: int | None = None
 ) -> Pod:
     """Find the modes that represent a collection of snapshots best, Eq. (15.20).
 
@@ -79,7 +80,7 @@ def pod(
 
 
 def pod_of_gram_matrix(
-    snapshots: Matrix, *, inner: SparseMatrix | Matrix | None = None, count: int | None = None
+    snapshots: Matrix, *, inner: SparseMatrix | Compliance | None = None, count: int | None = None
 ) -> Pod:
     """Find the same modes by the method of snapshots, the eigenproblem (15.22).
 

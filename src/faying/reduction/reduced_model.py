@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 
 from faying._typing import Matrix, frozen
-from faying.contact.condensed import CondensedContact
+from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.interface import Contact
+from faying.linalg.compressed import Compliance, plus, symmetrized
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
@@ -54,18 +55,13 @@ class ReducedModel:
     @cached_property
     def port_compliance(self) -> PortCompliance:
         """Static compliance between contact pairs, boundary and bolts within the basis."""
-        dofs = boundary_dofs(self.boundaries)
-        ports = np.vstack(
-            [
-                self.contact.relative_operator,
-                np.eye(len(self.K))[dofs],
-                elongations(self.bolts, len(self.K)),
-            ]
-        )
-        matrix = ports @ self._static_factor.solve(ports.T)
+        dofs, n_mode = boundary_dofs(self.boundaries), len(self.K)
+        outer = np.vstack([np.eye(n_mode)[dofs], elongations(self.bolts, n_mode)])
+        answers = self._static_factor.solve(outer.T)
         return PortCompliance(
-            matrix=(matrix + matrix.T) / 2,
-            n_relative=self.contact.relative_operator.shape[0],
+            relative=relative_compliance(self.contact, self._static_factor),
+            contact_columns=(self.contact.relative_operator @ answers).T,
+            input_rows=symmetrized(outer @ answers),
             n_boundary=len(dofs),
         )
 
@@ -128,7 +124,7 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
     )
 
 
-def residual_compliance(model: Model, basis: Basis) -> Matrix:
+def residual_compliance(model: Model, basis: Basis) -> Compliance:
     """Compliance R (n_relative, n_relative) between contact pairs that a basis cannot express.
 
     R = P K_ii⁻¹ Pᵀ − PΦ_f (Φ_fᵀ K Φ_f)⁻¹ (PΦ_f)ᵀ with Φ_f the shapes that vanish on the boundary.
@@ -139,10 +135,7 @@ def residual_compliance(model: Model, basis: Basis) -> Matrix:
     fixed = basis.of_kind(ModeKind.NORMAL, ModeKind.BOLT, ModeKind.JOINT)
     seen = model.structure.relative_operator @ fixed
     stiffness = fixed.T @ (model.K @ fixed)
-    n_relative = len(seen)
-    full = model.structure.held_compliance[:n_relative, :n_relative]
-    residual: Matrix = full - seen @ np.linalg.solve(stiffness, seen.T)
-    return (residual + residual.T) / 2
+    return plus(model.structure.held_compliance, seen, -np.linalg.inv(stiffness))
 
 
 def _projected(image: Matrix, phi: Matrix) -> Matrix:

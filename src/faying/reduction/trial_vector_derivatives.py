@@ -51,9 +51,7 @@ def trial_vector_derivatives(
     structure, contact = model.structure, model.contact
     products = contact.weights[:, None] * _gap_products(model, start)
     at_pairs = contact.interpolation.T @ products
-    n_relative = len(at_pairs)
-    held = structure.held_compliance[:n_relative, :n_relative]
-    patterns = pod(at_pairs, inner=held, count=joint_modes).vectors
+    patterns = pod(at_pairs, inner=structure.held_compliance, count=joint_modes).vectors
     shapes = structure.solve_held(structure.relative_operator.T @ patterns)
     joint = Basis(vectors=shapes, kinds=(ModeKind.JOINT,) * shapes.shape[1])
     return (start + joint).orthonormalized(structure.K)

@@ -338,9 +338,7 @@ def recover_from_boundary_loads(
 
 def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
     """Return port displacements Q K⁻¹ f (..., n_port) under boundary and bolt forces alone."""
-    columns = ports.matrix[ports.n_relative :]
-    displacements: Matrix = port_forces(ports, inputs) @ columns
-    return displacements
+    return ports.per_input(port_forces(ports, inputs))
 
 
 def _selected(solution: Solution, at: slice | Indices) -> Solution:
@@ -429,8 +427,7 @@ def _contact_displacements(model: Model, forces: Matrix) -> Matrix:
     """Q K⁻¹ Gᵀ λ (..., n_port)."""
     ports = model.port_compliance
     at_pairs = (model.contact.interpolation.T @ np.asarray(forces).T).T
-    displacements: Matrix = at_pairs @ ports.matrix[: ports.n_relative]
-    return displacements
+    return ports.per_contact(at_pairs)
 
 
 def _at_ports(structure: Structure, displacements: Matrix) -> Matrix:

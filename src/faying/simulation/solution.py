@@ -30,6 +30,9 @@ class Solution:
         Boundary forces and initial bolt forces.
     iterations : (...)
         Linear systems the contact problem took.
+    contact_error : (...)
+        Bound on the relative error of the contact forces, (Σ λ²/(c_n w))½, that compression and
+        iteration make on large interfaces; zero where contact is solved to round-off.
     times : (n_time,) or None
         Instants of a transient.
     velocities, accelerations : (n_time, n_dof) or None
@@ -43,6 +46,7 @@ class Solution:
     gap: Matrix
     inputs: Matrix
     iterations: Indices
+    contact_error: Matrix | float = 0.0
     times: Vector | None = None
     velocities: Matrix | None = None
     accelerations: Matrix | None = None

@@ -41,6 +41,7 @@ def solve_static(system: System, load: Load = AT_REST) -> Solution:
         gap=cases.gap[0],
         inputs=cases.inputs[0],
         iterations=cases.iterations[0],
+        contact_error=np.asarray(cases.contact_error)[0],
     )
 
 
@@ -63,13 +64,13 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     free = port_forces(system.port_compliance, inputs) @ system.port_compliance.contact_columns
     shape = (len(inputs), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
-    iterations = np.empty(len(inputs), dtype=np.int64)
+    iterations, errors = np.empty(len(inputs), dtype=np.int64), np.empty(len(inputs))
     starts = WarmStarts(contact.n_points)
     for case, gap in enumerate(condensed.free_gap(free)):
         solution = condensed.solve_gap(gap, starts.nearest(gap))
         starts.remember(gap, solution.active)
         forces[case], gaps[case] = solution.forces, condensed.gap(solution)
-        iterations[case] = solution.iterations
+        iterations[case], errors[case] = solution.iterations, solution.error
     external = input_forces(system, inputs) + relative_forces(system, forces)
     return Solution(
         name=name,
@@ -79,6 +80,7 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
         gap=gaps,
         inputs=inputs,
         iterations=iterations,
+        contact_error=errors,
     )
 
 

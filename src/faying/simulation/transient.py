@@ -5,10 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from faying._typing import Vector
-from faying.contact.condensed import CondensedContact
+from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.exceptions import ModelError
 from faying.linalg.factorization import Factorization, factorize
-from faying.linalg.partial import port_compliance
 from faying.model.system import System, input_forces
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
@@ -84,6 +83,7 @@ def solve_transient(
     states, velocities, accelerations = (np.zeros((n_time, n_dof)) for _ in range(3))
     forces = np.zeros((n_time, system.contact.n_points))
     gaps, iterations = np.zeros_like(forces), np.zeros(n_time, dtype=np.int64)
+    errors = np.zeros(n_time)
     states[0], accelerations[0] = motion.u, motion.a
     forces[0], gaps[0] = start.contact_forces, start.gap
     active = start.contact_forces > 0
@@ -97,6 +97,7 @@ def solve_transient(
         states[n], velocities[n], accelerations[n] = motion.u, motion.v, motion.a
         forces[n], gaps[n] = contact.forces, condensed.gap(contact)
         iterations[n], active = contact.iterations, contact.active
+        errors[n] = contact.error
         if progress is not None:
             progress(1)
     return Solution(
@@ -107,6 +108,7 @@ def solve_transient(
         gap=gaps,
         inputs=np.concatenate([start.inputs[None], inputs[1:]]),
         iterations=iterations,
+        contact_error=errors,
         times=times,
         velocities=velocities,
         accelerations=accelerations,
@@ -117,8 +119,10 @@ def _condense_step(
     system: System, scheme: Integrator, effective: Factorization
 ) -> CondensedContact:
     """Compliance of one time step, P A⁻¹ Pᵀ times the weight of the new forces."""
-    compliance = port_compliance(system.contact.relative_operator, effective)
-    return CondensedContact(contact=system.contact, compliance=scheme.force_weight * compliance)
+    return CondensedContact(
+        contact=system.contact,
+        compliance=relative_compliance(system.contact, effective, scheme.force_weight),
+    )
 
 
 def _initial_motion(

@@ -91,7 +91,7 @@ def _condense(model: Model, stages: Stages) -> None:
     with stages.stage("factorization"):
         _ = model.structure.boundary_factor
     with stages.stage("compliance"):
-        _ = model.static_contact.flexibility
+        _ = model.static_contact.space
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

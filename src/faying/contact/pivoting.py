@@ -1,0 +1,177 @@
+"""Which contact points are closed: an active set that cannot cycle, for any form of H.
+
+Design §3: with the gap flexibility H = S + D and the gap without contact forces g_free,
+
+    s = H λ + g_free ≥ 0,   λ ≥ 0,   λᵀ s = 0
+
+is Eq. (15.7) regularized by Eq. (15.12), or Eq. (15.7) itself where D vanishes (hard contact).
+"""
+
+from dataclasses import dataclass
+from typing import Protocol, Self
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Mask, Matrix, Vector
+from faying.exceptions import ConvergenceError
+
+BLOCK_ATTEMPTS = 5
+"""Exchanges of the whole active set without progress before single pivots take over."""
+
+ROUND_OFF = 1e-13
+"""Sign violations below this fraction of the largest |g_free| are noise of the factorization."""
+
+PROXIMAL_FRACTION = 1e-7
+"""Proximal term over the largest diagonal of H; keeps the regularized pivots above the limit."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactForces:
+    """Solution of one contact problem.
+
+    Attributes
+    ----------
+    forces : (n_point,) [force]
+        λ = w ∘ p ≥ 0.
+    slack : (n_point,) [length]
+        s = H λ + g_free ≥ 0: the gap plus the penetration that the penalty admits.
+    active : (n_point,)
+        Points in contact; a warm start for a neighbouring problem.
+    iterations
+        Linear systems solved.
+    error
+        Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
+        problem was solved to round-off.
+    """
+
+    forces: Vector
+    slack: Vector
+    active: Mask
+    iterations: int
+    error: float = 0.0
+
+
+class ActiveSetSpace(Protocol):
+    """A flexibility H in the form in which its active blocks are solved."""
+
+    @property
+    def noise(self) -> float:
+        """Sign violations below this fraction of the largest |g_free| do not count."""
+        ...
+
+    @property
+    def diagonal(self) -> Vector:
+        """Diagonal of H (n_point,) [length/force]."""
+        ...
+
+    def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
+        """Return the forces that close the active gaps, and the slack of all points.
+
+        Raises ``LinAlgError`` where the active block is singular to working precision.
+        """
+        ...
+
+    def solve(self, right: Matrix, active: Mask) -> Matrix:
+        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""
+        ...
+
+    def product(self, forces: Vector) -> Vector:
+        """Return H λ."""
+        ...
+
+    def shifted(self, delta: float) -> Self:
+        """Return the space of H + δ I."""
+        ...
+
+
+def solve_complementarity(
+    space: ActiveSetSpace, g_free: Vector, active: Mask | None = None
+) -> ContactForces:
+    """Solve s = H λ + g_free ≥ 0, λ ≥ 0, λᵀ s = 0 by a primal-dual active set.
+
+    All points with a wrong sign change sides at once, which is the semismooth Newton method
+    (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where that stops reducing
+    the number of wrong signs, single exchanges by Murty's largest index take over until it does:
+    block principal pivoting, finite for every positive definite H (Júdice & Pires 1994,
+    doi:10.1016/0305-0548(94)90106-6). A singular H is solved by the proximal point iteration from
+    λ = 0 (Rockafellar 1976, doi:10.1137/0314056), which selects the contact forces a very stiff
+    penalty would give.
+
+    Parameters
+    ----------
+    active : (n_point,), optional
+        Points assumed in contact at the start; by default those with g_free < 0.
+
+    Raises
+    ------
+    ConvergenceError
+        If the exchanges do not end, or H is not positive semidefinite.
+    """
+    start = g_free < 0 if active is None else np.array(active, dtype=bool)
+    try:
+        return _pivot(space, g_free, start)
+    except la.LinAlgError:
+        pass
+    try:
+        return _proximal_point(space, g_free, start)
+    except la.LinAlgError:
+        message = (
+            "the contact flexibility is zero or not positive semidefinite at the points in "
+            "contact; check that the stiffness matrix is symmetric and that no pressed "
+            "contact point is held on both sides"
+        )
+        raise ConvergenceError(message) from None
+
+
+def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
+    """Block principal pivoting with Murty's rule as backup."""
+    n = len(g_free)
+    noise = space.noise * np.abs(g_free).max(initial=0.0)
+    force_noise = noise / np.maximum(space.diagonal, np.finfo(float).tiny)
+    fewest, attempts = n + 1, BLOCK_ATTEMPTS
+    for iteration in range(1, 50 * n + 200):
+        forces, slack = space.equilibrate(g_free, active)
+        wrong = np.where(active, forces < -force_noise, slack < -noise)
+        count = int(np.count_nonzero(wrong))
+        if count == 0:
+            forces = np.maximum(forces, 0.0)
+            return ContactForces(
+                forces=forces, slack=np.maximum(slack, 0.0), active=active, iterations=iteration
+            )
+        if count < fewest:
+            fewest, attempts = count, BLOCK_ATTEMPTS
+            active = active ^ wrong
+        elif attempts > 0:
+            attempts -= 1
+            active = active ^ wrong
+        else:
+            active = active.copy()
+            active[np.flatnonzero(wrong)[-1]] ^= True
+    message = (
+        f"the contact problem of {n} points did not settle; its flexibility matrix is not "
+        "positive semidefinite: check that the stiffness matrix is symmetric and the structure held"
+    )
+    raise ConvergenceError(message)
+
+
+def _proximal_point(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
+    """Solve with H + δ I, feeding δ times the last forces back into the gap until it is closed."""
+    delta = PROXIMAL_FRACTION * float(space.diagonal.max())
+    regular = space.shifted(delta)
+    tolerance = ROUND_OFF * np.abs(g_free).max()
+    forces = np.zeros_like(g_free)
+    iterations = 0
+    for _ in range(200):
+        step = _pivot(regular, g_free - delta * forces, active)
+        iterations += step.iterations
+        residual = delta * np.abs(step.forces - forces).max()
+        forces, active = step.forces, step.active
+        if residual <= tolerance:
+            slack = np.maximum(space.product(forces) + g_free, 0.0)
+            return ContactForces(forces=forces, slack=slack, active=active, iterations=iterations)
+    message = (
+        f"hard contact at {len(g_free)} points was not closed to round-off (remaining gap "
+        f"{residual:.1e}); use nodal quadrature or a penalty"
+    )
+    raise ConvergenceError(message)

@@ -1,0 +1,34 @@
+"""How much memory dense matrices may take before compressed ones replace them."""
+
+import os
+
+FRACTION = 0.5
+"""Part of the physical memory that the dense matrices of one model may take by default."""
+
+FALLBACK = 8 * 2**30
+"""Physical memory assumed where the system does not tell [bytes]."""
+
+DENSE_COPIES = 7
+"""Dense matrices between pairs alive at once: held, free, residual, per step, factors, scratch."""
+
+POINT_COPIES = 2
+"""Dense matrices between contact points alive at once: H and its factors."""
+
+
+def default_budget() -> int:
+    """Return the default budget for dense matrices [bytes]: half of the physical memory."""
+    try:
+        physical = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):
+        physical = FALLBACK
+    return int(FRACTION * physical)
+
+
+def pairs_fit(n_relative: int, budget: int) -> bool:
+    """Whether dense matrices between ``n_relative`` pairs stay within the budget."""
+    return 8 * DENSE_COPIES * n_relative**2 <= budget
+
+
+def points_fit(n_point: int, budget: int) -> bool:
+    """Whether dense matrices between ``n_point`` contact points stay within the budget."""
+    return 8 * POINT_COPIES * n_point**2 <= budget

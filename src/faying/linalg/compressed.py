@@ -1,0 +1,241 @@
+"""Symmetric compliances too large to be kept entry by entry: blocks of low rank.
+
+Pairs far from each other feel each other smoothly, so the block of two clusters has low numerical
+rank (block low-rank matrices: Amestoy et al. 2015, doi:10.1137/120903476). Blocks are formed
+exactly, a few columns at a time, and truncated by cross approximation with full pivoting (Bebendorf
+2000, doi:10.1007/PL00005410), which knows the error it leaves.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TypeAlias, final
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Indices, Matrix, Vector
+from faying.linalg.clusters import geometric_clusters
+
+TOLERANCE = 1e-8
+"""Frobenius norm of all that truncation leaves out, over the least diagonal entry of a sample."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CompressedCompliance:
+    """S ≈ blocks of low rank + X C Xᵀ, symmetric.
+
+    Attributes
+    ----------
+    clusters
+        Indices of the members of each cluster; every index once.
+    diagonal
+        Dense block of each cluster.
+    factors
+        For each cluster I the factors X_IJ of all blocks S_IJ = X_IJ X_JIᵀ, side by side.
+    exchange
+        Where among all columns of all factors the partner of each column is.
+    smooth, core : (n, k), (k, k)
+        X and C of what is known in factored form.
+    places : (n, 3) [length]
+        Where the rows belong to.
+    error
+        Bound on ‖S − S̃‖ in the Frobenius norm.
+    """
+
+    clusters: tuple[Indices, ...]
+    diagonal: tuple[Matrix, ...]
+    factors: tuple[Matrix, ...]
+    exchange: Indices
+    smooth: Matrix
+    core: Matrix
+    places: Matrix
+    error: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of rows and columns."""
+        return len(self.smooth), len(self.smooth)
+
+    @property
+    def n_bytes(self) -> int:
+        """Memory of all parts [bytes]."""
+        parts = [*self.diagonal, *self.factors, self.smooth, self.exchange]
+        return sum(part.nbytes for part in parts)
+
+    def __matmul__(self, vectors: Matrix) -> Matrix:
+        """Return S x for x of shape (n,) or (n, k)."""
+        result: Matrix = self.smooth @ (self.core @ (self.smooth.T @ vectors))
+        parts = [vectors[members] for members in self.clusters]
+        if not parts:
+            return result
+        seen = [X.T @ part for X, part in zip(self.factors, parts, strict=True)]
+        sent = np.concatenate(seen)[self.exchange]
+        start = 0
+        blocks = zip(self.clusters, self.diagonal, self.factors, parts, strict=True)
+        for members, dense, factor, part in blocks:
+            result[members] += dense @ part + factor @ sent[start : start + factor.shape[1]]
+            start += factor.shape[1]
+        return result
+
+    @cached_property
+    def entries_on_diagonal(self) -> Vector:
+        """Diagonal of S (n,)."""
+        result = np.einsum("ni,ij,nj->n", self.smooth, self.core, self.smooth, optimize=True)
+        for members, dense in zip(self.clusters, self.diagonal, strict=True):
+            result[members] += np.diag(dense)
+        return np.asarray(result)
+
+    def block(self, cluster: int) -> Matrix:
+        """Return the principal submatrix of one cluster, all parts included."""
+        smooth = self.smooth[self.clusters[cluster]]
+        return np.asarray(self.diagonal[cluster] + smooth @ self.core @ smooth.T)
+
+    def plus(self, smooth: Matrix, core: Matrix) -> "CompressedCompliance":
+        """Return S + X C Xᵀ."""
+        return replace(
+            self,
+            smooth=np.hstack([self.smooth, smooth]),
+            core=np.asarray(la.block_diag(self.core, core)),
+        )
+
+    def added(self, other: "CompressedCompliance") -> "CompressedCompliance":
+        """Return the sum with another compliance that is smooth alone."""
+        return replace(self.plus(other.smooth, other.core), error=self.error + other.error)
+
+    def scaled(self, factor: float) -> "CompressedCompliance":
+        """Return S times a positive number."""
+        root = np.sqrt(factor)
+        return replace(
+            self,
+            diagonal=tuple(factor * block for block in self.diagonal),
+            factors=tuple(root * block for block in self.factors),
+            core=factor * self.core,
+            error=factor * self.error,
+        )
+
+
+Compliance: TypeAlias = Matrix | CompressedCompliance
+"""A symmetric matrix between pairs, dense or compressed."""
+
+
+def smooth_compliance(smooth: Matrix, core: Matrix, places: Matrix) -> CompressedCompliance:
+    """Return X C Xᵀ alone, for a core C that is positive semidefinite."""
+    clusters = geometric_clusters(places)
+    return CompressedCompliance(
+        clusters=clusters,
+        diagonal=tuple(np.zeros((len(members), len(members))) for members in clusters),
+        factors=tuple(np.zeros((len(members), 0)) for members in clusters),
+        exchange=np.zeros(0, dtype=np.int64),
+        smooth=smooth,
+        core=core,
+        places=places,
+        error=0.0,
+    )
+
+
+def plus(compliance: Compliance, smooth: Matrix, core: Matrix) -> Compliance:
+    """Return S + X C Xᵀ, dense or compressed as S is."""
+    if isinstance(compliance, CompressedCompliance):
+        return compliance.plus(smooth, core)
+    total = (smooth @ core) @ smooth.T
+    total += compliance
+    return symmetrized(total)
+
+
+def symmetrized(matrix: Matrix) -> Matrix:
+    """Return (A + Aᵀ)/2 in the place of A."""
+    matrix += matrix.T
+    matrix *= 0.5
+    return matrix
+
+
+def compress(
+    columns: Callable[[Indices], Matrix], places: Matrix, tolerance: float = TOLERANCE
+) -> CompressedCompliance:
+    """Compress a symmetric matrix that is formed a cluster of columns at a time.
+
+    Parameters
+    ----------
+    columns
+        Returns the columns (n, len(indices)) of given indices.
+    places : (n, 3) [length]
+        Where the rows belong to; neighbours are put in one cluster.
+    tolerance
+        As :data:`TOLERANCE`; the sample is one entry of each cluster.
+
+    Notes
+    -----
+    All columns are formed once, never together, and those of the sample twice. O(n k) memory a
+    cluster for blocks of rank k.
+    """
+    clusters = geometric_clusters(places)
+    n, count = len(places), len(clusters)
+    diagonal: list[Matrix] = []
+    pieces: list[list[Matrix]] = [[] for _ in clusters]
+    partners: list[list[int]] = [[] for _ in clusters]
+    squared = 0.0
+    sample = np.array([members[len(members) // 2] for members in clusters])
+    allowed = tolerance * float(np.diag(columns(sample)[sample]).min()) / count
+    for this, members in enumerate(clusters):
+        dense = columns(members)
+        own = dense[members]
+        diagonal.append((own + own.T) / 2)
+        for later in range(this + 1, count):
+            left, right, missed = cross_approximation(dense[clusters[later]], allowed)
+            squared += 2 * missed**2
+            pieces[later].append(left)
+            partners[later].append(this)
+            pieces[this].append(right)
+            partners[this].append(later)
+    return CompressedCompliance(
+        clusters=clusters,
+        diagonal=tuple(diagonal),
+        factors=tuple(
+            np.hstack(own) if own else np.zeros((len(members), 0))
+            for own, members in zip(pieces, clusters, strict=True)
+        ),
+        exchange=_exchange(pieces, partners),
+        smooth=np.zeros((n, 0)),
+        core=np.zeros((0, 0)),
+        places=places,
+        error=float(np.sqrt(squared)),
+    )
+
+
+def cross_approximation(block: Matrix, allowed: float) -> tuple[Matrix, Matrix, float]:
+    """Return X (m, k), Y (n, k) and ‖block − X Yᵀ‖_F, which is at most ``allowed``."""
+    rest = np.array(block, order="C")
+    left: list[Vector] = []
+    right: list[Vector] = []
+    missed = float(np.linalg.norm(rest))
+    while missed > allowed and len(left) < min(rest.shape):
+        i, j = divmod(int(np.abs(rest).argmax()), rest.shape[1])
+        pivot = rest[i, j]
+        if pivot == 0.0:
+            break
+        column, row = rest[:, j] / np.sqrt(abs(pivot)), rest[i] / np.sqrt(abs(pivot))
+        column = column * np.sign(pivot)
+        rest -= np.outer(column, row)
+        left.append(column)
+        right.append(row)
+        missed = float(np.linalg.norm(rest))
+    shape = (len(left), -1)
+    if not left:
+        return np.zeros((len(rest), 0)), np.zeros((rest.shape[1], 0)), missed
+    return np.reshape(left, shape).T, np.reshape(right, shape).T, missed
+
+
+def _exchange(pieces: Sequence[Sequence[Matrix]], partners: Sequence[Sequence[int]]) -> Indices:
+    """Place of the partner of each factor column when all columns are numbered in turn."""
+    start: dict[tuple[int, int], tuple[int, int]] = {}
+    total = 0
+    for own, (blocks, others) in enumerate(zip(pieces, partners, strict=True)):
+        for block, other in zip(blocks, others, strict=True):
+            start[own, other] = (total, block.shape[1])
+            total += block.shape[1]
+    exchange = np.empty(total, dtype=np.int64)
+    for (own, other), (first, rank) in start.items():
+        exchange[first : first + rank] = start[other, own][0] + np.arange(rank)
+    return exchange
