@@ -5,7 +5,7 @@ as UInt64 (https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html).
 """
 
 import base64
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -51,15 +51,33 @@ def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
     paths = []
     for name, record in results.interfaces.items():
         path = folder / f"interface_{stems[name]}.vtu"
-        fields = dict(_fields(results, record, units))
-        try:
-            with replacing(path) as temporary:
-                _document(record, fields).write(temporary, encoding="utf-8", xml_declaration=True)
-        except OSError as error:
-            message = f"cannot write {path}: {error.strerror}; check the folder and free space"
-            raise FormatError(message) from None
+        write_fields_vtu(record, dict(_fields(results, record, units)), path)
         paths.append(path)
     return tuple(paths)
+
+
+def write_fields_vtu(
+    record: InterfaceRecord, fields: Mapping[str, Matrix], path: Path, *, time: float | None = None
+) -> None:
+    """Write point data (n_pair,) by name on the facets of the minus side of an interface.
+
+    Parameters
+    ----------
+    time
+        Instant the fields belong to, which viewers show.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be written.
+    """
+    try:
+        with replacing(path) as temporary:
+            document = _document(record, fields, time)
+            document.write(temporary, encoding="utf-8", xml_declaration=True)
+    except OSError as error:
+        message = f"cannot write {path}: {error.strerror}; check the folder and free space"
+        raise FormatError(message) from None
 
 
 def _fields(
@@ -84,7 +102,9 @@ def _responses(case: CaseResult) -> Iterator[tuple[str, Response]]:
             yield f"{method} {count}" if count else method, result.response
 
 
-def _document(record: InterfaceRecord, fields: dict[str, Matrix]) -> "ET.ElementTree[ET.Element]":
+def _document(
+    record: InterfaceRecord, fields: Mapping[str, Matrix], time: float | None
+) -> "ET.ElementTree[ET.Element]":
     facets = pair_facets(record)
     connectivity = [nodes.ravel() for _, nodes in facets]
     lengths = [np.full(len(nodes), nodes.shape[1]) for _, nodes in facets]
@@ -97,6 +117,9 @@ def _document(record: InterfaceRecord, fields: dict[str, Matrix]) -> "ET.Element
         header_type="UInt64",
     )
     grid = ET.SubElement(root, "UnstructuredGrid")
+    if time is not None:
+        _add_array(ET.SubElement(grid, "FieldData"), "TimeValue", np.array([time]), "f8")
+        grid[0][0].set("NumberOfTuples", "1")
     count = str(sum(len(nodes) for _, nodes in facets))
     piece = ET.SubElement(
         grid, "Piece", NumberOfPoints=str(len(record.pair_points)), NumberOfCells=count

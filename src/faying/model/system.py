@@ -68,23 +68,8 @@ def port_compliance_of(matrix: Matrix, n_relative: int, n_boundary: int) -> Port
     )
 
 
-class System(Protocol):
-    """A full or reduced model, as solvers see it."""
-
-    @property
-    def M(self) -> SparseMatrix | Matrix:
-        """Mass matrix (n_dof, n_dof) [mass]."""
-        ...
-
-    @property
-    def C(self) -> SparseMatrix | Matrix:
-        """Damping matrix (n_dof, n_dof) [force·time/length]."""
-        ...
-
-    @property
-    def K(self) -> SparseMatrix | Matrix:
-        """Stiffness matrix (n_dof, n_dof) [force/length]."""
-        ...
+class Joint(Protocol):
+    """What is known at the ports of a system: enough for static contact problems and recovery."""
 
     @property
     def contact(self) -> Contact:
@@ -109,6 +94,25 @@ class System(Protocol):
     @property
     def static_contact(self) -> ContactSolver:
         """The static contact problem, its flexibility formed once."""
+        ...
+
+
+class System(Joint, Protocol):
+    """A full or reduced model, as solvers see it."""
+
+    @property
+    def M(self) -> SparseMatrix | Matrix:
+        """Mass matrix (n_dof, n_dof) [mass]."""
+        ...
+
+    @property
+    def C(self) -> SparseMatrix | Matrix:
+        """Damping matrix (n_dof, n_dof) [force·time/length]."""
+        ...
+
+    @property
+    def K(self) -> SparseMatrix | Matrix:
+        """Stiffness matrix (n_dof, n_dof) [force/length]."""
         ...
 
     def factorize_static(self) -> Factorization:
@@ -156,6 +160,6 @@ def input_forces(system: System, inputs: Matrix) -> Matrix:
     return result
 
 
-def initial_bolt_forces(system: System) -> Vector:
+def initial_bolt_forces(system: Joint) -> Vector:
     """Return the initial forces the bolts are locked at (n_bolt,) [force]."""
     return np.array([bolt.initial_force for bolt in system.bolts.values()], dtype=float)

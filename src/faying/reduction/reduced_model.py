@@ -7,15 +7,16 @@ from functools import cached_property
 import numpy as np
 
 from faying._typing import Matrix, frozen
-from faying.contact.condensed import CondensedContact, relative_compliance
+from faying.contact.condensed import CondensedContact
 from faying.contact.interface import Contact
-from faying.linalg.compressed import Compliance, plus, symmetrized
+from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.model.model import Model
-from faying.model.system import PortCompliance, boundary_dofs, elongations
+from faying.model.system import PortCompliance
 from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.portable import reduced_ports
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,15 +56,7 @@ class ReducedModel:
     @cached_property
     def port_compliance(self) -> PortCompliance:
         """Static compliance between contact pairs, boundary and bolts within the basis."""
-        dofs, n_mode = boundary_dofs(self.boundaries), len(self.K)
-        outer = np.vstack([np.eye(n_mode)[dofs], elongations(self.bolts, n_mode)])
-        answers = self._static_factor.solve(outer.T)
-        return PortCompliance(
-            relative=relative_compliance(self.contact, self._static_factor),
-            contact_columns=(self.contact.relative_operator @ answers).T,
-            input_rows=symmetrized(outer @ answers),
-            n_boundary=len(dofs),
-        )
+        return reduced_ports(self.contact, self.boundaries, self.bolts, self._static_factor)
 
     @cached_property
     def static_contact(self) -> CondensedContact:

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.model.system import System, boundary_slices, initial_bolt_forces
+from faying.model.system import Joint, boundary_slices, initial_bolt_forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class Load:
     name: str = "load"
     bolt_forces: Mapping[str, float] = field(default_factory=dict)
 
-    def inputs(self, system: System, times: Vector) -> Matrix:
+    def inputs(self, system: Joint, times: Vector) -> Matrix:
         """Boundary forces and initial bolt forces at the given instants.
 
         Parameters
@@ -111,7 +111,7 @@ class Load:
         return inputs
 
 
-def _split(key: str, system: System, load: str) -> tuple[str, str]:
+def _split(key: str, system: Joint, load: str) -> tuple[str, str]:
     boundary, _, component = key.rpartition(".")
     if boundary not in system.boundaries:
         message = (

@@ -19,11 +19,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.contact.condensed import CondensedContact
+from faying.contact.condensed import ContactSolver
 from faying.exceptions import ModelError
 from faying.model.model import Model
 from faying.model.structure import Structure
-from faying.model.system import PortCompliance, boundary_slices, input_forces
+from faying.model.system import Joint, PortCompliance, System, boundary_slices, input_forces
 from faying.reduction.basis import Basis
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import Integrator
@@ -46,7 +46,7 @@ class Recovered:
     name
         Name of the load.
     system
-        The full model.
+        The full model, or what is known of it at its ports.
     contact_forces : (..., n_point) [force]
         λ = w ∘ p.
     gap : (..., n_point) [length]
@@ -59,7 +59,7 @@ class Recovered:
     """
 
     name: str
-    system: Model
+    system: Joint
     contact_forces: Matrix
     gap: Matrix
     port_displacements: Matrix
@@ -115,7 +115,7 @@ class Recovery:
     Attributes
     ----------
     model
-        The full model.
+        The full model, or what is known of it at its ports.
     ports
         Q K⁻¹ Qᵀ.
     static_contact
@@ -126,9 +126,9 @@ class Recovery:
         Q K⁻¹ C Φ.
     """
 
-    model: Model
+    model: Joint
     ports: PortCompliance
-    static_contact: CondensedContact
+    static_contact: ContactSolver
     inertia: Matrix
     damping: Matrix
 
@@ -223,6 +223,28 @@ def recover_pressure(
     else:
         free = _free_from_full(model, chosen)
     return _contact(model, chosen.name, chosen.inputs, free, chosen.times)
+
+
+def recover_reduced(operator: Recovery, solution: Solution) -> Recovered:
+    """Recover the pressures of a reduced transient whose recovery matrices are known.
+
+    As :func:`recover_pressure`, without the finite element model.
+
+    Raises
+    ------
+    ModelError
+        If the solution is no transient, or of a model with another number of coordinates.
+    """
+    shape = solution.states.shape
+    if solution.velocities is None or shape[-1] != operator.inertia.shape[1]:
+        message = (
+            f"the solution has states of shape {shape}; expected a transient with "
+            f"{operator.inertia.shape[1]} coordinates, those of the recovery matrices"
+        )
+        raise ModelError(message)
+    accelerations = balanced_accelerations(solution.system, solution)
+    free = operator.free_displacements(solution.inputs, solution.velocities, accelerations)
+    return _contact(operator.model, solution.name, solution.inputs, free, solution.times)
 
 
 def recover_from_modal(
@@ -324,16 +346,31 @@ def recover_from_boundary_loads(
     ModelError
         If the times do not start at zero and increase, or a boundary does not exist.
     """
+    solution = simulate_boundary_loads(
+        rom, times, forces, step=step, integrator=integrator, name=name
+    )
+    return recover_pressure(rom.model, solution)
+
+
+def simulate_boundary_loads(
+    system: System,
+    times: Vector,
+    forces: Mapping[str, Vector],
+    *,
+    step: float | None = None,
+    integrator: Integrator | None = None,
+    name: str = "boundary loads",
+) -> Solution:
+    """Simulate a system under imported boundary forces, as :func:`recover_from_boundary_loads`."""
     times = np.asarray(times, dtype=float)
     if len(times) < 2 or times[0] != 0:
         message = "boundary loads need at least two instants, the first at time zero"
         raise ModelError(message)
     load = Load({key: History(times, values) for key, values in forces.items()}, name=name)
     interval = float(np.diff(times).min()) if step is None else step
-    solution = solve_transient(
-        rom, load, step=interval, duration=float(times[-1]), integrator=integrator
+    return solve_transient(
+        system, load, step=interval, duration=float(times[-1]), integrator=integrator
     )
-    return recover_pressure(rom.model, solution)
 
 
 def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
@@ -382,7 +419,7 @@ def _free_from_full(model: Model, solution: Solution) -> Matrix:
     return displacements - _contact_displacements(model, solution.contact_forces)
 
 
-def balanced_accelerations(system: ReducedModel, solution: Solution) -> Matrix:
+def balanced_accelerations(system: System, solution: Solution) -> Matrix:
     """Return q̈ (n_time, n_mode) that balances a reduced model at the instants themselves.
 
     Massless coordinates, which feel no inertia force, get the least-norm value.
@@ -396,7 +433,7 @@ def balanced_accelerations(system: ReducedModel, solution: Solution) -> Matrix:
 
 
 def _contact(
-    model: Model, name: str, inputs: Matrix, free: Matrix, times: Vector | None
+    model: Joint, name: str, inputs: Matrix, free: Matrix, times: Vector | None
 ) -> Recovered:
     """Solve the static contact problem of every row, each started from the one before."""
     condensed, n_relative = model.static_contact, model.port_compliance.n_relative
@@ -423,7 +460,7 @@ def _contact(
     )
 
 
-def _contact_displacements(model: Model, forces: Matrix) -> Matrix:
+def _contact_displacements(model: Joint, forces: Matrix) -> Matrix:
     """Q K⁻¹ Gᵀ λ (..., n_port)."""
     ports = model.port_compliance
     at_pairs = (model.contact.interpolation.T @ np.asarray(forces).T).T

@@ -14,7 +14,10 @@ from faying.model.bodies import bodies
 from faying.model.generated_bolt import bolt_axis_element
 from faying.model.matrices import mass_properties
 from faying.model.specs import BoltSpec
+from faying.model.system import System
+from faying.reduction.basis import Basis
 from faying.study.offline import PreparedJoint
+from faying.study.portable_records import ports_record, reduced_records
 from faying.study.progress import Stages
 from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
 from faying.study.tables import Study
@@ -23,6 +26,8 @@ from faying.study.tables import Study
 def record(
     study: Study,
     joint: PreparedJoint,
+    models: Mapping[str, Mapping[int, System]],
+    classic: Basis,
     cases: Mapping[str, CaseResult],
     validation: ValidationRecord,
     stages: Stages,
@@ -30,6 +35,8 @@ def record(
 ) -> Results:
     """Collect the results of a run."""
     model, mesh = joint.model, joint.model.assembly.mesh
+    with stages.stage("recovery matrices"):
+        ports, reduced = ports_record(model), reduced_records(model, models, classic)
     return Results(
         title=study.title or study.path.stem,
         units=model.units,
@@ -56,6 +63,8 @@ def record(
         },
         warnings=tuple(warnings),
         validation=validation,
+        ports=ports,
+        reduced=reduced,
     )
 
 

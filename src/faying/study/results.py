@@ -11,6 +11,7 @@ from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
+from faying.study.recovery_results import PortsRecord, ReducedRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -289,6 +290,11 @@ class Results:
         Seconds by stage; methods have mappings of their own.
     provenance
         faying version, Python, NumPy, SciPy, platform, date.
+    ports
+        None where the interface is too large to keep its compliance.
+    reduced
+        Method name to number of joint modes to reduced model; those without basis are not there,
+        ``craig-bampton`` and ``compliance`` always.
     """
 
     title: str
@@ -308,3 +314,5 @@ class Results:
     provenance: Mapping[str, str]
     warnings: tuple[str, ...] = field(default=())
     validation: ValidationRecord = field(default_factory=ValidationRecord)
+    ports: PortsRecord | None = None
+    reduced: Mapping[str, Mapping[int, ReducedRecord]] = field(default_factory=dict)

@@ -15,6 +15,8 @@ with one member per key, an array, number or text is a dataset of the same name:
     /cases/NAME/reference/…            pressure, gap, displacements/BOUNDARY, bolt_forces/BOLT, …
     /cases/NAME/methods/METHOD/N/…     N joint modes: n_modes, response/…, accuracy/…
     /cases/NAME/half_step/…            as reference
+    /ports/…                           compliance between ports, interpolation, boundaries
+    /reduced/METHOD/N/…                mass, damping, stiffness, recovery matrices, …
     /timings/…, /provenance/…          numbers and text by name
 
 Every dataset and group says what it is in the attribute ``description``; datasets of numbers also
@@ -38,12 +40,23 @@ import numpy as np
 from faying import __version__
 from faying.exceptions import FormatError
 from faying.study.files import replacing
+from faying.study.recovery_results import RecoveredRecord
 from faying.study.results import Results
 from faying.study.store_fields import MEANINGS, Meaning
 from faying.study.units import Units, units_of
 
 FORMAT = "faying results"
+RECOVERED_FORMAT = "faying recovered pressures"
 FORMAT_VERSION = 1
+DESCRIPTION = (
+    "Contact pressures of a jointed structure by its full finite element model (reference) and by "
+    "reduced models (methods). Pressure is positive in compression, gap where open; errors are "
+    "relative to the largest reference pressure of the load case."
+)
+RECOVERED_DESCRIPTION = (
+    "Contact pressures of a jointed structure, recovered from a history that another program made. "
+    "Pressure is positive in compression, gap where open; points are those of results.h5."
+)
 SMALL = 64
 """Arrays of up to this many numbers are not worth a compressed chunk."""
 
@@ -61,10 +74,25 @@ def write_results(results: Results, path: Path) -> None:
     FormatError
         If the file cannot be written.
     """
+    _write_file(path, results, FORMAT, DESCRIPTION)
+
+
+def write_recovered(recovered: RecoveredRecord, path: Path) -> None:
+    """Write recovered pressures in the same manner, atomically.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be written.
+    """
+    _write_file(path, recovered, RECOVERED_FORMAT, RECOVERED_DESCRIPTION)
+
+
+def _write_file(path: Path, value: Results | RecoveredRecord, kind: str, description: str) -> None:
     try:
         with replacing(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
-            _write_header(file, results)
-            _write_value(file, results, units_of(results.units))
+            _write_header(file, value, kind, description)
+            _write_value(file, value, units_of(value.units))
     except OSError as error:
         message = f"cannot write results to {path}: {error}; check the folder and free space"
         raise FormatError(message) from None
@@ -107,20 +135,18 @@ def _opened(path: Path) -> Iterator[h5py.File]:
         yield file
 
 
-def _write_header(file: h5py.File, results: Results) -> None:
+def _write_header(
+    file: h5py.File, results: Results | RecoveredRecord, kind: str, description: str
+) -> None:
     units = units_of(results.units)
-    file.attrs["format"] = FORMAT
+    file.attrs["format"] = kind
     file.attrs["format_version"] = FORMAT_VERSION
     file.attrs["faying"] = __version__
     file.attrs["title"] = results.title
     file.attrs["units"] = results.units
     file.attrs["unit_of_force"] = units.force
     file.attrs["unit_of_pressure"] = units.pressure
-    file.attrs["description"] = (
-        "Contact pressures of a jointed structure by its full finite element model (reference) and "
-        "by reduced models (methods). Pressure is positive in compression, gap where open; errors "
-        "are relative to the largest reference pressure of the load case."
-    )
+    file.attrs["description"] = description
 
 
 def _check_header(file: h5py.File, path: Path) -> None:

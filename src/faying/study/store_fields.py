@@ -8,6 +8,13 @@ from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
+from faying.study.recovery_results import (
+    BoundaryRecord,
+    PortsRecord,
+    RecoveredRecord,
+    ReducedRecord,
+    SparseRecord,
+)
 from faying.study.results import (
     BoltRecord,
     CaseResult,
@@ -60,6 +67,70 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "provenance": Meaning("what computed this file"),
         "warnings": Meaning("what did not converge or deserves notice", "", "(n_warning,)"),
         "validation": Meaning("load space, worst loads and penalty"),
+        "ports": Meaning("the joint as seen through its ports, for recovery and export"),
+        "reduced": Meaning("reduced models: method name, then number of joint modes"),
+    },
+    PortsRecord: {
+        "compliance": Meaning(
+            "displacement per force between ports: relative displacements of the contact pairs, "
+            "boundary degrees of freedom, bolt elongations",
+            "length/force",
+            "(n_port, n_port)",
+        ),
+        "interpolation": Meaning("gaps at contact points from relative displacements (CSR)"),
+        "boundaries": Meaning("boundaries by name, in the order of their ports"),
+        "bolt_stiffness": Meaning("EA/L by bolt, in the order of their ports", "force/length"),
+    },
+    SparseRecord: {
+        "values": Meaning("entries", "1", "(n_entry,)"),
+        "columns": Meaning("column of each entry", "1", "(n_entry,)"),
+        "row_starts": Meaning("first entry of each row; last is n_entry", "1", "(n_row + 1,)"),
+        "shape": Meaning("rows and columns", "1", "(2,)"),
+    },
+    BoundaryRecord: {
+        "nodes": Meaning("node id of each degree of freedom", "1", "(n,)"),
+        "components": Meaning("its component, 0..5 for ux..rz", "1", "(n,)"),
+    },
+    ReducedRecord: {
+        "kinds": Meaning("kinds of the coordinates q in their order", "", "(n_mode,)"),
+        "mass": Meaning("Φᵀ M Φ", "mass", "(n_mode, n_mode)"),
+        "damping": Meaning("Φᵀ C Φ", "mass/time", "(n_mode, n_mode)"),
+        "stiffness": Meaning("Φᵀ K Φ", "force/length", "(n_mode, n_mode)"),
+        "relative": Meaning("relative displacements of the pairs", "1", "(n_relative, n_mode)"),
+        "elongations": Meaning("elongations of the bolts", "1", "(n_bolt, n_mode)"),
+        "boundary": Meaning("coordinate of each boundary dof", "1", "(n_boundary,)"),
+        "inertia_recovery": Meaning(
+            "port displacements per acceleration, Q K⁻¹ M Φ", "time²", "(n_port, n_mode)"
+        ),
+        "damping_recovery": Meaning(
+            "port displacements per velocity, Q K⁻¹ C Φ", "time", "(n_port, n_mode)"
+        ),
+        "compliance": Meaning(
+            "whether pairs also move by (S - relative stiffness⁻¹ relativeᵀ) times their forces, "
+            "S of ports/compliance"
+        ),
+    },
+    RecoveredRecord: {
+        "title": Meaning("title of the study"),
+        "units": Meaning("consistent unit set, length-mass-time"),
+        "history": Meaning("file the pressures were recovered from"),
+        "route": Meaning("modal or boundary loads"),
+        "method": Meaning("reduced model whose coordinates these are, or that was simulated"),
+        "joint_modes": Meaning("its joint modes", "1"),
+        "derivatives": Meaning("where velocities and accelerations come from"),
+        "loads": Meaning("boundary forces of the history; all others are zero", "", "(n_load,)"),
+        "times": Meaning("instants", "time", "(n_time,)"),
+        "pressure": Meaning(
+            "contact pressure, compression positive", "force/length²", "(n_time, n_point)"
+        ),
+        "gap": Meaning("gap, open positive", "length", "(n_time, n_point)"),
+        "displacements": Meaning(
+            "by boundary: translations [length] and rotations [rad]", "length", "(n_time, n)"
+        ),
+        "contact_force": Meaning("total normal force by interface", "force", "(n_time,)"),
+        "bolt_force": Meaning("axial force by bolt, tension positive", "force", "(n_time,)"),
+        "max_pressure": Meaning("largest over all contact points", "force/length²", "(n_time,)"),
+        "iterations": Meaning("linear systems of the contact problem", "1", "(n_time,)"),
     },
     CellBlock: {
         "kind": Meaning("hex8, hex20, tet4, tet10 or wedge6"),

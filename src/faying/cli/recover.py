@@ -1,0 +1,123 @@
+"""``faying recover``: pressures from the history of another program."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from faying.simulation.integrators import Integrator
+    from faying.study.recovery_results import RecoveredRecord
+    from faying.study.results import Results
+
+
+def recover(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a finished run.")],
+    history: Annotated[
+        Path,
+        typer.Argument(
+            metavar="HISTORY", help="CSV or HDF5: time, q1, q2, ... and boundary forces, or these."
+        ),
+    ],
+    method: Annotated[
+        str | None,
+        typer.Option(
+            help="Basis of the coordinates, or model to simulate.  "
+            "[default: craig-bampton; compliance for boundary forces]",
+            show_default=False,
+        ),
+    ] = None,
+    joint_modes: Annotated[
+        int | None, typer.Option(help="Joint modes of the method.", show_default=False)
+    ] = None,
+    derivatives: Annotated[
+        Literal["spline", "backward"] | None,
+        typer.Option(
+            help="Missing velocities and accelerations.  [default: spline]", show_default=False
+        ),
+    ] = None,
+    step: Annotated[
+        float | None,
+        typer.Option(
+            help="Time step under boundary forces.  [default: smallest interval]",
+            show_default=False,
+        ),
+    ] = None,
+    integrator: Annotated[
+        Literal["implicit-euler", "generalized-alpha"] | None,
+        typer.Option(
+            help="Integrator under boundary forces.  [default: implicit-euler]", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Recover contact pressures from a modal or boundary-force history of another program."""
+    from faying.study.recover import RecoverOptions, results_of
+    from faying.study.recover import recover as recover_history
+
+    results = results_of(folder)
+    options = RecoverOptions(
+        method=method,
+        joint_modes=joint_modes,
+        derivatives=derivatives,
+        step=step,
+        integrator=_integrator(integrator),
+    )
+    recovered = recover_history(results, history, options)
+    _tell(results, recovered)
+    for path in _written(results, recovered, folder, history.stem):
+        typer.echo(f"Wrote {path}")
+
+
+def _integrator(name: str | None) -> "Integrator | None":
+    from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
+
+    return None if name is None else {"implicit-euler": ImplicitEuler}.get(name, GeneralizedAlpha)()
+
+
+def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
+    """Say what was understood of the history, and the largest pressures."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    from faying.study.recover import peaks
+    from faying.study.units import units_of
+
+    units, console = units_of(results.units), Console()
+    modes = f" with {recovered.joint_modes} joint modes" if recovered.joint_modes else ""
+    console.print(
+        f"{recovered.history}: {recovered.route}, {len(recovered.times)} instants, "
+        f"{recovered.method}{modes}; velocities and accelerations: {recovered.derivatives}"
+    )
+    given = ", ".join(recovered.loads)
+    console.print(f"Boundary forces: {given or 'none'} from the history; all others are zero")
+    table = Table(title="Largest pressures", title_justify="left", box=box.SIMPLE_HEAD)
+    place, instant = f"at [{units.length}]", f"time [{units.time}]"
+    force = f"contact force then [{units.force}]"
+    for column in ("interface", f"pressure [{units.pressure}]", place, instant, force):
+        table.add_column(column, overflow="fold")
+    for peak in peaks(results, recovered):
+        point = ", ".join(f"{value:.4g}" for value in peak.point)
+        numbers = [f"{value:.5g}" for value in (peak.pressure, peak.time, peak.contact_force)]
+        table.add_row(peak.interface, numbers[0], f"({point})", *numbers[1:])
+    console.print(table)
+
+
+def _written(
+    results: "Results", recovered: "RecoveredRecord", folder: Path, stem: str
+) -> list[Path]:
+    """Write what was recovered, and pictures of the instant of largest pressure."""
+    from faying.io.vtu import write_fields_vtu
+    from faying.study.file_names import file_names
+    from faying.study.recover import peak_fields
+    from faying.study.store import write_recovered
+
+    label = f"recovered_{file_names([stem])[stem]}"
+    paths = [folder / f"{label}.h5"]
+    write_recovered(recovered, paths[0])
+    time = float(recovered.times[int(recovered.max_pressure.argmax())])
+    stems = file_names(results.interfaces)
+    for name, record in results.interfaces.items():
+        paths.append(folder / f"{label}_{stems[name]}.vtu")
+        write_fields_vtu(record, peak_fields(results, recovered, name), paths[-1], time=time)
+    return paths

@@ -1,0 +1,233 @@
+"""Joint and reduced models as they stand in results.h5, and back from there without elements."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix
+from faying.contact.interface import Contact
+from faying.exceptions import StudyError
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.model.model import Model
+from faying.model.system import (
+    System,
+    boundary_dofs,
+    boundary_slices,
+    elongations,
+    port_compliance_of,
+)
+from faying.reduction.basis import Basis
+from faying.reduction.portable import PortableJoint, PortableModel, with_residual
+from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.simulation.recovery import Recovery, recovery_operator
+from faying.study.recovery_results import (
+    BoundaryRecord,
+    PortsRecord,
+    ReducedRecord,
+    SparseRecord,
+)
+from faying.study.results import InterfaceRecord, Results
+
+MOST_PORTS = 4096
+"""Ports up to which their compliance is kept: 134 MB."""
+
+
+def ports_record(model: Model) -> PortsRecord | None:
+    """Return the ports of a model; None where they are too many to keep."""
+    ports = model.port_compliance
+    n_port = ports.n_relative + len(ports.input_rows)
+    if n_port > MOST_PORTS or not isinstance(ports.relative, np.ndarray):
+        return None
+    return PortsRecord(
+        compliance=np.block(
+            [[ports.relative, ports.contact_columns.T], [ports.contact_columns, ports.input_rows]]
+        ),
+        interpolation=_sparse_record(model.contact.interpolation),
+        boundaries={
+            name: BoundaryRecord(nodes=boundary.nodes, components=boundary.components)
+            for name, boundary in model.boundaries.items()
+        },
+        bolt_stiffness={name: float(bolt.stiffness) for name, bolt in model.bolts.items()},
+    )
+
+
+def reduced_records(
+    model: Model, models: Mapping[str, Mapping[int, System]], classic: Basis
+) -> dict[str, dict[int, ReducedRecord]]:
+    """Return the reduced models of a run, and the classic one with and without compliance.
+
+    Notes
+    -----
+    Two back-substitutions for each trial vector; those that bases share are solved once.
+    """
+    chosen: dict[str, dict[int, ReducedModel]] = {
+        name: {count: rom for count, rom in sizes.items() if isinstance(rom, ReducedModel)}
+        for name, sizes in models.items()
+    }
+    for name, compliance in (("craig-bampton", False), ("compliance", True)):
+        if name not in chosen:
+            chosen[name] = {0: reduce(model, classic, compliance=compliance)}
+    everyone = [rom for sizes in chosen.values() for rom in sizes.values()]
+    operators = iter(recovery_operators(model, [rom.basis for rom in everyone]))
+    return {
+        name: {count: _reduced_record(rom, next(operators)) for count, rom in sizes.items()}
+        for name, sizes in chosen.items()
+        if sizes
+    }
+
+
+def recovery_operators(model: Model, bases: Sequence[Basis]) -> list[Recovery]:
+    """Return the recovery matrices of several bases, solving for each trial vector once."""
+    places: dict[bytes, int] = {}
+    columns: list[tuple[Basis, int]] = []
+    chosen: list[list[int]] = []
+    for basis in bases:
+        keys = [column.tobytes() for column in basis.vectors.T]
+        for number, key in enumerate(keys):
+            if key not in places:
+                places[key] = len(columns)
+                columns.append((basis, number))
+        chosen.append([places[key] for key in keys])
+    together = Basis(
+        vectors=np.column_stack([basis.vectors[:, number] for basis, number in columns]),
+        kinds=tuple(basis.kinds[number] for basis, number in columns),
+    )
+    whole = recovery_operator(model, together)
+    return [
+        replace(whole, inertia=whole.inertia[:, at], damping=whole.damping[:, at]) for at in chosen
+    ]
+
+
+def _reduced_record(rom: ReducedModel, operator: Recovery) -> ReducedRecord:
+    return ReducedRecord(
+        kinds=tuple(kind.value for kind in rom.basis.kinds),
+        mass=rom.M,
+        damping=rom.C,
+        stiffness=rom.K,
+        relative=np.asarray(rom.contact.relative_operator),
+        elongations=elongations(rom.bolts, len(rom.K)),
+        boundary=boundary_dofs(rom.boundaries),
+        inertia_recovery=operator.inertia,
+        damping_recovery=operator.damping,
+        compliance=rom.contact.residual_compliance is not None,
+    )
+
+
+def restored_joint(results: Results) -> PortableJoint:
+    """Return the joint of a run as seen through its ports.
+
+    Raises
+    ------
+    StudyError
+        If the results do not hold it.
+    """
+    ports = results.ports
+    if ports is None:
+        message = (
+            f"the results of '{results.title}' hold no port compliance: they are of an older "
+            f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
+            "study again, or recover in Python with faying.recover_from_modal"
+        )
+        raise StudyError(message)
+    boundaries = _boundaries(ports)
+    n_relative = ports.interpolation.shape[1]
+    n_boundary = sum(len(one.dofs) for one in boundaries.values())
+    return PortableJoint(
+        contact=_contact(results.interfaces, ports, np.zeros((n_relative, 0))),
+        boundaries=boundaries,
+        bolts={
+            name: Bolt(
+                name=name,
+                elongation=np.zeros(0),
+                stiffness=stiffness,
+                initial_force=results.bolts[name].initial_force,
+            )
+            for name, stiffness in ports.bolt_stiffness.items()
+        },
+        port_compliance=port_compliance_of(ports.compliance, n_relative, n_boundary),
+    )
+
+
+def restored_model(joint: PortableJoint, record: ReducedRecord) -> PortableModel:
+    """Return a reduced model of a run, for any solver."""
+    places = boundary_slices(joint.boundaries)
+    model = PortableModel(
+        M=record.mass,
+        C=record.damping,
+        K=record.stiffness,
+        contact=replace(joint.contact, relative_operator=record.relative),
+        boundaries={
+            name: boundary.with_dofs(record.boundary[places[name]])
+            for name, boundary in joint.boundaries.items()
+        },
+        bolts={
+            name: replace(bolt, elongation=row)
+            for (name, bolt), row in zip(joint.bolts.items(), record.elongations, strict=True)
+        },
+    )
+    return with_residual(model, joint) if record.compliance else model
+
+
+def restored_recovery(joint: PortableJoint, record: ReducedRecord) -> Recovery:
+    """Return the recovery matrices of a reduced model of a run."""
+    return Recovery(
+        model=joint,
+        ports=joint.port_compliance,
+        static_contact=joint.static_contact,
+        inertia=record.inertia_recovery,
+        damping=record.damping_recovery,
+    )
+
+
+def _contact(
+    interfaces: Mapping[str, InterfaceRecord], ports: PortsRecord, relative: Matrix
+) -> Contact:
+    records = list(interfaces.values())
+    return Contact(
+        relative_operator=relative,
+        interpolation=_sparse(ports.interpolation),
+        initial_gap=_joined(record.initial_gap for record in records),
+        weights=_joined(record.weights for record in records),
+        penalty=_joined(np.full(len(record.weights), record.penalty) for record in records),
+        slices={name: slice(*record.slice) for name, record in interfaces.items()},
+    )
+
+
+def _boundaries(ports: PortsRecord) -> dict[str, Boundary]:
+    boundaries, start = {}, 0
+    for name, record in ports.boundaries.items():
+        stop = start + len(record.nodes)
+        boundaries[name] = Boundary(
+            name=name,
+            nodes=record.nodes,
+            components=record.components,
+            dofs=np.arange(start, stop),
+        )
+        start = stop
+    return boundaries
+
+
+def _joined(parts: Iterable[Matrix]) -> Matrix:
+    return np.concatenate([*parts, np.empty(0)])
+
+
+def _sparse_record(matrix: SparseMatrix) -> SparseRecord:
+    rows = sp.csr_array(matrix)
+    return SparseRecord(
+        values=np.asarray(rows.data, dtype=np.float64),
+        columns=_indices(rows.indices),
+        row_starts=_indices(rows.indptr),
+        shape=(int(rows.shape[0]), int(rows.shape[1])),
+    )
+
+
+def _sparse(record: SparseRecord) -> SparseMatrix:
+    parts = (record.values, record.columns, record.row_starts)
+    return sp.csr_array(parts, shape=record.shape)
+
+
+def _indices(values: Matrix) -> Indices:
+    return np.asarray(values, dtype=np.int64)
