@@ -38,6 +38,7 @@ def compute(path: Path, out: Path, *, resume: bool) -> None:
     from rich.console import Console
     from rich.progress import Progress
 
+    from faying.cli.outcome import show_outcome
     from faying.study.run import run as run_study
 
     console = Console(stderr=True)
@@ -45,7 +46,7 @@ def compute(path: Path, out: Path, *, resume: bool) -> None:
     hidden = not console.is_terminal
     with Progress(console=console, transient=True, disable=hidden) as progress:
         result = run_study(study, out, resume=resume, progress=progress)
-    typer.echo(f"Results are in {out}")
+    show_outcome(result.summary, out, Console())
     if not result.converged:
         message = f"Some solutions did not converge; {out / 'summary.json'} names them"
         typer.echo(message, err=True)

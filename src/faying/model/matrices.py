@@ -58,7 +58,7 @@ class MassProperties:
 
 
 def assemble_matrices(assembly: Assembly) -> NodalMatrices:
-    """Form M, C and K of solids, beams, springs, point masses and given matrices.
+    """Form M, C and K of Eq. (15.10): solids, beams, springs, point masses, given matrices.
 
     Returns
     -------
