@@ -1,0 +1,42 @@
+"""What a run prints when it ends: how far each method's pressures are off, and where to read on."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+
+def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
+    """Print one row per method with its largest basis, one column per load case."""
+    cases = summary["load_cases"]
+    table = Table(title="Largest pressure error over the largest pressure of the full model")
+    table.add_column("method")
+    table.add_column("joint modes", justify="right")
+    for name in cases:
+        table.add_column(name, justify="right")
+    methods = dict.fromkeys(name for case in cases.values() for name in case["methods"])
+    for method in methods:
+        table.add_row(method, *_row(method, list(cases.values())))
+    console.print(table)
+    report = out / "report.html"
+    console.print(f"Results are in {out}", highlight=False, soft_wrap=True)
+    if report.exists():
+        console.print(f"Report: {report}", highlight=False, soft_wrap=True)
+
+
+def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
+    sizes = [size for case in cases for size in case["methods"].get(method, {})]
+    if not sizes:
+        return ["-", *("not converged" for _ in cases)]
+    largest = max(sizes, key=int)
+    found = [case["methods"].get(method, {}).get(largest) for case in cases]
+    return [largest, *(_percent(entry) for entry in found)]
+
+
+def _percent(entry: Mapping[str, float] | None) -> str:
+    if entry is None:
+        return "-"
+    error = entry["max_relative_error"]
+    return "< 1e-7" if error < 1e-7 else f"{error:.2%}"
