@@ -6,6 +6,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.contact.warm_start import WarmStarts
+from faying.linalg.threads import threads_for
 from faying.model.system import PortCompliance, System, input_forces
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
@@ -66,11 +67,12 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(inputs), dtype=np.int64), np.empty(len(inputs))
     starts = WarmStarts(contact.n_points)
-    for case, gap in enumerate(condensed.free_gap(free)):
-        solution = condensed.solve_gap(gap, starts.nearest(gap))
-        starts.remember(gap, solution.active)
-        forces[case], gaps[case] = solution.forces, condensed.gap(solution)
-        iterations[case], errors[case] = solution.iterations, solution.error
+    with threads_for(contact.n_points):
+        for case, gap in enumerate(condensed.free_gap(free)):
+            solution = condensed.solve_gap(gap, starts.nearest(gap))
+            starts.remember(gap, solution.active)
+            forces[case], gaps[case] = solution.forces, condensed.gap(solution)
+            iterations[case], errors[case] = solution.iterations, solution.error
     external = input_forces(system, inputs) + relative_forces(system, forces)
     return Solution(
         name=name,

@@ -8,6 +8,7 @@ from faying._typing import Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.exceptions import ModelError
 from faying.linalg.factorization import Factorization, factorize
+from faying.linalg.threads import threads_for
 from faying.model.system import System, input_forces
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
@@ -87,19 +88,20 @@ def solve_transient(
     states[0], accelerations[0] = motion.u, motion.a
     forces[0], gaps[0] = start.contact_forces, start.gap
     active = start.contact_forces > 0
-    for n in range(1, n_time):
-        right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * external[n]
-        free = system.contact.relative_operator @ effective.solve(right)
-        contact = condensed.solve(free, active)
-        from_contact = relative_forces(system, contact.forces)
-        u = effective.solve(right + scheme.force_weight * from_contact)
-        motion = scheme.advance(motion, u, external[n] + from_contact, step)
-        states[n], velocities[n], accelerations[n] = motion.u, motion.v, motion.a
-        forces[n], gaps[n] = contact.forces, condensed.gap(contact)
-        iterations[n], active = contact.iterations, contact.active
-        errors[n] = contact.error
-        if progress is not None:
-            progress(1)
+    with threads_for(system.contact.n_points):
+        for n in range(1, n_time):
+            right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * external[n]
+            free = system.contact.relative_operator @ effective.solve(right)
+            contact = condensed.solve(free, active)
+            from_contact = relative_forces(system, contact.forces)
+            u = effective.solve(right + scheme.force_weight * from_contact)
+            motion = scheme.advance(motion, u, external[n] + from_contact, step)
+            states[n], velocities[n], accelerations[n] = motion.u, motion.v, motion.a
+            forces[n], gaps[n] = contact.forces, condensed.gap(contact)
+            iterations[n], active = contact.iterations, contact.active
+            errors[n] = contact.error
+            if progress is not None:
+                progress(1)
     return Solution(
         name=load.name,
         system=system,
