@@ -410,12 +410,16 @@ class ValidationSection(Section):
         Loads among which each method's worst is searched by certificates; no search without.
     preload_factors
         Smallest and largest multiple of the bolt forces in that search.
+    unseen_loads
+        Random loads of the training box at which every method is compared with the full model;
+        twice as many more make the floor under all linear bases. 0 is none.
     penalty_sweep
         Whether the static load cases are repeated over the contact stiffness.
     """
 
     box: tuple[BoxSide, ...] = ()
     preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (1.0,)
+    unseen_loads: Annotated[int, Field(ge=0, strict=True)] = 100
     penalty_sweep: Switch = True
 
 

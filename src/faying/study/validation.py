@@ -32,8 +32,8 @@ from faying.study.tables import Study
 
 Models = Mapping[str, Mapping[int, System]]
 
-UNSEEN, REFERENCE_CASES = 100, 300
-"""Random loads that test the methods, and others that the best possible basis is made of."""
+FLOOR_CASES = 2
+"""Cases that the best possible basis is made of, over those that test the methods."""
 
 SEED = 1
 """Of the random loads, fixed so that runs repeat."""
@@ -50,10 +50,11 @@ def validate(
     """Compute what the study's load spaces and penalty mean for every method."""
     space = None
     worst: dict[str, WorstCaseRecord] = {}
-    if study.reduction.training.box:
+    count = study.validation.unseen_loads
+    if study.reduction.training.box and count:
         with stages.stage("unseen loads"):
             box = training_box(study.reduction.training)
-            space = _load_space(joint.model, box, models, trained.bases["classic"])
+            space = _load_space(joint.model, box, count, models, trained.bases["classic"])
     if study.validation.box:
         with stages.stage("worst-case search", len(models)) as advance:
             box = validation_box(study.validation)
@@ -70,26 +71,28 @@ def validate(
     return ValidationRecord(load_space=space, worst_cases=worst, penalty=sweep, choices=choices)
 
 
-def _load_space(model: Model, box: LoadBox, models: Models, classic: Basis) -> LoadSpaceRecord:
+def _load_space(
+    model: Model, box: LoadBox, count: int, models: Models, classic: Basis
+) -> LoadSpaceRecord:
     """Errors at random loads of the training box, beside the floor of all linear bases."""
-    loads = box.random_loads(model, UNSEEN + REFERENCE_CASES, SEED)
-    unseen, others = loads[:UNSEEN], loads[UNSEEN:]
+    loads = box.random_loads(model, (1 + FLOOR_CASES) * count, SEED)
+    unseen, others = loads[:count], loads[count:]
     exact, training = solve_static_cases(model, unseen), solve_static_cases(model, others)
-    counts = sorted({count for sizes in models.values() for count in sizes if count})
+    counts = sorted({size for sizes in models.values() for size in sizes if size})
     results: dict[str, dict[int, LoadSpaceResult]] = {}
     for name, sizes in models.items():
         results[name] = {}
-        for count, rom in sizes.items():
+        for size, rom in sizes.items():
             try:
                 found = solve_static_cases(rom, unseen)
             except ConvergenceError:  # named where its load cases fail; here it has no figure
                 continue
             largest = np.abs(found.pressure - exact.pressure).max(axis=1) / exact.max_pressure
-            results[name][count] = LoadSpaceResult(
+            results[name][size] = LoadSpaceResult(
                 median_error=float(np.median(largest)), worst_error=float(largest.max())
             )
     return LoadSpaceRecord(
-        n_loads=UNSEEN,
+        n_loads=count,
         methods=results,
         best_possible=best_possible_errors(training.pressure, counts or [1], unseen=exact.pressure),
         best_possible_gap=best_possible_gap_errors(
