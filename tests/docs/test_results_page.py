@@ -11,6 +11,13 @@ from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
+from faying.study.recovery_results import (
+    BoundaryRecord,
+    PortsRecord,
+    RecoveredRecord,
+    ReducedRecord,
+    SparseRecord,
+)
 from faying.study.results import (
     BoltRecord,
     CaseResult,
@@ -44,11 +51,16 @@ GROUPS = {
     "/validation/penalty": PenaltyRecord,
     "/validation/penalty/sweep": PenaltySweep,
     "/validation/choices/METHOD": JointModeChoice,
+    "/ports": PortsRecord,
+    "/ports/interpolation": SparseRecord,
+    "/ports/boundaries/NAME": BoundaryRecord,
+    "/reduced/METHOD/N": ReducedRecord,
+    "/` of `recovered_HISTORY.h5": RecoveredRecord,
 }
 TEXT = (DOCS / "results.md").read_text(encoding="utf-8")
 PAGE = {
     group: re.sub(r"\(as `\w+`\)", "", members)
-    for group, members in re.findall(r"^\| `(/[^`]*)` \| (.*) \|$", TEXT, re.MULTILINE)
+    for group, members in re.findall(r"^\| `(/[^|]*)` \| (.*) \|$", TEXT, re.MULTILINE)
 }
 
 

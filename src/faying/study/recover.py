@@ -135,7 +135,7 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
     )
 
 
-def results_of(folder: Path) -> Results:
+def results_of(folder: Path | str) -> Results:
     """Read the results of a finished run.
 
     Raises
@@ -145,10 +145,11 @@ def results_of(folder: Path) -> Results:
     FormatError
         If they are damaged.
     """
-    if not (folder / "results.h5").is_file():
+    path = Path(folder) / "results.h5"
+    if not path.is_file():
         message = f"{folder} holds no results.h5; name the folder of a finished 'faying run'"
         raise StudyError(message)
-    return read_results(folder / "results.h5")
+    return read_results(path)
 
 
 def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
