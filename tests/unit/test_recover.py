@@ -147,6 +147,8 @@ def test_a_modal_csv_gives_the_pressures_of_memory(
             np.testing.assert_allclose(
                 file[name][()], values, rtol=0, atol=1e-8 * np.abs(values).max()
             )
+    for heading in ("pressure [MPa]", "at [mm]", "time [s]", "contact force then [N]"):
+        assert heading in out
     largest = expected.pressure.max()
     instant, _ = np.unravel_index(expected.pressure.argmax(), expected.pressure.shape)
     row = next(line for line in out.splitlines() if line.strip().startswith("joint"))

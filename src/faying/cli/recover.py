@@ -83,7 +83,8 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     from faying.study.recover import peaks
     from faying.study.units import units_of
 
-    units, console = units_of(results.units), Console()
+    # Brackets around units and in names are no markup.
+    units, console = units_of(results.units), Console(markup=False, highlight=False)
     modes = f" with {recovered.joint_modes} joint modes" if recovered.joint_modes else ""
     console.print(
         f"{recovered.history}: {recovered.route}, {len(recovered.times)} instants, "
