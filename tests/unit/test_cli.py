@@ -25,7 +25,7 @@ def call(monkeypatch, capsys, *arguments):
 def runner(monkeypatch):
     """A stand-in for the runner that records its calls and reports convergence as told."""
     calls = []
-    result = SimpleNamespace(converged=True, summary={})
+    result = SimpleNamespace(converged=True, summary={"load_cases": {}})
 
     def run(study, out, *, resume, progress):
         calls.append((study, out, resume))
@@ -135,6 +135,8 @@ def test_check_tells_what_was_understood(monkeypatch, capsys):
     joint = next(line for line in out.splitlines() if line.strip().startswith("joint"))
     # 28 faces of 25 mm²; the automatic penalty is 10 E/h = 10 · 210000 / 5
     assert joint.split() == ["joint", "28", "44", "112", "gauss-2", "700", "0", "420000"]
+    # The study's own names for the bodies, out of which and into which the normal points.
+    assert ["joint", "lower", "upper"] in [line.split() for line in out.splitlines()]
 
 
 def test_report_needs_results(monkeypatch, capsys, tmp_path):

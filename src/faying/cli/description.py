@@ -8,7 +8,7 @@ from rich.table import Table
 
 from faying.contact.interface import Interface
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies
+from faying.model.bodies import bodies, body_names
 from faying.model.boundary import FORCE_NAMES, Boundary
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
@@ -23,6 +23,7 @@ def described(study: Study, model: Model) -> Iterator[Table]:
     yield _materials(model.assembly)
     yield _connections(model.assembly)
     yield _interfaces(model)
+    yield _sides(model)
     yield _bolts(study, model)
     yield _boundaries(model)
     yield _load_cases(study)
@@ -77,14 +78,14 @@ def _point(values: Iterable[float]) -> str:
 
 
 def _bodies(mesh: Mesh) -> Table:
-    label = bodies(mesh)
+    label, names = bodies(mesh), body_names(mesh)
     owners = [label[block.nodes[:, 0]] for block in mesh.blocks]
     owner = np.concatenate([*owners, np.empty(0, dtype=np.int64)])
     rows = []
-    for number in range(int(label.max(initial=-1)) + 1):
+    for number, name in enumerate(names):
         nodes = mesh.nodes[label == number]
         low, high = (_point(corner.tolist()) for corner in (nodes.min(axis=0), nodes.max(axis=0)))
-        rows.append((f"body {number}", len(nodes), int((owner == number).sum()), low, high))
+        rows.append((name, len(nodes), int((owner == number).sum()), low, high))
     return _table("Bodies", ["name", "nodes", "elements", "from", "to"], rows)
 
 
@@ -122,6 +123,17 @@ def _interfaces(model: Model) -> Table:
     columns = ["name", "faces", "pairs", "points", "rule", "area", "mean gap", "penalty"]
     rows = (_interface(interface) for interface in model.interfaces.values())
     return _table("Interfaces", columns, rows)
+
+
+def _sides(model: Model) -> Table:
+    """List the bodies each interface joins; matrices have none that could be named."""
+    label = bodies(model.assembly.mesh)
+    names = np.array([*body_names(model.assembly.mesh), "matrices"])
+    rows = (
+        (name, *(", ".join(sorted({*names[label[side]].tolist()})) for side in interface.pairs.T))
+        for name, interface in model.interfaces.items()
+    )
+    return _table("Sides of the interfaces", ["name", "minus", "plus"], rows)
 
 
 def _interface(interface: Interface) -> tuple[object, ...]:
@@ -175,5 +187,5 @@ def _timing(case: LoadCaseSection) -> str:
     step = f"{case.steps_per_period} per period" if case.step is None else f"{case.step:g}"
     length = "as the history" if case.duration is None else f"{case.duration:g}"
     if case.periods is not None:
-        length = f"{case.periods:g} periods"
+        length = f"{case.periods:g} period{'s' * (case.periods != 1)}"
     return f"{length}, step {step}, {case.integrator or 'implicit-euler'}"

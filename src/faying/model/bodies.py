@@ -41,3 +41,15 @@ def bodies(mesh: Mesh) -> Indices:
     rank[np.argsort(lowest)] = np.arange(len(lowest))
     labels[solid] = rank[inverse]
     return labels
+
+
+def body_names(mesh: Mesh) -> list[str]:
+    """Name each body by the last element set that is the whole of it, else ``"body 0"``, …."""
+    labels = bodies(mesh)
+    names = [f"body {number}" for number in range(int(labels.max(initial=-1)) + 1)]
+    for name, ids in mesh.element_sets.items():
+        nodes = mesh.element_nodes(ids)
+        inside = np.unique(labels[nodes])
+        if len(inside) == 1 and np.count_nonzero(labels == inside[0]) == len(nodes):
+            names[int(inside[0])] = name
+    return names

@@ -5,6 +5,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
+from faying.model.bodies import bodies, body_names
 from faying.model.dofs import DofMap
 from faying.model.model import Model
 from faying.model.rigid_motion import free_motions, rigid_motions
@@ -115,16 +116,11 @@ def _axis(twist: Vector, centre: Vector, radius: float) -> str:
 def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
     """Name a body by an element set that covers it, and by its nodes."""
     mesh = assembly.mesh
-    members = np.arange(len(mesh.nodes))[chosen]
-    names = [
-        f"'{name}'"
-        for name, ids in mesh.element_sets.items()
-        if np.array_equal(mesh.element_nodes(ids), members)
-    ]
-    ids = mesh.node_ids[members]
-    # The last set is the study's own, which its author knows.
-    named = f" {names[-1]}" if names else ""
-    return f"body{named} (nodes {ids.min()} to {ids.max()})"
+    ids = mesh.node_ids[chosen]
+    number = int(bodies(mesh)[chosen][0])
+    name = body_names(mesh)[number] if number >= 0 else ""
+    named = f"body '{name}'" if name in mesh.element_sets else "body"
+    return f"{named} (nodes {ids.min()} to {ids.max()})"
 
 
 def _direction(motion: Vector) -> str:

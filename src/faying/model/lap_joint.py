@@ -200,7 +200,10 @@ def _suspended(assembly: Assembly, translation: float, rotation: float) -> Assem
         for i, stiffness in enumerate([translation] * 3 + [rotation] * 3)
         if stiffness > 0
     ]
-    return replace(assembly, springs=tuple(springs))
+    note = (
+        f"springs of {translation:g} and {rotation:g} at the tip, for contact alone holds nothing"
+    )
+    return replace(assembly, springs=tuple(springs), ignored=(note,) if springs else ())
 
 
 def _bolted(
