@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -138,7 +138,12 @@ class CaseRunner:
                         progress=advance,
                     )
                 seconds = time.perf_counter() - start
-            return _packed(respond(solution, self.joint.model, seconds))
+            response = respond(solution, self.joint.model, seconds)
+            if refinement == 1 and not static and isinstance(system, ReducedModel):
+                with self.stages.stage("recovery"):
+                    recovered = recover_pressure(self.joint.model, solution).pressure
+                response = replace(response, recovered_pressure=recovered)
+            return _packed(response)
 
         return _unpacked(self.checkpoint.bundle(f"{case.name} {label} {refinement}", compute))
 
@@ -151,11 +156,8 @@ def integrator_of(case: LoadCaseSection) -> Integrator:
 
 
 def respond(solution: Solution, model: Model, seconds: float) -> Response:
-    """Take from a solution what a run keeps.
-
-    Transients of reduced models also get the pressures recovered from their motion.
-    """
-    static, reduced = solution.times is None, isinstance(solution.system, ReducedModel)
+    """Take from a solution what a run keeps."""
+    static = solution.times is None
     return Response(
         pressure=solution.pressure,
         gap=solution.gap,
@@ -167,9 +169,6 @@ def respond(solution: Solution, model: Model, seconds: float) -> Response:
         seconds=seconds,
         nodal_displacement=(
             model.dofs.nodal(solution.full_displacement())[:, :3] if static else None
-        ),
-        recovered_pressure=(
-            recover_pressure(model, solution).pressure if reduced and not static else None
         ),
     )
 
