@@ -89,10 +89,13 @@ def from_matrices(
     Parameters
     ----------
     interfaces, bolts, boundaries
-        As for :func:`read_nastran`; interface sides are names of face sets.
+        As for :func:`read_nastran`; interface sides are names of face sets, penalties are numbers
+        or ``"hard"``, and bolts have ``nodes`` and ``stiffness``: K contains them already.
     **matrices
         ``M``, ``K``, ``C``, ``nodes``, ``dofs``, ``faces`` …: those of
-        :func:`faying.io.matrices.matrices_assembly`.
+        :func:`faying.io.matrices.matrices_assembly`. Matrices may come constrained, without rows
+        for what is held or depends on others, or with ``supports``. Interface nodes need their
+        rows: one without counts as held.
     """
     from faying.io.matrices import matrices_assembly
 
