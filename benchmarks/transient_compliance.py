@@ -37,7 +37,9 @@ def main() -> None:
         ("smooth, generalized-α 0.8", smooth(period), fy.GeneralizedAlpha(0.8), 100),
     ]
     write = sys.stdout.write
-    write("| load and scheme | steps per period | basis | max | p99.9 | rms | max after 50 steps |\n")
+    write(
+        "| load and scheme | steps per period | basis | max | p99.9 | rms | max after 50 steps |\n"
+    )
     write("|---|---|---|---|---|---|---|\n")
     for label, load, scheme, steps in variants:
         options = {"step": period / steps, "duration": 2 * period, "integrator": scheme}

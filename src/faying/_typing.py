@@ -25,7 +25,7 @@ Vector = npt.NDArray[np.float64]
 Matrix = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
-SparseMatrix: TypeAlias = sp.csr_array  # noqa: UP040  a plain alias stays usable at run time
+SparseMatrix: TypeAlias = sp.csr_array
 
 
 def frozen(array: npt.ArrayLike, dtype: Any = np.float64) -> Any:
