@@ -146,7 +146,7 @@ class CompressedSpace:
 
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
         """Return the forces that close the active gaps, and the slack of all points."""
-        return self.closed(g_free, active, self.noise)
+        return self.closed(g_free, active, NOISE)
 
     def closed(self, g_free: Vector, active: Mask, noise: float) -> tuple[Vector, Vector]:
         """Equilibrate to a fraction of the largest gap."""
@@ -161,7 +161,7 @@ class CompressedSpace:
         for column in right.T:
             full = np.zeros(len(self.D))
             full[active] = column
-            allowed = CLOSED * self.noise * float(np.abs(column).max(initial=0.0))
+            allowed = CLOSED * NOISE * float(np.abs(column).max(initial=0.0))
             columns.append(self._conjugate_gradients(full, active, allowed)[active])
         return np.array(columns).reshape(right.shape[1], -1).T
 
@@ -253,7 +253,7 @@ class _Loose:
         return self.space.diagonal
 
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
-        return self.space.closed(g_free, active, self.noise)
+        return self.space.closed(g_free, active, LOOSE)
 
     def solve(self, right: Matrix, active: Mask) -> Matrix:
         return self.space.solve(right, active)

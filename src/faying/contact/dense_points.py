@@ -62,4 +62,4 @@ class DensePoints:
 
     def shifted(self, delta: float) -> "DensePoints":
         """Return the space of H + δ I."""
-        return DensePoints(H=self.H + delta * np.eye(len(self.H)), noise=self.noise)
+        return DensePoints(H=self.H + delta * np.eye(len(self.H)))

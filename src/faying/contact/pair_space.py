@@ -83,7 +83,7 @@ class PairSpace:
 
     def shifted(self, delta: float) -> "PairSpace":
         """Return the space of H + δ I."""
-        return PairSpace(N=self.N, S=self.S, D=self.D + delta, noise=self.noise)
+        return PairSpace(N=self.N, S=self.S, D=self.D + delta)
 
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
         """Return the forces that close the active gaps, and the slack of all points."""

@@ -15,9 +15,9 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
-from faying.linalg.clusters import geometric_clusters
+from faying.linalg.clusters import CLUSTER, geometric_clusters
 
-TOLERANCE = 1e-8
+TOLERANCE = 1e-9
 """Frobenius norm of all that truncation leaves out, over the least diagonal entry of a sample."""
 
 
@@ -152,7 +152,10 @@ def symmetrized(matrix: Matrix) -> Matrix:
 
 
 def compress(
-    columns: Callable[[Indices], Matrix], places: Matrix, tolerance: float = TOLERANCE
+    columns: Callable[[Indices], Matrix],
+    places: Matrix,
+    tolerance: float = TOLERANCE,
+    largest: int = CLUSTER,
 ) -> CompressedCompliance:
     """Compress a symmetric matrix that is formed a cluster of columns at a time.
 
@@ -164,13 +167,15 @@ def compress(
         Where the rows belong to; neighbours are put in one cluster.
     tolerance
         As :data:`TOLERANCE`; the sample is one entry of each cluster.
+    largest
+        Members per cluster at most.
 
     Notes
     -----
     All columns are formed once, never together, and those of the sample twice. O(n k) memory a
     cluster for blocks of rank k.
     """
-    clusters = geometric_clusters(places)
+    clusters = geometric_clusters(places, largest)
     n, count = len(places), len(clusters)
     diagonal: list[Matrix] = []
     pieces: list[list[Matrix]] = [[] for _ in clusters]

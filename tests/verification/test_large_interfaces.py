@@ -1,0 +1,236 @@
+"""Contact between pairs and with a compressed compliance against the dense point matrix."""
+
+import logging
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import faying as fy
+from faying.contact.compressed_space import CompressedSpace, solve_compressed
+from faying.contact.dense_points import DensePoints
+from faying.contact.pair_space import UPDATED_SIZE, PairSpace
+from faying.contact.pivoting import solve_complementarity
+from faying.exceptions import ModelError
+from faying.linalg.compressed import compress
+from faying.simulation.integrators import ImplicitEuler
+
+LC2 = fy.Load({"tip.Fz": -20.0, "tip.Mx": 500.0}, name="LC2")
+TINY = 1e5
+"""Budget in bytes that no dense matrix of these models fits into."""
+
+
+def random_parts(rng, n_pair, points_per_pair=4):
+    """S of full rank, an interpolation with four pairs a point, and penalty springs."""
+    n_point = points_per_pair * n_pair
+    factor = rng.standard_normal((n_pair, n_pair)) / np.sqrt(n_pair)
+    columns = np.array([rng.choice(n_pair, 4, replace=False) for _ in range(n_point)])
+    shares = rng.uniform(0.05, 1.0, (n_point, 4))
+    shares /= shares.sum(axis=1, keepdims=True)
+    rows = np.repeat(np.arange(n_point), 4)
+    N = sp.csr_array((shares.ravel(), (rows, columns.ravel())), shape=(n_point, n_pair))
+    return N, factor @ factor.T + 0.1 * np.eye(n_pair), rng.uniform(0.1, 1.0, n_point)
+
+
+def dense_points(N, S, D):
+    return DensePoints(H=N @ (N @ S).T + np.diag(D))
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e3])
+def test_random_problems_between_pairs(stiffness):
+    rng = np.random.default_rng(0)
+    for n_pair in (1, 4, 25, 60):
+        N, S, D = random_parts(rng, max(n_pair, 4))
+        pairs = PairSpace(N=N, S=S, D=D / stiffness)
+        points = dense_points(N, S, D / stiffness)
+        np.testing.assert_allclose(pairs.diagonal, points.diagonal, rtol=1e-13)  # round-off
+        for _ in range(5):
+            # As gaps are: those of the pairs, interpolated, and a rough surface.
+            g_free = N @ rng.standard_normal(N.shape[1]) + 1e-2 * rng.standard_normal(len(D))
+            mine = solve_complementarity(pairs, g_free)
+            exact = solve_complementarity(points, g_free)
+            # Round-off times the condition, 1e2 times the stiffness.
+            small = 1e-13 * stiffness * max(exact.forces.max(), 1.0)
+            np.testing.assert_allclose(mine.forces, exact.forces, rtol=0, atol=small)
+            np.testing.assert_allclose(mine.slack, exact.slack, rtol=0, atol=1e-12 * stiffness)
+
+
+def test_updated_factorizations_give_the_forces_of_new_ones():
+    rng = np.random.default_rng(1)
+    N, S, D = random_parts(rng, UPDATED_SIZE + 100, points_per_pair=2)
+    g_free = rng.standard_normal(len(D))
+    active = g_free < 1.0
+    kept = PairSpace(N=N, S=S, D=D)
+    kept.equilibrate(g_free, active)
+    first = kept._last["factor"]
+    for _ in range(3):
+        active = active.copy()
+        active[rng.choice(len(D), 12, replace=False)] ^= True
+        forces, slack = kept.equilibrate(g_free, active)
+        assert kept._last["factor"] is first
+        new_forces, new_slack = PairSpace(N=N, S=S, D=D).equilibrate(g_free, active)
+        # Round-off of sums of a thousand terms.
+        np.testing.assert_allclose(forces, new_forces, rtol=0, atol=1e-11 * np.abs(forces).max())
+        np.testing.assert_allclose(slack, new_slack, rtol=0, atol=1e-11)
+
+
+def test_active_systems_are_solved_alike(joint):
+    contact, S = joint.contact, joint.port_compliance.relative
+    active = fy.solve_static(joint).contact_forces > 0
+    right = np.random.default_rng(2).standard_normal((int(active.sum()), 3))
+    exact = joint.static_contact.solve_active(right, active)
+    H = joint.static_contact.flexibility[np.ix_(active, active)]
+    np.testing.assert_allclose(H @ exact, right, rtol=0, atol=1e-9)  # condition 1e4
+    N, D = contact.interpolation, contact.flexibility
+    compressed = compress(lambda members: S[:, members], contact.places)
+    spaces = (PairSpace(N=N, S=S, D=D), CompressedSpace(N=N, S=compressed, D=D))
+    for space in spaces:
+        # Gradients end at 1e-12 of the right-hand side, times the condition 1e4.
+        small = 1e-8 * np.abs(exact).max()
+        np.testing.assert_allclose(space.solve(right, active), exact, rtol=0, atol=small)
+
+
+@pytest.mark.parametrize("penalty", [1e4, "auto", 1e7])
+def test_lap_joint_between_pairs(penalty):
+    model = fy.preload(fy.lap_joint(element_size=4.0, penalty=penalty), {"bolt": 10e3})
+    contact = model.contact
+    pairs = PairSpace(
+        N=contact.interpolation, S=model.port_compliance.relative, D=contact.flexibility
+    )
+    points = DensePoints(H=model.static_contact.flexibility)
+    gaps = free_gaps(model, 4)
+    for g_free in gaps:
+        mine, exact = (solve_complementarity(space, g_free) for space in (pairs, points))
+        # Round-off times the condition, ‖S‖ c_n w of 1e4 to 1e7.
+        small = 1e-9 * exact.forces.max()
+        np.testing.assert_allclose(mine.forces, exact.forces, rtol=0, atol=small)
+
+
+def free_gaps(model, count):
+    rng = np.random.default_rng(3)
+    ports = model.port_compliance
+    initial = [-bolt.initial_force for bolt in model.bolts.values()]
+    inputs = np.array(
+        [
+            [*(rng.uniform(-1, 1, 6) * [2e3, 5e2, 5e2, 2e4, 2e4, 2e4]), *initial]
+            for _ in range(count)
+        ]
+    )
+    return model.static_contact.free_gap(inputs @ ports.contact_columns)
+
+
+@pytest.fixture(scope="module")
+def plates():
+    """Two thin plates: 1920 contact points on 540 pairs."""
+    sizes = {"element_size": 1.25, "thickness": 1.25, "length": 70.0}
+    model = fy.lap_joint(**sizes, damping=fy.Rayleigh(beta=5e-7))
+    return fy.preload(model, {"bolt": 1e3})
+
+
+@pytest.fixture(scope="module")
+def small_plates(plates):
+    return plates.with_dense_budget(TINY)
+
+
+def test_two_thousand_points_within_the_stated_tolerance(plates, small_plates):
+    assert plates.contact.n_points == 1920
+    exact, compressed = fy.solve_static(plates, LC2), fy.solve_static(small_plates, LC2)
+    assert isinstance(plates.static_contact.space, PairSpace)
+    assert isinstance(small_plates.static_contact.space, CompressedSpace)
+    assert exact.contact_error == 0.0
+    bound = float(compressed.contact_error)
+    assert 0.0 < bound < 1e-5
+    D = plates.contact.flexibility
+    difference = compressed.contact_forces - exact.contact_forces
+    norm = np.sqrt(exact.contact_forces**2 @ D)
+    assert np.sqrt(difference**2 @ D) <= bound * norm
+    # The bound is for the root mean square; single points are a few times worse.
+    assert fy.compare(compressed, exact).max_relative_error <= 10 * bound
+    np.testing.assert_allclose(compressed.states, exact.states, rtol=0, atol=1e-7)  # of order 1
+
+
+def test_the_compressed_reduced_model_is_statically_exact_and_steps_alike(plates, small_plates):
+    basis = fy.craig_bampton(plates, normal_modes=8)
+    rom = fy.reduce(plates, basis, compliance=True)
+    small = fy.reduce(small_plates, basis, compliance=True)
+    full = fy.solve_static(small_plates, LC2)
+    reduced = fy.solve_static(small, LC2)
+    # Both carry the same truncation; what is left is the noise of the iteration.
+    assert fy.compare(reduced, full).max_relative_error < 1e-5
+    run = {"step": 1e-5, "duration": 5e-5, "integrator": ImplicitEuler()}
+    exact, compressed = (fy.solve_transient(r, LC2, **run) for r in (rom, small))
+    assert isinstance(small.static_contact.space, CompressedSpace)
+    worst = float(np.max(compressed.contact_error))
+    assert 0.0 < worst < 1e-5
+    # As above, and errors of five steps add up.
+    assert fy.compare(compressed, exact).max_relative_error <= 50 * worst
+
+
+def test_full_transients_are_compressed_too():
+    model = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    run = {"step": 1e-5, "duration": 3e-5}
+    exact = fy.solve_transient(model, LC2, **run)
+    compressed = fy.solve_transient(model.with_dense_budget(TINY / 100), LC2, **run)
+    assert float(np.max(compressed.contact_error)) > 0.0
+    # The bound is below 1e-6 here.
+    assert fy.compare(compressed, exact).max_relative_error < 1e-6
+
+
+def test_hard_contact_with_one_point_a_pair():
+    sizes = {"element_size": 1.25, "thickness": 2.5, "length": 60.0, "width": 15.0}
+    model = fy.preload(fy.lap_joint(**sizes, penalty="hard"), {"bolt": 2e3})
+    assert model.contact.n_points == model.structure.relative_operator.shape[0]
+    assert isinstance(model.static_contact.space, DensePoints)
+    small = model.with_dense_budget(TINY / 10)
+    exact, compressed = fy.solve_static(model, LC2), fy.solve_static(small, LC2)
+    assert isinstance(small.static_contact.space, CompressedSpace)
+    # Without a penalty the bound rests on an estimate of the least eigenvalue; 1e-8 is measured.
+    assert fy.compare(compressed, exact).max_relative_error < 1e-6
+
+
+def test_hard_contact_with_more_points_than_pairs():
+    """Redundant points: the proximal iteration, between pairs."""
+    model = fy.preload(fy.lap_joint(element_size=4.0), {"bolt": 10e3}).with_penalty(np.inf)
+    contact = model.contact
+    pairs = PairSpace(
+        N=contact.interpolation, S=model.port_compliance.relative, D=contact.flexibility
+    )
+    g_free = free_gaps(model, 1)[0]
+    mine = solve_complementarity(pairs, g_free)
+    exact = solve_complementarity(DensePoints(H=model.static_contact.flexibility), g_free)
+    # Single forces are not unique to round-off; what they do to the pairs is.
+    at_pairs = contact.interpolation.T @ np.array([mine.forces, exact.forces]).T
+    small = 1e-5 * np.abs(at_pairs).max()  # the proximal term is 1e-7 of the flexibility
+    np.testing.assert_allclose(at_pairs[:, 0], at_pairs[:, 1], rtol=0, atol=small)
+
+
+def test_the_switch_is_automatic_and_announced(caplog):
+    model = fy.lap_joint(element_size=5.0).with_dense_budget(100)
+    with caplog.at_level(logging.INFO, logger="faying"):
+        assert isinstance(model.static_contact.space, CompressedSpace)
+    assert "the compliance is compressed to" in caplog.text
+    assert "dense budget of 1e+02 bytes" in caplog.text
+
+
+def test_dense_matrices_beyond_the_budget_are_refused():
+    model = fy.lap_joint(element_size=5.0).with_dense_budget(100)
+    with pytest.raises(ModelError, match="112 contact points exceeds the dense budg"):
+        _ = model.static_contact.flexibility
+
+
+def test_the_bound_holds_for_coarse_compression(joint):
+    """A tolerance loose enough to be seen: the true error stays below what is reported."""
+    contact, structure = joint.contact, joint.structure
+    D, N, S = contact.flexibility, contact.interpolation, joint.port_compliance.relative
+    held = structure.held_compliance
+    smooth = structure.relative_operator @ structure.constraint_modes
+    core = np.linalg.inv(structure.boundary_stiffness)
+    for tolerance in (1e-1, 1e-3):
+        coarse = compress(lambda members: held[:, members], contact.places, tolerance, largest=8)
+        assert coarse.error > 0
+        space = CompressedSpace(N=N, S=coarse.plus(smooth, core), D=D)
+        for g_free in free_gaps(joint, 3):
+            exact = solve_complementarity(PairSpace(N=N, S=S, D=D), g_free)
+            mine = solve_compressed(space, g_free)
+            error = np.sqrt((mine.forces - exact.forces) ** 2 @ D)
+            assert error <= mine.error * np.sqrt(mine.forces**2 @ D)
