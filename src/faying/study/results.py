@@ -88,7 +88,8 @@ class CaseResult:
     methods
         Method name to joint mode count to result.
     half_step : Response or None
-        The reference with half the time step, for the time-step check of transients.
+        Half the time step, by the reduced model with exact compliance: the time-step check of
+        transients.
     """
 
     name: str
