@@ -44,6 +44,8 @@ def test_random_problems_between_pairs(stiffness):
         pairs = PairSpace(N=N, S=S, D=D / stiffness)
         points = dense_points(N, S, D / stiffness)
         np.testing.assert_allclose(pairs.diagonal, points.diagonal, rtol=1e-13)  # round-off
+        forces = rng.standard_normal(len(D))
+        np.testing.assert_allclose(pairs.product(forces), points.product(forces), atol=1e-12)
         for _ in range(5):
             # As gaps are: those of the pairs, interpolated, and a rough surface.
             g_free = N @ rng.standard_normal(N.shape[1]) + 1e-2 * rng.standard_normal(len(D))

@@ -8,7 +8,6 @@ exactly, a few columns at a time, and truncated by cross approximation with full
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TypeAlias, final
 
 import numpy as np
@@ -78,14 +77,6 @@ class CompressedCompliance:
             result[members] += dense @ part + factor @ sent[start : start + factor.shape[1]]
             start += factor.shape[1]
         return result
-
-    @cached_property
-    def entries_on_diagonal(self) -> Vector:
-        """Diagonal of S (n,)."""
-        result = np.einsum("ni,ij,nj->n", self.smooth, self.core, self.smooth, optimize=True)
-        for members, dense in zip(self.clusters, self.diagonal, strict=True):
-            result[members] += np.diag(dense)
-        return np.asarray(result)
 
     def block(self, cluster: int) -> Matrix:
         """Return the principal submatrix of one cluster, all parts included."""
