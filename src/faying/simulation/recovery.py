@@ -429,7 +429,11 @@ def balanced_accelerations(system: System, solution: Solution) -> Matrix:
     force = input_forces(system, solution.inputs) + relative_forces(system, solution.contact_forces)
     elastic, damping, mass = (np.asarray(matrix) for matrix in (system.K, system.C, system.M))
     unbalanced = force - solution.states @ elastic - velocities @ damping
-    return np.asarray(np.linalg.lstsq(mass, unbalanced.T, rcond=None)[0].T, dtype=np.float64)
+    # Masses of coordinates differ by many orders; unscaled, the pseudoinverse mixes their errors.
+    own = np.diag(mass)
+    scale = 1 / np.sqrt(np.where(own > 0, own, 1.0))
+    scaled = np.linalg.lstsq(mass * scale[:, None] * scale, (unbalanced * scale).T, rcond=None)[0]
+    return np.asarray(scaled.T * scale, dtype=np.float64)
 
 
 def _contact(
