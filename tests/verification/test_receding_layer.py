@@ -75,7 +75,8 @@ def test_hard_contact(case):
     layers = layers_on_the_mesh(mesh, penalty="hard")
     solution = layers.pressed(FORCE)
     x, gap = profile(layers, solution)
-    last = x[np.flatnonzero(gap < 1e-12)[-1]]  # closed gaps are zero to round-off
+    # Closed gaps are zero to round-off, 4e-12 at most; the first open one is 5e-5.
+    last = x[np.flatnonzero(gap < 1e-9)[-1]]
     # Nodal pressures: half a percent of the peak on this mesh; contact ends within one element.
     assert solution.max_pressure == pytest.approx(described["p0_rigid"], rel=5e-3)
     assert abs(last - described["a_rigid"]) < 0.625
