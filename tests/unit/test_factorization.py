@@ -7,7 +7,8 @@ import scipy.sparse as sp
 import faying as fy
 from faying.exceptions import ModelError
 from faying.linalg.factorization import SingularMatrixError
-from faying.linalg.partial import COLUMN_BLOCK, port_compliance
+from faying.linalg.partial import port_compliance
+from faying.linalg.substitution import COLUMN_BLOCK
 from faying.model.structure import Structure
 
 

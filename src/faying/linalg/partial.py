@@ -1,14 +1,9 @@
 """Entries of an inverse between a few ports: Q A⁻¹ Qᵀ."""
 
-import numpy as np
-import scipy.sparse as sp
-
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.linalg.compressed import CompressedCompliance, compress, symmetrized
-from faying.linalg.factorization import Factorization
-
-COLUMN_BLOCK = 256
-"""Right-hand sides solved at once; bounds the memory of dense intermediates."""
+from faying.linalg.factorization import Factorization, MatrixFactorization
+from faying.linalg.substitution import solved_gram
 
 
 def port_compliance(ports: SparseMatrix | Matrix, factor: Factorization) -> Matrix:
@@ -16,14 +11,12 @@ def port_compliance(ports: SparseMatrix | Matrix, factor: Factorization) -> Matr
 
     Notes
     -----
-    One back-substitution per port, ``COLUMN_BLOCK`` at a time.
+    At most one back-substitution per port, in blocks of bounded memory; far less where the
+    factorization was told its ports (:func:`faying.linalg.factorization.factorize`).
     """
-    compliance = np.empty((ports.shape[0], ports.shape[0]))
-    for start in range(0, ports.shape[0], COLUMN_BLOCK):
-        rows = ports[start : start + COLUMN_BLOCK]
-        dense = rows.toarray() if isinstance(rows, sp.sparray) else rows
-        compliance[:, start : start + COLUMN_BLOCK] = ports @ factor.solve(dense.T)
-    return symmetrized(compliance)
+    if isinstance(factor, MatrixFactorization):
+        return symmetrized(factor.gram(ports.T))
+    return symmetrized(solved_gram(factor.solve, ports.T))
 
 
 def compressed_port_compliance(

@@ -76,7 +76,10 @@ class Structure:
     def interior_factor(self) -> Factorization:
         """Factorization of K_ii."""
         try:
-            return factorize(self.K[self.interior][:, self.interior])
+            return factorize(
+                self.K[self.interior][:, self.interior],
+                ports=self._held_ports if self._is_kept_whole else None,
+            )
         except SingularMatrixError as error:
             motion = np.zeros(self.n_dof)
             motion[self.interior] = error.motion
@@ -140,10 +143,19 @@ class Structure:
         -----
         One back-substitution per pair (three where curved), in blocks.
         """
-        ports = self.relative_operator[:, self.interior].tocsr()
-        if self.places is None or pairs_fit(ports.shape[0], self.dense_budget):
-            return port_compliance(ports, self.interior_factor)
-        return compressed_port_compliance(ports, self.interior_factor, self.places)
+        if self.places is None or self._is_kept_whole:
+            return port_compliance(self._held_ports, self.interior_factor)
+        return compressed_port_compliance(self._held_ports, self.interior_factor, self.places)
+
+    @cached_property
+    def _held_ports(self) -> SparseMatrix:
+        """P at the interior (n_relative, n_interior)."""
+        return self.relative_operator[:, self.interior].tocsr()
+
+    @property
+    def _is_kept_whole(self) -> bool:
+        """Whether the compliance between all pairs is kept entry by entry."""
+        return self.places is None or pairs_fit(self.relative_operator.shape[0], self.dense_budget)
 
     @cached_property
     def bolt_shapes(self) -> Matrix:

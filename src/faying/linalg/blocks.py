@@ -1,0 +1,43 @@
+"""Sparse matrices seen node by node: fewer, larger entries make orderings cheap."""
+
+import numpy as np
+import numpy.typing as npt
+import scipy.sparse as sp
+
+from faying._typing import Matrix, SparseMatrix
+
+Integers = npt.NDArray[np.int32]
+
+NODE = 3
+"""Degrees of freedom of a solid's node, which models number together."""
+
+MOST_FILL = 1.5
+"""Numbers stored in blocks over those stored singly up to which blocks pay."""
+
+
+def node_blocks(A: SparseMatrix) -> sp.bsr_array:
+    """Return A in square blocks of a node's degrees of freedom, or of one if it has no such order.
+
+    Padded by a unit diagonal to a whole number of blocks.
+    """
+    n = A.shape[0]
+    padding = -n % NODE
+    whole = sp.block_diag([A, sp.eye_array(padding)], format="csr") if padding else sp.csr_array(A)
+    blocks = sp.bsr_array(whole, blocksize=(NODE, NODE))
+    if blocks.data.size > MOST_FILL * A.nnz:
+        blocks = sp.bsr_array(sp.csr_array(A), blocksize=(1, 1))
+    blocks.sort_indices()
+    return blocks
+
+
+def upper_blocks(A: sp.bsr_array) -> tuple[Matrix, Integers, Integers]:
+    """Return data, block columns and block row beginnings of the upper triangle."""
+    n_block = len(A.indptr) - 1
+    rows = np.repeat(np.arange(n_block), np.diff(A.indptr))
+    upper = A.indices >= rows
+    indptr = np.concatenate([[0], np.cumsum(np.bincount(rows[upper], minlength=n_block))])
+    return (
+        np.ascontiguousarray(A.data[upper]),
+        A.indices[upper].astype(np.int32),
+        indptr.astype(np.int32),
+    )

@@ -1,0 +1,64 @@
+"""Cholesky factorization of dense matrices by LAPACK."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.linalg.singular import MECHANISM, SingularMatrixError
+from faying.linalg.substitution import dense
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DenseFactorization:
+    """Cholesky factor of a dense matrix."""
+
+    factor: Matrix
+    backend: str = "lapack"
+
+    @property
+    def memory(self) -> int:
+        """Bytes of the factor."""
+        return self.factor.nbytes
+
+    def solve(self, right_hand_side: Matrix) -> Matrix:
+        """Return A⁻¹ B for B of shape (n,) or (n, k)."""
+        solution: Matrix = la.cho_solve((self.factor, True), right_hand_side, check_finite=False)
+        return solution
+
+    def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
+        """Return Bᵀ A⁻¹ B for B (n, k), from L⁻¹B alone."""
+        if 0 in columns.shape:
+            return np.zeros((columns.shape[1],) * 2)
+        half = la.solve_triangular(self.factor, dense(columns), lower=True, check_finite=False)
+        gram: Matrix = half.T @ half
+        return gram
+
+
+def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
+    """Factorize ΨᵀKΨ, whose own diagonal is round-off where Ψ holds a free motion.
+
+    Parameters
+    ----------
+    singly : (n,)
+        ψᵀ diag(K) ψ of each column: twice its energy if all degrees of freedom moved singly.
+
+    Raises
+    ------
+    SingularMatrixError
+        If some motion meets no resistance; the error carries that motion.
+    """
+    scale = 1.0 / np.sqrt(np.maximum(singly, np.finfo(float).tiny))
+    scaled = A * scale[:, None] * scale
+    try:
+        smallest_pivot = float(np.diag(la.cholesky(scaled)).min(initial=1.0)) ** 2
+    except la.LinAlgError:
+        smallest_pivot = 0.0
+    if smallest_pivot < MECHANISM:
+        vectors = np.linalg.eigh(scaled)[1]
+        motion = vectors[:, 0] * scale
+        raise SingularMatrixError(motion / np.abs(motion).max())
+    return DenseFactorization(factor=la.cholesky(A, lower=True))

@@ -1,0 +1,176 @@
+"""Intel's Math Kernel Library, where pip has installed it: PARDISO through ctypes.
+
+Only what :mod:`faying.linalg.pardiso` calls is bound. Parameters are those of the oneMKL Developer
+Reference, "oneMKL PARDISO Parameters in Tabular Form" and "pardiso iparm Parameter".
+"""
+
+import ctypes
+import importlib.metadata
+import os
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from faying._typing import Mask, Matrix
+from faying.linalg.blocks import Integers
+from faying.linalg.singular import NotDefiniteError
+
+POSITIVE_DEFINITE = 2
+ANALYSE, FACTORIZE, SOLVE, FORWARD, RELEASE = 11, 22, 33, 331, -1
+NOT_ENOUGH_MEMORY = -2
+
+
+class MklError(RuntimeError):
+    """PARDISO refused, for a reason the caller cannot mend."""
+
+
+@cache
+def load_mkl() -> Any:
+    """Return MKL as a ctypes library, or None where it is not installed."""
+    for path in _candidates():
+        try:
+            if sys.platform == "win32":
+                _preload(path.parent)
+            return ctypes.CDLL(str(path))
+        except OSError:
+            continue
+    return None
+
+
+def _candidates() -> list[Path]:
+    """Return the run-time libraries of the ``mkl`` wheel, then those of conda."""
+    try:
+        files = importlib.metadata.files("mkl") or []
+    except importlib.metadata.PackageNotFoundError:
+        files = []
+    found = [Path(str(file.locate())) for file in files if "mkl_rt" in file.name]
+    folder = ("Library", "bin") if sys.platform == "win32" else ("lib",)
+    found += sorted(Path(sys.prefix, *folder).glob("*mkl_rt*"))
+    return [path for path in found if path.suffix != ".lib" and path.is_file()]
+
+
+def _preload(folder: Path) -> None:
+    """Load what mkl_rt.dll looks for by bare name, since ``folder`` is not on the PATH."""
+    os.add_dll_directory(str(folder))  # type: ignore[attr-defined, unused-ignore]
+    for pattern in ("libiomp5md.dll", "mkl_core.*.dll", "mkl_intel_thread.*.dll"):
+        for path in folder.glob(pattern):
+            ctypes.CDLL(str(path))
+
+
+class PardisoHandle:
+    """One matrix inside PARDISO: square blocks of its upper triangle, by block rows.
+
+    Parameters
+    ----------
+    data : (n_stored, b, b)
+    indices, indptr
+        Block columns, ascending in each block row, and the beginning of each block row.
+    last : (n_block,)
+        Blocks to eliminate last; forward substitution is then confined to them.
+
+    Notes
+    -----
+    Not safe to use from two threads at once. :meth:`release` frees what PARDISO holds.
+    """
+
+    def __init__(
+        self, data: npt.NDArray[np.float64], indices: Integers, indptr: Integers, last: Mask
+    ) -> None:
+        self._pt = np.zeros(64, dtype=np.int64)
+        self._data, self._indices, self._indptr = data, indices, indptr
+        self.block = int(data.shape[1])
+        self.n = self.block * (len(indptr) - 1)
+        # PARDISO overwrites the marks by the order it chose, and wants that back in later phases.
+        self._order = last.astype(np.int32)
+        self._confined = bool(last.any())
+        self._parameters = parameters = np.zeros(64, dtype=np.int32)
+        parameters[0] = 1  # take the following, no defaults
+        parameters[1] = 2  # METIS
+        parameters[17] = -1  # report the entries of the factor
+        parameters[30] = 2 * self._confined  # right-hand sides zero outside the marked blocks
+        parameters[34] = 1  # indices from zero
+        parameters[36] = self.block if self.block > 1 else 0
+        self._call(ANALYSE)
+
+    @property
+    def entries(self) -> int:
+        """Numbers in the factor, as counted by the analysis."""
+        return int(self._parameters[17]) * self.block**2
+
+    @property
+    def memory(self) -> int:
+        """Bytes held once factorized."""
+        return 1024 * int(self._parameters[15] + self._parameters[16])
+
+    def factorize(self) -> None:
+        """Compute the Cholesky factor.
+
+        Raises
+        ------
+        NotDefiniteError
+            If a pivot is not positive.
+        """
+        self._call(FACTORIZE)
+
+    def solve(self, right: Matrix) -> Matrix:
+        """Return A⁻¹ B for B (n_block·b, k) in Fortran order."""
+        self._parameters[30] = 0
+        return self._substitute(SOLVE, right)
+
+    def forward(self, right: Matrix) -> Matrix:
+        """Return L⁻¹ B, in PARDISO's order of rows, for B zero outside the blocks marked last."""
+        self._parameters[30] = 2 * self._confined
+        return self._substitute(FORWARD, right)
+
+    def release(self) -> None:
+        """Free the factor."""
+        self._call(RELEASE)
+
+    def _substitute(self, phase: int, right: Matrix) -> Matrix:
+        solution = np.zeros_like(right, order="F")
+        self._call(phase, right, solution)
+        return solution
+
+    def _call(
+        self, phase: int, right: Matrix | None = None, solution: Matrix | None = None
+    ) -> None:
+        error = ctypes.c_int(0)
+        load_mkl().pardiso(
+            _address(self._pt),
+            _integer(1),
+            _integer(1),
+            _integer(POSITIVE_DEFINITE),
+            _integer(phase),
+            _integer(len(self._indptr) - 1),
+            _address(self._data),
+            _address(self._indptr),
+            _address(self._indices),
+            _address(self._order),
+            _integer(1 if right is None else right.shape[1]),
+            _address(self._parameters),
+            _integer(0),
+            _address(right),
+            _address(solution),
+            ctypes.byref(error),
+        )
+        if error.value == NOT_ENOUGH_MEMORY:
+            message = "PARDISO ran out of memory; use a coarser mesh or a machine with more memory"
+            raise MemoryError(message)
+        # Documented is -4; MKL 2026 also says -13 of matrices that are singular but for round-off.
+        if error.value and phase == FACTORIZE:
+            raise NotDefiniteError
+        if error.value:
+            message = f"PARDISO failed in phase {phase} with error {error.value}"
+            raise MklError(message)
+
+
+def _address(array: npt.NDArray[Any] | None) -> ctypes.c_void_p:
+    return ctypes.c_void_p(None if array is None else array.ctypes.data)
+
+
+def _integer(value: int) -> Any:
+    return ctypes.byref(ctypes.c_int(value))

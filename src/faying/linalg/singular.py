@@ -1,0 +1,46 @@
+"""Matrices that cannot be factorized, and the motion that says why."""
+
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.linalg.interface import Factorization
+
+MECHANISM = 1e-13
+"""Strain energy of a motion over that of its nodes moving singly; below it the motion is free.
+
+A held structure stays far above (about (h/L)⁴, 1e-8 for a hundred elements along a beam), a
+mechanism comes out at the round-off of the product, 1e-16.
+"""
+
+
+class NotDefiniteError(ModelError):
+    """A backend met a pivot it cannot use."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the matrix is not positive definite: some motion has zero or negative stiffness; "
+            "check the supports, and the matrices if they come from a file"
+        )
+
+
+class SingularMatrixError(ModelError):
+    """The matrix has (nearly) no stiffness against one motion, which the error carries."""
+
+    def __init__(self, motion: Vector, message: str = "") -> None:
+        super().__init__(
+            message or "the matrix is singular: the structure can move without resistance"
+        )
+        self.motion = motion
+
+
+def softest_motion(A: SparseMatrix | Matrix, factorization: Factorization) -> tuple[Vector, float]:
+    """Two inverse iterations from a fixed random start: the softest motion and its resistance."""
+    motion = np.random.default_rng(0).standard_normal(A.shape[0])
+    diagonal = A.diagonal()
+    with np.errstate(all="ignore"):
+        for _ in range(2):
+            motion = factorization.solve(motion)
+            motion = motion / np.abs(motion).max()
+        resistance = float(motion @ (A @ motion) / (motion @ (diagonal * motion)))
+    return motion, abs(resistance) if np.isfinite(resistance) else 0.0

@@ -1,0 +1,35 @@
+"""Right-hand sides by the block, so that memory stays bounded."""
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Matrix, SparseMatrix
+
+COLUMN_BLOCK = 256
+"""Most right-hand sides solved at once; more gain nothing."""
+
+BLOCK_BYTES = 2**27
+"""Most memory of one dense block of right-hand sides."""
+
+
+def column_blocks(n_row: int, n_column: int) -> list[slice]:
+    """Split columns of length ``n_row`` into blocks worth solving at once."""
+    width = min(COLUMN_BLOCK, max(16, BLOCK_BYTES // (8 * max(n_row, 1))))
+    return [slice(start, start + width) for start in range(0, n_column, width)]
+
+
+def solved_gram(solve: Callable[[Matrix], Matrix], columns: SparseMatrix | Matrix) -> Matrix:
+    """Return Bᵀ A⁻¹ B for B (n, k) with one substitution per column."""
+    n, k = columns.shape
+    gram = np.empty((k, k))
+    by_column = sp.csc_array(columns) if sp.issparse(columns) else columns
+    for block in column_blocks(n, k):
+        gram[:, block] = columns.T @ solve(dense(by_column[:, block]))
+    return gram
+
+
+def dense(columns: SparseMatrix | Matrix) -> Matrix:
+    """Return columns as a dense array."""
+    return columns.toarray() if isinstance(columns, sp.sparray) else np.asarray(columns)

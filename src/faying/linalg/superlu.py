@@ -1,0 +1,77 @@
+"""LU factorization by SciPy's SuperLU: there on every platform."""
+
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from faying._typing import Indices, Matrix, SparseMatrix
+from faying.linalg.nested_dissection import nested_dissection
+from faying.linalg.singular import NotDefiniteError
+from faying.linalg.substitution import solved_gram
+
+BYTES_PER_ENTRY = 12
+"""A number and its row."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SuperluFactorization:
+    """LU factors of a sparse symmetric matrix, made in SuperLU's symmetric mode.
+
+    Attributes
+    ----------
+    order : (n,) or None
+        Rows in the order they were eliminated in, if that was not left to SuperLU.
+    """
+
+    factors: Any
+    order: Indices | None
+
+    @property
+    def backend(self) -> str:
+        """Name of the library, and of the one that ordered the rows."""
+        return "superlu" if self.order is None else "superlu+metis"
+
+    @property
+    def memory(self) -> int:
+        """Bytes of the factors."""
+        return BYTES_PER_ENTRY * int(self.factors.nnz)
+
+    def solve(self, right_hand_side: Matrix) -> Matrix:
+        """Return A⁻¹ B for B of shape (n,) or (n, k)."""
+        B = np.asarray(right_hand_side, dtype=np.float64)
+        solution: Matrix
+        if self.order is None:
+            solution = self.factors.solve(B)
+        else:
+            solution = np.empty(B.shape)
+            solution[self.order] = self.factors.solve(B[self.order])
+        return solution
+
+    def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
+        """Return Bᵀ A⁻¹ B for B (n, k), with one substitution per column."""
+        return solved_gram(self.solve, columns)
+
+
+def factorize_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> SuperluFactorization:  # noqa: ARG001  SuperLU cannot use the ports
+    """Factorize a symmetric matrix, definite or not.
+
+    Raises
+    ------
+    NotDefiniteError
+        If a pivot is exactly zero.
+    """
+    order = nested_dissection(A)
+    try:
+        factors = spla.splu(
+            sp.csc_array(A) if order is None else sp.csr_array(A)[order][:, order].tocsc(),
+            permc_spec="MMD_AT_PLUS_A" if order is None else "NATURAL",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError:
+        raise NotDefiniteError from None
+    return SuperluFactorization(factors=factors, order=order)
