@@ -213,9 +213,7 @@ def offline(repeat: int) -> None:
     model = fy.lap_joint(element_size=1.3, damping=fy.Rayleigh(alpha=160.0, beta=5e-7))
     model = fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking())
     write(f"{model.K.shape[0]} dofs, {model.contact.n_points} contact points\n\n")
-    write(
-        "| method | all s | factorizations | s | columns | s | compliance s | rest s | ratio |\n"
-    )
+    write("| method | all s | factorizations | s | columns | s | compliance s | rest s | ratio |\n")
     write("|---|---|---|---|---|---|---|---|---|\n")
     backends = dict(factorization._BACKENDS)
     for name, build in {"jim-a": offline_a, "jim-b": offline_b}.items():
