@@ -55,6 +55,14 @@ def test_diagonal_blocks_are_exact(compressed, dense):
         np.testing.assert_array_equal(compressed.block(number), dense[np.ix_(members, members)])
 
 
+def test_some_rows_and_columns(compressed, dense):
+    rows = np.random.default_rng(4).permutation(900)[:70]
+    some = compressed.plus(np.ones((900, 1)), np.eye(1)).principal(rows)
+    # 1e-9 is the tolerance of the compression.
+    np.testing.assert_allclose(some, dense[np.ix_(rows, rows)] + 1.0, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(some, some.T)
+
+
 def test_sums_and_multiples(compressed, dense, places):
     rng = np.random.default_rng(2)
     smooth, core = rng.standard_normal((900, 3)), np.diag([1.0, 2.0, 3.0])

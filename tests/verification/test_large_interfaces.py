@@ -1,6 +1,7 @@
 """Contact between pairs and with a compressed compliance against the dense point matrix."""
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -85,7 +86,11 @@ def test_active_systems_are_solved_alike(joint):
     np.testing.assert_allclose(H @ exact, right, rtol=0, atol=1e-9)  # condition 1e4
     N, D = contact.interpolation, contact.flexibility
     compressed = compress(lambda members: S[:, members], contact.places)
-    spaces = (PairSpace(N=N, S=S, D=D), CompressedSpace(N=N, S=compressed, D=D))
+    spaces = (
+        PairSpace(N=N, S=S, D=D),
+        CompressedSpace(N=N, S=compressed, D=D),
+        CompressedSpace(N=N, S=compressed, D=D, direct=0),
+    )
     for space in spaces:
         # Gradients end at 1e-12 of the right-hand side, times the condition 1e4.
         small = 1e-8 * np.abs(exact).max()
@@ -149,6 +154,17 @@ def test_two_thousand_points_within_the_stated_tolerance(plates, small_plates):
     # The bound is for the root mean square; single points are a few times worse.
     assert fy.compare(compressed, exact).max_relative_error <= 10 * bound
     np.testing.assert_allclose(compressed.states, exact.states, rtol=0, atol=1e-7)  # of order 1
+
+
+def test_iterative_and_direct_solutions_of_compressed_problems_agree(small_plates):
+    direct = small_plates.static_contact.space
+    iterative = replace(direct, direct=0, _few={}, _local={})
+    for g_free in free_gaps(small_plates, 2) / 100:
+        few, many = (solve_compressed(space, g_free) for space in (direct, iterative))
+        assert 0 < direct.truncation <= min(few.error, many.error)
+        assert max(few.error, many.error) < 1e-5
+        # Gaps are closed to 1e-12 of the largest, a hundred times the penetration.
+        np.testing.assert_allclose(many.forces, few.forces, rtol=0, atol=1e-7 * few.forces.max())
 
 
 def test_the_compressed_reduced_model_is_statically_exact_and_steps_alike(plates, small_plates):

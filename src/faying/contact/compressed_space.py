@@ -1,4 +1,4 @@
-"""Contact with a compressed compliance: conjugate gradients on the points in contact.
+"""Contact with a compressed compliance: direct for few pairs in contact, iterative for many.
 
 The error is bounded, not hoped for. With violations v = s where λ > 0 and min(s, 0) elsewhere, the
 duality gap bounds what the iteration leaves, ‖λ̂ − λ̃‖_D ≤ ‖v‖_{D⁻¹}; and because H ⪰ D the
@@ -18,6 +18,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.contact.pair_space import PairSpace
 from faying.contact.pivoting import ContactForces, solve_complementarity
 from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
@@ -30,6 +31,12 @@ LOOSE = 1e-6
 
 CLOSED = 0.1
 """Largest gap left at active points over such a violation, at which the iteration ends."""
+
+DIRECT = 1500
+"""Pairs in contact up to which a dense system of theirs is faster than an iteration; 18 MB."""
+
+SHRUNK = 0.5
+"""Pairs in contact over those whose dense compliance is at hand, below which it is formed anew."""
 
 LIMIT = 2000
 """Conjugate gradient steps per active set; some thirty are usual."""
@@ -52,12 +59,16 @@ class CompressedSpace:
     S
     D : (n_point,) [length/force]
         May vanish (hard contact) where points are no more than pairs.
+    direct
+        Pairs in contact up to which their systems are solved directly.
     """
 
     N: SparseMatrix
     S: CompressedCompliance
     D: Vector
     noise: float = NOISE
+    direct: int = DIRECT
+    _few: dict[str, tuple[Mask, PairSpace]] = field(default_factory=dict, repr=False)
     _local: dict[int, tuple[bytes, Matrix]] = field(default_factory=dict, repr=False)
 
     @cached_property
@@ -142,7 +153,7 @@ class CompressedSpace:
 
     def shifted(self, delta: float) -> "CompressedSpace":
         """Return the space of H + δ I."""
-        return replace(self, D=self.D + delta, _local={})
+        return replace(self, D=self.D + delta, _local={}, _few={})
 
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
         """Return the forces that close the active gaps, and the slack of all points."""
@@ -151,7 +162,7 @@ class CompressedSpace:
     def closed(self, g_free: Vector, active: Mask, noise: float) -> tuple[Vector, Vector]:
         """Equilibrate to a fraction of the largest gap."""
         allowed = CLOSED * noise * float(np.abs(g_free).max(initial=0.0))
-        forces = self._conjugate_gradients(-g_free, active, allowed)
+        forces = self._solved(-g_free, active, allowed)
         slack = self.product(forces) + g_free
         return forces, slack
 
@@ -162,7 +173,7 @@ class CompressedSpace:
             full = np.zeros(len(self.D))
             full[active] = column
             allowed = CLOSED * NOISE * float(np.abs(column).max(initial=0.0))
-            columns.append(self._conjugate_gradients(full, active, allowed)[active])
+            columns.append(self._solved(full, active, allowed)[active])
         return np.array(columns).reshape(right.shape[1], -1).T
 
     def certified(self, solution: ContactForces) -> ContactForces:
@@ -174,6 +185,20 @@ class CompressedSpace:
         violation = np.where(solution.forces > 0, slack, np.minimum(slack, 0.0))
         left = np.sqrt(float((violation**2) @ (1 / self.stiff))) / own
         return replace(solution, error=left + self.truncation)
+
+    def _solved(self, right: Vector, active: Mask, allowed: float) -> Vector:
+        """Solve H_AA x = b; directly where few pairs carry force."""
+        touched = np.zeros(self.N.shape[1], dtype=bool)
+        touched[self.N[np.flatnonzero(active)].indices] = True
+        count = int(touched.sum())
+        if count == 0 or count > self.direct or not (self.D[active] > 0).all():
+            return self._conjugate_gradients(right, active, allowed)
+        last = self._few.get("pairs")
+        if last is None or (touched & ~last[0]).any() or count < SHRUNK * last[0].sum():
+            pairs = np.flatnonzero(touched)
+            few = PairSpace(N=self.N[:, pairs], S=self.S.principal(pairs), D=self.D)
+            last = self._few["pairs"] = (touched, few)
+        return last[1].closing(-right, active)[0]
 
     def _conjugate_gradients(self, right: Vector, active: Mask, allowed: float) -> Vector:
         """Solve H_AA x = b to ‖r‖_∞ ≤ allowed; x vanishes off the active points."""

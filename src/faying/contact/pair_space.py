@@ -89,16 +89,20 @@ class PairSpace:
         """Return the forces that close the active gaps, and the slack of all points."""
         if not active.any():
             return np.zeros_like(g_free), g_free.copy()
+        forces, pairs = self.closing(g_free, active)
+        slack = self.N @ (self.S @ pairs) + g_free
+        slack[active] = 0.0
+        return forces, slack
+
+    def closing(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
+        """Return the forces at the points and at the pairs that close the active gaps."""
         if not (self.D[active] > 0).all():
             message = "hard contact: the pair space needs a penalty"
             raise la.LinAlgError(message)
         pairs, trusted = self._pair_forces(self._near(active), g_free, active)
         if not trusted:
             pairs, _ = self._pair_forces(self._exactly(active), g_free, active)
-        forces = self._point_forces(pairs, g_free, active)
-        slack = self.N @ (self.S @ pairs) + g_free
-        slack[active] = 0.0
-        return forces, slack
+        return self._point_forces(pairs, g_free, active), pairs
 
     def solve(self, right: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""

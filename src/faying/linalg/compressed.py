@@ -6,8 +6,9 @@ exactly, a few columns at a time, and truncated by cross approximation with full
 2000, doi:10.1007/PL00005410), which knows the error it leaves.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeAlias, final
 
 import numpy as np
@@ -33,8 +34,8 @@ class CompressedCompliance:
         Dense block of each cluster.
     factors
         For each cluster I the factors X_IJ of all blocks S_IJ = X_IJ X_JIᵀ, side by side.
-    exchange
-        Where among all columns of all factors the partner of each column is.
+    ranks : (n_cluster, n_cluster)
+        Columns of X_IJ, which follow one another in the order of J.
     smooth, core : (n, k), (k, k)
         X and C of what is known in factored form.
     places : (n, 3) [length]
@@ -46,7 +47,7 @@ class CompressedCompliance:
     clusters: tuple[Indices, ...]
     diagonal: tuple[Matrix, ...]
     factors: tuple[Matrix, ...]
-    exchange: Indices
+    ranks: Indices
     smooth: Matrix
     core: Matrix
     places: Matrix
@@ -57,10 +58,23 @@ class CompressedCompliance:
         """Number of rows and columns."""
         return len(self.smooth), len(self.smooth)
 
+    @cached_property
+    def starts(self) -> Indices:
+        """Number of the first column of each X_IJ when the columns of all factors are numbered."""
+        ends = np.cumsum(self.ranks.ravel())
+        return (ends - self.ranks.ravel()).reshape(self.ranks.shape)
+
+    @cached_property
+    def exchange(self) -> Indices:
+        """Where among all columns of all factors the partner of each column is."""
+        count = int(self.ranks.sum())
+        within = np.arange(count) - np.repeat(self.starts.ravel(), self.ranks.ravel())
+        return np.repeat(self.starts.T.ravel(), self.ranks.ravel()) + within
+
     @property
     def n_bytes(self) -> int:
         """Memory of all parts [bytes]."""
-        parts = [*self.diagonal, *self.factors, self.smooth, self.exchange]
+        parts = [*self.diagonal, *self.factors, self.smooth]
         return sum(part.nbytes for part in parts)
 
     def __matmul__(self, vectors: Matrix) -> Matrix:
@@ -82,6 +96,40 @@ class CompressedCompliance:
         """Return the principal submatrix of one cluster, all parts included."""
         smooth = self.smooth[self.clusters[cluster]]
         return np.asarray(self.diagonal[cluster] + smooth @ self.core @ smooth.T)
+
+    def principal(self, rows: Indices) -> Matrix:
+        """Return the dense submatrix of some rows and the same columns, without duplicates."""
+        smooth = self.smooth[rows]
+        result: Matrix = smooth @ self.core @ smooth.T
+        owner, local = self._homes
+        places = [np.flatnonzero(owner[rows] == number) for number in range(len(self.clusters))]
+        used = [number for number, found in enumerate(places) if len(found)]
+        first = self.starts[:, :1]
+        for this in used:
+            mine, own = places[this], local[rows[places[this]]]
+            result[np.ix_(mine, mine)] += self.diagonal[this][np.ix_(own, own)]
+            for other in used:
+                if other >= this or not self.ranks[this, other]:
+                    continue
+                theirs = places[other]
+                a, b = (
+                    int(self.starts[i, j] - first[i, 0]) for i, j in ((this, other), (other, this))
+                )
+                rank = int(self.ranks[this, other])
+                left = self.factors[this][own, a : a + rank]
+                right = self.factors[other][local[rows[theirs]], b : b + rank]
+                block = left @ right.T
+                result[np.ix_(mine, theirs)] += block
+                result[np.ix_(theirs, mine)] += block.T
+        return result
+
+    @cached_property
+    def _homes(self) -> tuple[Indices, Indices]:
+        """Cluster of every row, and its place there."""
+        owner, local = np.empty((2, len(self.smooth)), dtype=np.int64)
+        for number, members in enumerate(self.clusters):
+            owner[members], local[members] = number, np.arange(len(members))
+        return owner, local
 
     def plus(self, smooth: Matrix, core: Matrix) -> "CompressedCompliance":
         """Return S + X C Xᵀ."""
@@ -118,7 +166,7 @@ def smooth_compliance(smooth: Matrix, core: Matrix, places: Matrix) -> Compresse
         clusters=clusters,
         diagonal=tuple(np.zeros((len(members), len(members))) for members in clusters),
         factors=tuple(np.zeros((len(members), 0)) for members in clusters),
-        exchange=np.zeros(0, dtype=np.int64),
+        ranks=np.zeros((len(clusters), len(clusters)), dtype=np.int64),
         smooth=smooth,
         core=core,
         places=places,
@@ -170,7 +218,7 @@ def compress(
     n, count = len(places), len(clusters)
     diagonal: list[Matrix] = []
     pieces: list[list[Matrix]] = [[] for _ in clusters]
-    partners: list[list[int]] = [[] for _ in clusters]
+    ranks = np.zeros((count, count), dtype=np.int64)
     squared = 0.0
     sample = np.array([members[len(members) // 2] for members in clusters])
     allowed = tolerance * float(np.diag(columns(sample)[sample]).min()) / count
@@ -182,9 +230,8 @@ def compress(
             left, right, missed = cross_approximation(dense[clusters[later]], allowed)
             squared += 2 * missed**2
             pieces[later].append(left)
-            partners[later].append(this)
+            ranks[this, later] = ranks[later, this] = left.shape[1]
             pieces[this].append(right)
-            partners[this].append(later)
     return CompressedCompliance(
         clusters=clusters,
         diagonal=tuple(diagonal),
@@ -192,7 +239,7 @@ def compress(
             np.hstack(own) if own else np.zeros((len(members), 0))
             for own, members in zip(pieces, clusters, strict=True)
         ),
-        exchange=_exchange(pieces, partners),
+        ranks=ranks,
         smooth=np.zeros((n, 0)),
         core=np.zeros((0, 0)),
         places=places,
@@ -221,17 +268,3 @@ def cross_approximation(block: Matrix, allowed: float) -> tuple[Matrix, Matrix, 
     if not left:
         return np.zeros((len(rest), 0)), np.zeros((rest.shape[1], 0)), missed
     return np.reshape(left, shape).T, np.reshape(right, shape).T, missed
-
-
-def _exchange(pieces: Sequence[Sequence[Matrix]], partners: Sequence[Sequence[int]]) -> Indices:
-    """Place of the partner of each factor column when all columns are numbered in turn."""
-    start: dict[tuple[int, int], tuple[int, int]] = {}
-    total = 0
-    for own, (blocks, others) in enumerate(zip(pieces, partners, strict=True)):
-        for block, other in zip(blocks, others, strict=True):
-            start[own, other] = (total, block.shape[1])
-            total += block.shape[1]
-    exchange = np.empty(total, dtype=np.int64)
-    for (own, other), (first, rank) in start.items():
-        exchange[first : first + rank] = start[other, own][0] + np.arange(rank)
-    return exchange
