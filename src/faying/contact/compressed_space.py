@@ -22,6 +22,7 @@ from faying.contact.pair_space import PairSpace
 from faying.contact.pivoting import ContactForces, solve_complementarity
 from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
+from faying.linalg.threads import threads_for
 
 NOISE = 1e-11
 """Sign violations below this fraction of the largest |g_free| do not count."""
@@ -162,8 +163,9 @@ class CompressedSpace:
     def closed(self, g_free: Vector, active: Mask, noise: float) -> tuple[Vector, Vector]:
         """Equilibrate to a fraction of the largest gap."""
         allowed = CLOSED * noise * float(np.abs(g_free).max(initial=0.0))
-        forces = self._solved(-g_free, active, allowed)
-        slack = self.product(forces) + g_free
+        with threads_for(self.direct):
+            forces = self._solved(-g_free, active, allowed)
+            slack = self.product(forces) + g_free
         return forces, slack
 
     def solve(self, right: Matrix, active: Mask) -> Matrix:

@@ -21,6 +21,7 @@ from scipy.linalg import lapack
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.pivoting import ROUND_OFF
+from faying.linalg.threads import threads_for
 
 UPDATED_FRACTION = 0.05
 """Points that change sides, over pairs in contact, up to which a factorization is updated.
@@ -89,16 +90,17 @@ class PairSpace:
         """Return the forces that close the active gaps, and the slack of all points."""
         if not active.any():
             return np.zeros_like(g_free), g_free.copy()
-        forces, pairs = self.closing(g_free, active)
-        slack = self.N @ (self.S @ pairs) + g_free
+        if not (self.D[active] > 0).all():
+            message = "hard contact: the pair space needs a penalty"
+            raise la.LinAlgError(message)
+        with threads_for(len(self._springs(active).touched)):
+            forces, pairs = self.closing(g_free, active)
+            slack = self.N @ (self.S @ pairs) + g_free
         slack[active] = 0.0
         return forces, slack
 
     def closing(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
         """Return the forces at the points and at the pairs that close the active gaps."""
-        if not (self.D[active] > 0).all():
-            message = "hard contact: the pair space needs a penalty"
-            raise la.LinAlgError(message)
         pairs, trusted = self._pair_forces(self._near(active), g_free, active)
         if not trusted:
             pairs, _ = self._pair_forces(self._exactly(active), g_free, active)
