@@ -110,8 +110,6 @@ BROKEN = [
     ("preload = 10e3", "", ["missing key 'preload'", "[[bolt]] number 1"]),
     ("title =", "titel =", ["'titel' at the top of STUDY.toml (line 5)", "'title'"]),
     ("[sticking]", "[stiking]", ["'stiking'", "'sticking'"]),
-    ('"lap-joint"', '"abaqus"', ["'abaqus'", "not available in this version", "'nastran'"]),
-    ('"lap-joint"', '"mesh"', ["'mesh'", "not available in this version"]),
     ('"lap-joint"', '"nastrn"', ["'nastrn'", "did you mean 'nastran'?"]),
     ('source = "lap-joint"', "", ["missing key 'source' in [model]"]),
     ("element_size", "elment_size", ["[model.lap_joint]", "(line 12)", "'element_size'"]),
@@ -179,7 +177,6 @@ def test_several_mistakes_come_in_one_message(tmp_path):
 DECK_BROKEN = [
     ('file = "cantilever.bdf"', 'file = "nope.bdf"', ["'nope.bdf' does not exist"]),
     ('file = "cantilever.bdf"', "", ["needs 'file'"]),
-    ("elements = [226]", "", ["expected one of 'elements', 'nodes' or 'axis'"]),
     ("elements = [226]", "axis = [[0, 0, 0], [0, 0, 1]]", ["'diameter' and 'washer_radius'"]),
     ("node = 475", "", ["needs either 'set' or 'node'"]),
     ('boundary = "tip"', 'boundary = "tpi"', ["no boundary 'tpi'", "did you mean 'tip'?"]),

@@ -151,9 +151,9 @@ def read_matrices(
     sides = read_id_sets(faces, "face set") if faces is not None else {}
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
     assembly = matrices_assembly(
-        read_matrix(M, "M"),
-        read_matrix(K, "K"),
-        None if C is None else read_matrix(C, "C"),
+        read_matrix(M, "M").matrix,
+        read_matrix(K, "K").matrix,
+        None if C is None else read_matrix(C, "C").matrix,
         nodes=points,
         node_ids=ids,
         dofs=rows,

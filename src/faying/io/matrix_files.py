@@ -1,7 +1,9 @@
-"""One matrix from one file: NumPy/SciPy ``.npz``, Matrix Market ``.mtx``, MATLAB ``.mat``."""
+"""One matrix from one file, of this or another program, with row labels where it has them."""
 
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -10,18 +12,39 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
-from faying._typing import SparseMatrix
+from faying._typing import Indices, SparseMatrix
 from faying.exceptions import FormatError
 
+READERS: Mapping[str, str] = {
+    ".npz": "faying.io.matrix_files:read_npz",
+    ".mtx": "faying.io.matrix_files:read_market",
+    ".mat": "faying.io.matrix_files:read_matlab",
+}
+"""Suffix to module:function (path, name) → :class:`LabelledMatrix`; imported when needed."""
 
-def read_matrix(path: str | PathLike[str], name: str) -> SparseMatrix:
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LabelledMatrix:
+    """A matrix as read.
+
+    Attributes
+    ----------
+    matrix : (n, n)
+    dofs : (n, 2) or None
+        Node id and component 1..6 of each row, where the file says so itself.
+    """
+
+    matrix: SparseMatrix
+    dofs: Indices | None = None
+
+
+def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
     """Read a sparse or dense real matrix.
 
     Parameters
     ----------
     path
-        ``.npz`` (``scipy.sparse.save_npz``, or one dense array), ``.mtx`` (Matrix Market) or
-        ``.mat`` (MATLAB up to version 7; from 7.3 on the file is HDF5 and refused).
+        A file of one of the kinds in :data:`READERS`, told by its suffix.
     name
         ``"M"``, ``"C"`` or ``"K"``: the variable to take where a file holds several.
 
@@ -34,14 +57,15 @@ def read_matrix(path: str | PathLike[str], name: str) -> SparseMatrix:
     if not path.is_file():
         message = f"matrix {name}: file '{path}' is not there; check the path"
         raise FormatError(message)
-    readers = {".npz": _npz, ".mtx": _market, ".mat": _matlab}
-    reader = readers.get(path.suffix.lower())
-    if reader is None:
+    place = READERS.get(path.suffix.lower())
+    if place is None:
         message = (
-            f"matrix {name}: '{path}' ends in '{path.suffix}'; readable are {', '.join(readers)}"
+            f"matrix {name}: '{path}' ends in '{path.suffix}'; readable are {', '.join(READERS)}"
         )
         raise FormatError(message)
-    return _real(_guarded(reader, path, name), path, name)
+    module, _, function = place.partition(":")
+    found: LabelledMatrix = _guarded(getattr(import_module(module), function), path, name)
+    return replace(found, matrix=_real(found.matrix, path, name))
 
 
 def _guarded(reader: Callable[[Path, str], Any], path: Path, name: str) -> Any:
@@ -65,21 +89,25 @@ def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
     return sp.csr_array(matrix, dtype=np.float64)
 
 
-def _npz(path: Path, name: str) -> Any:
+def read_npz(path: Path, name: str) -> LabelledMatrix:
+    """Read a matrix from ``scipy.sparse.save_npz`` or ``numpy.savez``."""
     if not zipfile.is_zipfile(path):
         message = "it is no .npz file"
         raise ValueError(message)
     with np.load(path, allow_pickle=False) as file:
         if "format" in file.files and "data" in file.files:
-            return sp.load_npz(path)
-        return _chosen({key: file[key] for key in file.files}, path, name)
+            return LabelledMatrix(matrix=sp.load_npz(path))
+        arrays = {key: file[key] for key in file.files}
+        return LabelledMatrix(matrix=_chosen(arrays, path, name))
 
 
-def _market(path: Path, _: str) -> Any:
-    return scipy.io.mmread(path)
+def read_market(path: Path, _: str) -> LabelledMatrix:
+    """Read a Matrix Market file."""
+    return LabelledMatrix(matrix=scipy.io.mmread(path))
 
 
-def _matlab(path: Path, name: str) -> Any:
+def read_matlab(path: Path, name: str) -> LabelledMatrix:
+    """Read a MATLAB file up to version 7; from 7.3 on it is HDF5 and refused."""
     try:
         found = scipy.io.loadmat(path, spmatrix=False)
     except NotImplementedError as error:
@@ -92,7 +120,8 @@ def _matlab(path: Path, name: str) -> Any:
         for key, value in found.items()
         if not key.startswith("__") and getattr(value, "ndim", 0) == 2 and min(value.shape) > 1
     }
-    return _chosen(matrices or {k: v for k, v in found.items() if k[:2] != "__"}, path, name)
+    chosen = matrices or {k: v for k, v in found.items() if k[:2] != "__"}
+    return LabelledMatrix(matrix=_chosen(chosen, path, name))
 
 
 def _chosen(found: Mapping[str, Any], path: Path, name: str) -> Any:

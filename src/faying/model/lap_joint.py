@@ -3,13 +3,14 @@
 Two plates are the bolted cantilever of the seed (Fig. 15.2), three a double lap joint.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
 from faying.model.assembly import Assembly, Material, RigidCoupling, Spring, Support
+from faying.model.description import JointDescription
 from faying.model.generated_bolt import add_bolt
 from faying.model.lap_geometry import PLATE_NAMES, LapGeometry
 from faying.model.mesh import CellBlock, Mesh
@@ -25,16 +26,6 @@ SOFT_SUSPENSION = (10.0, 1e4)
 Below a thousandth of the bending stiffness of the default sizes; a hundred times softer ones cost
 two digits of the pressure, because rigid motion then outweighs all elastic compliance.
 """
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class JointDescription:
-    """An assembly and what belongs to it: interfaces, bolts, boundaries."""
-
-    assembly: Assembly
-    interfaces: tuple[InterfaceSpec, ...]
-    bolts: tuple[BoltSpec, ...]
-    boundaries: tuple[BoundarySpec, ...]
 
 
 def lap_joint_assembly(

@@ -16,6 +16,9 @@ class InterfaceSpec:
     ----------
     minus, plus
         The two sides; ``"auto"`` on both finds all coincident facets of different bodies.
+    meshes
+        ``"matching"`` facets touch node on node (zero-thickness elements); ``"non-matching"`` ones
+        are coupled by mortar projection, minus being the side that carries the contact points.
     quadrature
         ``"gauss"`` or ``"nodal"``; None is Gauss for penalty contact and nodal for hard contact.
     order
@@ -31,6 +34,7 @@ class InterfaceSpec:
     name: str
     minus: Selection = "auto"
     plus: Selection = "auto"
+    meshes: Literal["matching", "non-matching"] = "matching"
     quadrature: Literal["gauss", "nodal"] | None = None
     order: int | None = None
     penalty: float | Literal["auto", "hard"] = "auto"

@@ -14,6 +14,9 @@ from faying.study.tables import METHODS, TRAINED, LoadCaseSection, Loading, Stud
 
 MATERIAL_OF_GENERATOR = "steel"
 
+DECKS = ("nastran", "abaqus")
+"""Sources that may define interfaces and bolts themselves."""
+
 
 def inconsistencies(study: Study) -> list[Problem]:
     """List everything in a study that does not fit together."""
@@ -62,9 +65,18 @@ def _unique_names(study: Study) -> Iterator[Problem]:
 
 
 def _model_files(study: Study) -> Iterator[Problem]:
-    wanted = {"nastran": "file", "matrices": "files", "lap-joint": "lap_joint"}
+    wanted = {
+        "lap-joint": "lap_joint",
+        "nastran": "file",
+        "abaqus": "file",
+        "mesh": "file",
+        "matrices": "files",
+    }
     source, own = study.model.source, wanted[study.model.source]
-    for key in wanted.values():
+    if study.model.subcase is not None and source not in DECKS:
+        text = f"source '{source}' has no subcases; remove it"
+        yield _problem(study, ("model", "subcase"), text)
+    for key in dict.fromkeys(wanted.values()):
         given = key in study.model.model_fields_set
         if key == own and not given and source != "lap-joint":
             text = f"source '{source}' needs '{key}'; add it"
@@ -82,7 +94,7 @@ def _sets(study: Study) -> Iterator[Problem]:
 
 
 def _interfaces(study: Study) -> Iterator[Problem]:
-    if study.model.source != "lap-joint" and not study.interfaces:
+    if study.model.source not in ("lap-joint", *DECKS) and not study.interfaces:
         text = 'there is no [[interface]]; add one with a name, minus = "auto" and plus = "auto"'
         yield Problem((), f"{study.path.name}: {text}")
     for i, interface in enumerate(study.interfaces):
@@ -100,7 +112,7 @@ def _bolts(study: Study) -> Iterator[Problem]:
     for i, bolt in enumerate(study.bolts):
         location: Location = ("bolt", i)
         ways = [key for key in ("elements", "nodes", "axis") if getattr(bolt, key) is not None]
-        if len(ways) > 1 or (not ways and study.model.source != "lap-joint"):
+        if len(ways) > 1 or (not ways and study.model.source not in ("lap-joint", *DECKS)):
             found = quoted(ways) or "none"
             text = f"found {found}, expected one of 'elements', 'nodes' or 'axis'"
             yield _in_table(study, location, f"{text}; say where bolt '{bolt.name}' is, once")
@@ -108,7 +120,7 @@ def _bolts(study: Study) -> Iterator[Problem]:
         if bolt.axis and not (bolt.diameter and bolt.washer_radius):
             text = "a bolt given by its axis needs 'diameter' and 'washer_radius'; add them"
             yield _in_table(study, location, text)
-        if bolt.preload is None:
+        if bolt.preload is None and (ways or study.model.source not in DECKS):
             text = "missing key 'preload', the bolt's final force; add it (0 is not tightened)"
             yield _in_table(study, location, text)
 

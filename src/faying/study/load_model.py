@@ -12,8 +12,9 @@ from faying.contact.interface import Interface
 from faying.exceptions import StudyError
 from faying.model.assembly import Assembly, Material
 from faying.model.build import build_model
+from faying.model.description import JointDescription
 from faying.model.diagnosis import check_held
-from faying.model.lap_joint import STEEL, JointDescription, lap_joint_assembly
+from faying.model.lap_joint import STEEL, lap_joint_assembly
 from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.study.consistency import boundary_problems
@@ -65,6 +66,12 @@ def load_model(study: Study) -> LoadedModel:
     bolts = _merged(study, "bolt", described.bolts, _bolt_entries(study, assembly))
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
+    if not interfaces:
+        message = (
+            f"{study.path.name}: neither the study nor its deck has a contact interface; add "
+            '[[interface]] with a name, minus = "auto" and plus = "auto"'
+        )
+        raise StudyError(message)
     reject(study.source, list(boundary_problems(study, [spec.name for spec in boundaries])))
     return LoadedModel(
         assembly=assembly,
@@ -73,12 +80,8 @@ def load_model(study: Study) -> LoadedModel:
         boundaries=boundaries,
         damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
         units=study.units,
-        preloads=_preloads(study, bolts),
-        gap_offsets={
-            interface.name: interface.initial_gap
-            for interface in study.interfaces
-            if interface.initial_gap is not None
-        },
+        preloads=_preloads(study, described, bolts),
+        gap_offsets=_gap_offsets(study, described),
     )
 
 
@@ -137,29 +140,58 @@ def _lap_joint(study: Study) -> JointDescription:
 
 
 def _nastran(study: Study) -> JointDescription:
-    from faying.io.nastran import read_deck
+    from faying.io.nastran import read_joint
 
-    if study.model.file is None:  # refused when the study was read
-        message = f"{study.path.name}: [model] has no file"
-        raise StudyError(message)
-    assembly = _with_materials(read_deck(study.model.file), study)
-    if "element" in study.model.model_fields_set:
-        assembly = replace(assembly, element=study.model.element)
-    return _bare(assembly)
+    return _as_wished(read_joint(_file(study), subcase=study.model.subcase), study)
+
+
+def _abaqus(study: Study) -> JointDescription:
+    from faying.io.abaqus import read_joint
+
+    return _as_wished(read_joint(_file(study), step=study.model.subcase), study)
+
+
+def _mesh(study: Study) -> JointDescription:
+    from faying.io.mesh_files import read_mesh_file
+
+    materials = {
+        name: Material(name=name, youngs_modulus=one.E, poissons_ratio=one.nu, density=one.rho)
+        for name, one in study.materials.items()
+        if one.E is not None and one.nu is not None and one.rho is not None
+    }
+    assembly = read_mesh_file(_file(study), materials=materials)
+    return JointDescription(assembly=replace(assembly, element=study.model.element))
 
 
 def _matrices(study: Study) -> JointDescription:
     from faying.io.matrices import read_matrices
 
     files = dict(study.model.files or {})
-    return _bare(read_matrices(**files))
+    return JointDescription(assembly=read_matrices(**files))
 
 
-SOURCE_READERS = {"lap-joint": _lap_joint, "nastran": _nastran, "matrices": _matrices}
+SOURCE_READERS = {
+    "lap-joint": _lap_joint,
+    "nastran": _nastran,
+    "abaqus": _abaqus,
+    "mesh": _mesh,
+    "matrices": _matrices,
+}
 
 
-def _bare(assembly: Assembly) -> JointDescription:
-    return JointDescription(assembly=assembly, interfaces=(), bolts=(), boundaries=())
+def _file(study: Study) -> Path:
+    if study.model.file is None:  # refused when the study was read
+        message = f"{study.path.name}: [model] has no file"
+        raise StudyError(message)
+    return study.model.file
+
+
+def _as_wished(described: JointDescription, study: Study) -> JointDescription:
+    """Replace materials and the formulation of bricks by what the study says."""
+    assembly = _with_materials(described.assembly, study)
+    if "element" in study.model.model_fields_set:
+        assembly = replace(assembly, element=study.model.element)
+    return replace(described, assembly=assembly)
 
 
 def _overridden(material: Material, section: MaterialSection) -> Material:
@@ -246,7 +278,7 @@ def _merged(
         if name in specs:
             problems += _refused_overrides(study, table, number, entry)
             specs[name] = replace(specs[name], **_without_old_place(table, entry))
-        elif defaults and not PLACES[table].intersection(entry):
+        elif (defaults or table == "bolt") and not PLACES[table].intersection(entry):
             text = f"the model has no {table} '{name}'; {nearest(name, specs)}"
             location = (table, number, "name")
             problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
@@ -255,6 +287,12 @@ def _merged(
     reject(study.source, problems)
     return tuple(specs.values())
 
+
+BOLTS_OF_SOURCES = {
+    "lap-joint": "give measures in [model.lap_joint] (bolt_diameter, washer_radius, ...)",
+    "nastran": "remove the key, or change the deck",
+    "abaqus": "remove the key, or change the deck",
+}
 
 PLACES = {
     "interface": {"minus", "plus"},
@@ -278,14 +316,17 @@ def _refused_overrides(
         if key != "name":
             location = (table, number, key)
             text = (
-                "the lap joint's own bolts take only a preload here; give measures in "
-                "[model.lap_joint] (bolt_diameter, washer_radius, ...)"
+                "the source has this bolt already, and it takes only a preload here; "
+                + BOLTS_OF_SOURCES[study.model.source]
             )
             yield Problem(location, f"{study.source.place(location)}: {text}")
 
 
-def _preloads(study: Study, bolts: tuple[BoltSpec, ...]) -> dict[str, float]:
-    given = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
+def _preloads(
+    study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
+) -> dict[str, float]:
+    wished = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
+    given = {**described.preloads, **wished}
     for bolt in bolts:
         if bolt.name not in given:
             message = (
@@ -294,3 +335,12 @@ def _preloads(study: Study, bolts: tuple[BoltSpec, ...]) -> dict[str, float]:
             )
             raise StudyError(message)
     return given
+
+
+def _gap_offsets(study: Study, described: JointDescription) -> dict[str, float | Path]:
+    wished = {
+        interface.name: interface.initial_gap
+        for interface in study.interfaces
+        if interface.initial_gap is not None
+    }
+    return {**described.initial_gaps, **wished}

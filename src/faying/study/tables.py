@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
 
-from faying.study.errors import StudySource, one_of, quoted, shown
+from faying.study.errors import StudySource, shown
 from faying.study.section import (
     Count,
     ExistingFile,
@@ -29,11 +29,8 @@ from faying.study.section import (
     refusal,
 )
 
-SOURCES = ("lap-joint", "nastran", "matrices")
+Source = Literal["lap-joint", "nastran", "abaqus", "mesh", "matrices"]
 """Where a model can come from."""
-
-SOURCES_TO_COME = ("abaqus", "mesh")
-"""Sources the study format knows and this version cannot read."""
 
 Method = Literal[
     "craig-bampton",
@@ -62,18 +59,6 @@ TRAINED: tuple[Method, ...] = ("jim-b", "jim-b+compliance", "cone-greedy", "nmf"
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 OutputField = Literal["pressure", "gap", "displacement"]
-
-
-def _source(value: Any) -> Any:
-    if value in SOURCES:
-        return value
-    if value in SOURCES_TO_COME:
-        message = (
-            f"source {shown(value)} is not available in this version of faying; use one of "
-            f"{quoted(SOURCES)} (matrices of your own solver enter through 'matrices')"
-        )
-        raise refusal(message)
-    raise refusal(one_of(value, SOURCES))
 
 
 class MatrixFiles(Section):
@@ -139,7 +124,9 @@ class ModelSection(Section):
     Attributes
     ----------
     file
-        Deck of source "nastran".
+        Deck of sources "nastran" and "abaqus", mesh file of source "mesh".
+    subcase
+        Subcase or step of the deck whose supports and loads count; the first unless given.
     files
         Matrix and table files of source "matrices".
     element
@@ -150,8 +137,9 @@ class ModelSection(Section):
         Keywords of :func:`faying.model.lap_joint.lap_joint_assembly`.
     """
 
-    source: Annotated[Literal["lap-joint", "nastran", "matrices"], BeforeValidator(_source)]
+    source: Source
     file: ExistingFile | None = None
+    subcase: Count | None = None
     files: MatrixFiles | None = None
     element: Literal["incompatible", "standard"] = "incompatible"
     sets: Mapping[str, Annotated[NamedSet, BeforeValidator(_named_set)]] = Field(
@@ -188,6 +176,7 @@ class InterfaceSection(Section):
     name: Name
     minus: Selection = "auto"
     plus: Selection = "auto"
+    meshes: Literal["matching", "non-matching"] = "matching"
     quadrature: Literal["gauss", "nodal"] | None = None
     order: Count | None = None
     penalty: Penalty = "auto"

@@ -1,0 +1,1 @@
+"""Reduced models for other programs; one file per format."""

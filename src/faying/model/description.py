@@ -1,0 +1,29 @@
+"""What a source says of a joint: the assembly, where it touches, its bolts and their forces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from faying.model.assembly import Assembly
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointDescription:
+    """An assembly and what belongs to it.
+
+    Attributes
+    ----------
+    interfaces, bolts, boundaries
+        Those the source itself defines; a study overrides them by name and adds its own.
+    preloads : [force]
+        Bolt name to the final force the source asks for.
+    initial_gaps : [length]
+        Interface name to an offset added to the gap of the geometry.
+    """
+
+    assembly: Assembly
+    interfaces: tuple[InterfaceSpec, ...] = ()
+    bolts: tuple[BoltSpec, ...] = ()
+    boundaries: tuple[BoundarySpec, ...] = ()
+    preloads: Mapping[str, float] = field(default_factory=dict)
+    initial_gaps: Mapping[str, float] = field(default_factory=dict)
