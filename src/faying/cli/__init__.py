@@ -7,6 +7,7 @@ import typer
 
 from faying.cli.check import check
 from faying.cli.demo import demo
+from faying.cli.export import export
 from faying.cli.recover import recover
 from faying.cli.report import report
 from faying.cli.run import run
@@ -24,7 +25,7 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
-for command in (demo, run, check, report, recover):
+for command in (demo, run, check, report, recover, export):
     app.command()(command)
 
 

@@ -7,15 +7,27 @@ joint linearized at its preloaded state (:mod:`faying.export.linearized`).
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypedDict
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import StudyError
+from faying.reduction.basis import ModeKind
 from faying.reduction.portable import PortableJoint, PortableModel
+from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
 from faying.simulation.recovery import Recovery
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
-from faying.study.portable_records import restored_joint, restored_model, restored_recovery
+from faying.study.portable_records import (
+    MOST_PORTS,
+    joint_of,
+    ports_record,
+    reduced_records,
+    restored_joint,
+    restored_model,
+    restored_recovery,
+)
+from faying.study.record import interface_records
 from faying.study.recovery_results import ReducedRecord
 from faying.study.results import InterfaceRecord, Results
 
@@ -46,6 +58,8 @@ class HandOver:
     node_ids : (n_node,)
     modes : (n_mode, n_node, 3) or None
         Displacement of every node per q; None where the run kept none.
+    results
+        The run it comes from; None for a model made in Python.
     """
 
     title: str
@@ -61,6 +75,7 @@ class HandOver:
     nodes: Matrix
     node_ids: Indices
     modes: Matrix | None = None
+    results: Results | None = None
 
 
 def hand_over(
@@ -91,19 +106,83 @@ def hand_over(
         known = ", ".join(map(str, sizes))
         message = f"the run has no model '{name}' with {count} joint modes; it has {known}"
         raise StudyError(message)
-    record, joint = sizes[count], restored_joint(results)
-    model = restored_model(joint, record)
+    record = sizes[count]
+    shapes = results.shapes if record.shapes is not None else None
     return HandOver(
         title=results.title,
         units=results.units,
         method=name,
         joint_modes=count,
+        nodes=results.nodes,
+        node_ids=results.node_ids,
+        interfaces=results.interfaces,
+        modes=None if shapes is None else shapes[record.shapes],
+        results=results,
+        **_parts(restored_joint(results), record),
+    )
+
+
+def hand_over_of(rom: ReducedModel, *, title: str = "joint", method: str = "model") -> HandOver:
+    """Take a reduced model made in Python, without a run.
+
+    Parameters
+    ----------
+    rom
+        Of a tightened model; its bolts stay locked at their initial forces.
+    title, method
+        What the files are to call the joint and the model.
+
+    Raises
+    ------
+    StudyError
+        If the interfaces need more ports than are handed over.
+
+    Notes
+    -----
+    Two back-substitutions per trial vector for the recovery matrices.
+    """
+    model = rom.model.with_bolt_forces(
+        {name: bolt.initial_force for name, bolt in rom.bolts.items()}
+    )
+    ports = ports_record(model)
+    if ports is None:
+        message = (
+            f"the interfaces of '{model.name}' need more than {MOST_PORTS} ports, whose compliance "
+            "would not fit into a file; use a coarser interface"
+        )
+        raise StudyError(message)
+    records, shapes = reduced_records(model, {method: {0: rom}})
+    record = records[method][0]
+    interfaces = interface_records(model, solve_static(model).pressure)
+    forces = {name: bolt.initial_force for name, bolt in model.bolts.items()}
+    return HandOver(
+        title=title,
+        units=model.units,
+        method=method,
+        joint_modes=rom.basis.count(ModeKind.JOINT),
+        nodes=model.assembly.mesh.nodes,
+        node_ids=model.assembly.mesh.node_ids,
+        interfaces=interfaces,
+        modes=shapes if record.shapes is not None else None,
+        **_parts(joint_of(ports, interfaces, forces), record),
+    )
+
+
+class _Parts(TypedDict):
+    record: ReducedRecord
+    model: PortableModel
+    joint: PortableJoint
+    recovery: Recovery
+    preloaded: Solution
+
+
+def _parts(joint: PortableJoint, record: ReducedRecord) -> _Parts:
+    """Return what a joint at its ports and a stored reduced model give together."""
+    model = restored_model(joint, record)
+    return _Parts(
         record=record,
         model=model,
         joint=joint,
         recovery=restored_recovery(joint, record),
-        interfaces=results.interfaces,
         preloaded=solve_static(model, Load({}, name="preload")),
-        nodes=results.nodes,
-        node_ids=results.node_ids,
     )

@@ -34,6 +34,9 @@ from faying.study.results import InterfaceRecord, Results
 MOST_PORTS = 4096
 """Ports up to which their compliance is kept: 134 MB."""
 
+MOST_SHAPE_BYTES = 256_000_000
+"""What the nodal displacements of all trial vectors may take: 100 vectors of 100 000 nodes."""
+
 
 def ports_record(model: Model) -> PortsRecord | None:
     """Return the ports of a model; None where they are too many to keep."""
@@ -54,15 +57,10 @@ def ports_record(model: Model) -> PortsRecord | None:
     )
 
 
-def reduced_records(
+def kept_models(
     model: Model, models: Mapping[str, Mapping[int, System]], classic: Basis
-) -> dict[str, dict[int, ReducedRecord]]:
-    """Return the reduced models of a run, and the classic one with and without compliance.
-
-    Notes
-    -----
-    Two back-substitutions for each trial vector; those that bases share are solved once.
-    """
+) -> dict[str, dict[int, ReducedModel]]:
+    """Return the reduced models of a run that have a basis, the classic ones in any case."""
     chosen: dict[str, dict[int, ReducedModel]] = {
         name: {count: rom for count, rom in sizes.items() if isinstance(rom, ReducedModel)}
         for name, sizes in models.items()
@@ -70,38 +68,74 @@ def reduced_records(
     for name, compliance in (("craig-bampton", False), ("compliance", True)):
         if name not in chosen:
             chosen[name] = {0: reduce(model, classic, compliance=compliance)}
-    everyone = [rom for sizes in chosen.values() for rom in sizes.values()]
-    operators = iter(recovery_operators(model, [rom.basis for rom in everyone]))
-    return {
-        name: {count: _reduced_record(rom, next(operators)) for count, rom in sizes.items()}
-        for name, sizes in chosen.items()
-        if sizes
+    return {name: sizes for name, sizes in chosen.items() if sizes}
+
+
+def reduced_records(
+    model: Model, kept: Mapping[str, Mapping[int, ReducedModel]]
+) -> tuple[dict[str, dict[int, ReducedRecord]], Matrix | None]:
+    """Return reduced models as records, and the nodal shapes (n_shape, n_node, 3) they share.
+
+    Notes
+    -----
+    Two back-substitutions for each trial vector; those that bases share are solved once.
+    """
+    # The shortest first, for shapes are kept as far as there is room.
+    everyone = sorted(
+        (rom for sizes in kept.values() for rom in sizes.values()), key=lambda rom: len(rom.basis)
+    )
+    together, columns = _shared_vectors([rom.basis for rom in everyone])
+    operator = recovery_operator(model, together)
+    shapes = nodal_shapes(model, together)
+    records = {
+        id(rom): _reduced_record(rom, operator, at, len(shapes))
+        for rom, at in zip(everyone, columns, strict=True)
     }
+    reduced = {
+        name: {count: records[id(rom)] for count, rom in sizes.items()}
+        for name, sizes in kept.items()
+    }
+    return reduced, shapes if len(shapes) else None
 
 
-def recovery_operators(model: Model, bases: Sequence[Basis]) -> list[Recovery]:
-    """Return the recovery matrices of several bases, solving for each trial vector once."""
+def nodal_shapes(model: Model, basis: Basis, most_bytes: int = MOST_SHAPE_BYTES) -> Matrix:
+    """Return trial vectors as displacements of all nodes (n_shape, n_node, 3), the first that fit.
+
+    Parameters
+    ----------
+    most_bytes
+        What they may take.
+    """
+    n_node = model.dofs.n_nodes
+    count = min(len(basis), most_bytes // max(24 * n_node, 1))
+    translations = (6 * np.arange(n_node)[:, None] + np.arange(3)).ravel()
+    rows = model.dofs.transformation[translations]
+    shapes: Matrix = (rows @ basis.vectors[:, :count]).T.reshape(count, n_node, 3)
+    return shapes
+
+
+def _shared_vectors(bases: Sequence[Basis]) -> tuple[Basis, list[Indices]]:
+    """Return the distinct vectors of several bases, and where those of each basis are."""
     places: dict[bytes, int] = {}
     columns: list[tuple[Basis, int]] = []
-    chosen: list[list[int]] = []
+    chosen: list[Indices] = []
     for basis in bases:
         keys = [column.tobytes() for column in basis.vectors.T]
         for number, key in enumerate(keys):
             if key not in places:
                 places[key] = len(columns)
                 columns.append((basis, number))
-        chosen.append([places[key] for key in keys])
+        chosen.append(np.array([places[key] for key in keys], dtype=np.int64))
     together = Basis(
         vectors=np.column_stack([basis.vectors[:, number] for basis, number in columns]),
         kinds=tuple(basis.kinds[number] for basis, number in columns),
     )
-    whole = recovery_operator(model, together)
-    return [
-        replace(whole, inertia=whole.inertia[:, at], damping=whole.damping[:, at]) for at in chosen
-    ]
+    return together, chosen
 
 
-def _reduced_record(rom: ReducedModel, operator: Recovery) -> ReducedRecord:
+def _reduced_record(
+    rom: ReducedModel, operator: Recovery, columns: Indices, n_shape: int
+) -> ReducedRecord:
     return ReducedRecord(
         kinds=tuple(kind.value for kind in rom.basis.kinds),
         mass=rom.M,
@@ -110,9 +144,10 @@ def _reduced_record(rom: ReducedModel, operator: Recovery) -> ReducedRecord:
         relative=np.asarray(rom.contact.relative_operator),
         elongations=elongations(rom.bolts, len(rom.K)),
         boundary=boundary_dofs(rom.boundaries),
-        inertia_recovery=operator.inertia,
-        damping_recovery=operator.damping,
+        inertia_recovery=operator.inertia[:, columns],
+        damping_recovery=operator.damping[:, columns],
         compliance=rom.contact.residual_compliance is not None,
+        shapes=columns if columns.max(initial=-1) < n_shape else None,
     )
 
 
@@ -124,26 +159,33 @@ def restored_joint(results: Results) -> PortableJoint:
     StudyError
         If the results do not hold it.
     """
-    ports = results.ports
-    if ports is None:
+    if results.ports is None:
         message = (
             f"the results of '{results.title}' hold no port compliance: they are of an older "
             f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
             "study again, or recover in Python with faying.recover_from_modal"
         )
         raise StudyError(message)
+    forces = {name: bolt.initial_force for name, bolt in results.bolts.items()}
+    return joint_of(results.ports, results.interfaces, forces)
+
+
+def joint_of(
+    ports: PortsRecord, interfaces: Mapping[str, InterfaceRecord], bolt_forces: Mapping[str, float]
+) -> PortableJoint:
+    """Return a joint as seen through its ports, its bolts locked at initial forces."""
     boundaries = _boundaries(ports)
     n_relative = ports.interpolation.shape[1]
     n_boundary = sum(len(one.dofs) for one in boundaries.values())
     return PortableJoint(
-        contact=_contact(results.interfaces, ports, np.zeros((n_relative, 0))),
+        contact=_contact(interfaces, ports, np.zeros((n_relative, 0))),
         boundaries=boundaries,
         bolts={
             name: Bolt(
                 name=name,
                 elongation=np.zeros(0),
                 stiffness=stiffness,
-                initial_force=results.bolts[name].initial_force,
+                initial_force=bolt_forces[name],
             )
             for name, stiffness in ports.bolt_stiffness.items()
         },

@@ -8,16 +8,17 @@ import numpy as np
 import scipy
 
 from faying import __version__
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 from faying.model.assembly import Assembly, Beam
 from faying.model.bodies import bodies
 from faying.model.generated_bolt import bolt_axis_element
 from faying.model.matrices import mass_properties
+from faying.model.model import Model
 from faying.model.specs import BoltSpec
 from faying.model.system import System
 from faying.reduction.basis import Basis
 from faying.study.offline import PreparedJoint
-from faying.study.portable_records import ports_record, reduced_records
+from faying.study.portable_records import kept_models, ports_record, reduced_records
 from faying.study.progress import Stages
 from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
 from faying.study.tables import Study
@@ -36,7 +37,8 @@ def record(
     """Collect the results of a run."""
     model, mesh = joint.model, joint.model.assembly.mesh
     with stages.stage("recovery matrices"):
-        ports, reduced = ports_record(model), reduced_records(model, models, classic)
+        ports = ports_record(model)
+        reduced, shapes = reduced_records(model, kept_models(model, models, classic))
     return Results(
         title=study.title or study.path.stem,
         units=model.units,
@@ -47,7 +49,7 @@ def record(
         blocks=mesh.blocks,
         mass=mass_properties(model.assembly).mass,
         dofs=model.structure.n_dof,
-        interfaces={name: _interface(joint, name) for name in model.interfaces},
+        interfaces=interface_records(model, joint.preload.pressure),
         bolts={name: _bolt(joint, name) for name in model.bolts},
         tightening_stages=joint.tightening.stages,
         cases=cases,
@@ -65,13 +67,17 @@ def record(
         validation=validation,
         ports=ports,
         reduced=reduced,
+        shapes=shapes,
     )
 
 
-def _interface(joint: PreparedJoint, name: str) -> InterfaceRecord:
-    interface = joint.model.interfaces[name]
-    points = joint.model.contact.slices[name]
-    nodes = joint.model.assembly.mesh.nodes
+def interface_records(model: Model, preload_pressure: Vector) -> dict[str, InterfaceRecord]:
+    """Return geometry and law of the interfaces of a model, with their pressures (n_point,)."""
+    return {name: _interface(model, name, preload_pressure) for name in model.interfaces}
+
+
+def _interface(model: Model, name: str, preload_pressure: Vector) -> InterfaceRecord:
+    interface, points = model.interfaces[name], model.contact.slices[name]
     return InterfaceRecord(
         points=interface.points,
         normals=interface.normals,
@@ -79,13 +85,13 @@ def _interface(joint: PreparedJoint, name: str) -> InterfaceRecord:
         initial_gap=interface.initial_gap,
         slice=(points.start, points.stop),
         pairs=interface.pairs,
-        pair_points=nodes[interface.pairs].mean(axis=1),
+        pair_points=model.assembly.mesh.nodes[interface.pairs].mean(axis=1),
         averaging=interface.nodal_average(np.eye(interface.n_points)).T,
         faces=interface.faces,
         penalty=interface.penalty,
         quadrature=interface.quadrature,
-        stuck=joint.model.stuck.get(name, np.zeros(len(interface.pairs), dtype=bool)),
-        preload_pressure=joint.preload.pressure[points],
+        stuck=model.stuck.get(name, np.zeros(len(interface.pairs), dtype=bool)),
+        preload_pressure=preload_pressure[points],
     )
 
 

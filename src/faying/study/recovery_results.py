@@ -84,6 +84,8 @@ class ReducedRecord:
         Q K⁻¹ M Φ and Q K⁻¹ C Φ.
     compliance
         Whether the model keeps the residual compliance P K⁻¹ Pᵀ − PΦ (ΦᵀKΦ)⁻¹ (PΦ)ᵀ.
+    shapes : (n_mode,), optional
+        Which of the results' shapes its trial vectors are; None where those are not kept.
     """
 
     kinds: tuple[str, ...]
@@ -96,6 +98,7 @@ class ReducedRecord:
     inertia_recovery: Matrix
     damping_recovery: Matrix
     compliance: bool
+    shapes: Indices | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

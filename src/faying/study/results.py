@@ -296,6 +296,8 @@ class Results:
     reduced
         Method name to number of joint modes to reduced model; those without basis are not there,
         ``craig-bampton`` and ``compliance`` always.
+    shapes : (n_shape, n_node, 3), optional
+        Trial vectors of the reduced models as displacements of all nodes, each once.
     """
 
     title: str
@@ -317,3 +319,4 @@ class Results:
     validation: ValidationRecord = field(default_factory=ValidationRecord)
     ports: PortsRecord | None = None
     reduced: Mapping[str, Mapping[int, ReducedRecord]] = field(default_factory=dict)
+    shapes: Matrix | None = None

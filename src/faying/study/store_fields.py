@@ -69,6 +69,11 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "validation": Meaning("load space, worst loads and penalty"),
         "ports": Meaning("the joint as seen through its ports, for recovery and export"),
         "reduced": Meaning("reduced models: method name, then number of joint modes"),
+        "shapes": Meaning(
+            "displacements of all nodes per coordinate q, each shape once",
+            "1",
+            "(n_shape, n_node, 3)",
+        ),
     },
     PortsRecord: {
         "compliance": Meaning(
@@ -109,6 +114,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "whether pairs also move by (S - relative stiffness⁻¹ relativeᵀ) times their forces, "
             "S of ports/compliance"
         ),
+        "shapes": Meaning("which of /shapes each coordinate moves", "1", "(n_mode,)"),
     },
     RecoveredRecord: {
         "title": Meaning("title of the study"),

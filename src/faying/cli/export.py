@@ -1,0 +1,74 @@
+"""``faying export``: hand a reduced model over to another program."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from faying.export.hand_over import HandOver
+
+
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a finished run.")],
+    to: Annotated[
+        str,
+        typer.Option(metavar="FORMAT", help="nastran, mat, fmu, exudyn, vtk or npz."),
+    ],
+    method: Annotated[
+        str | None,
+        typer.Option(help="Reduced model of the run.  [default: compliance]", show_default=False),
+    ] = None,
+    joint_modes: Annotated[
+        int | None,
+        typer.Option(help="Its joint modes.  [default: the most it has]", show_default=False),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="File to write.  [default: in DIR, named after the model]",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Hand a reduced model of a run over to another program."""
+    from faying.export.formats import MEANINGS, default_name, format_named
+    from faying.export.formats import export as write
+    from faying.export.hand_over import hand_over
+    from faying.study.recover import results_of
+
+    chosen = format_named(to)
+    given = hand_over(results_of(folder), method, joint_modes)
+    paths = write(given, to, out=out or folder / default_name(given, to))
+    typer.echo(f"{chosen.kind.capitalize()}: {MEANINGS[chosen.kind]}")
+    typer.echo(_described(given))
+    for path in _shown(paths):
+        typer.echo(f"Wrote {path}")
+
+
+def _described(given: "HandOver") -> str:
+    """Say which model it is and what its numbers are measured in."""
+    from faying.study.units import units_of
+
+    units, model = units_of(given.units), given.model
+    counts = {
+        "coordinate": len(model.K),
+        "boundary displacement": len(given.record.boundary),
+        "bolt": len(model.bolts),
+        "contact point": model.contact.n_points,
+    }
+    sizes = ", ".join(f"{n} {name}{'s' * (n != 1)}" for name, n in counts.items())
+    modes = f" with {given.joint_modes} joint modes" if given.joint_modes else ""
+    measures = (units.length, units.mass, units.time, units.force, units.pressure)
+    return f"Model: {given.method}{modes}, {sizes}\nUnits: {', '.join(measures)}"
+
+
+FEW = 8
+"""Files that are listed one by one."""
+
+
+def _shown(paths: tuple[Path, ...]) -> list[str]:
+    if len(paths) <= FEW:
+        return [str(path) for path in paths]
+    return [*map(str, paths[:FEW]), f"{len(paths) - FEW} more files beside them"]
