@@ -1,0 +1,239 @@
+"""The linear hand-over: a joint linearized at a static state, for programs without contact.
+
+Points in contact at the state stay closed, open ones stay open. With the residual compliance R of
+the model, the closed points A obey
+
+    g_A = g₀_A + (GΦ)_A q + R_AA λ_A = −D_A λ_A,
+
+so that the contact forces follow q exactly, λ_A = −(D_A + R_AA)⁻¹ (g₀_A + (GΦ)_A q), and
+
+    K_lin = K_r + (GΦ)_Aᵀ (D_A + R_AA)⁻¹ (GΦ)_A.
+
+Static response is then that of the full model linearized at the same state: R holds what the trial
+vectors lack. Hard contact (D = 0) is the limit; its points get the millionth part of their own
+compliance, as in :func:`faying.preloaded_frequencies`, for they may be dependent.
+
+What it cannot do: open or close the joint, so it has no softening when the joint gapes and no
+stiffening when it shuts; slide outside the sticking area; damp by impact; stay right under loads or
+bolt forces far from the state. :meth:`LinearModel.contact_forces` tells when it is asked for too
+much: a force below zero pulls the joint together, a gap below zero lets it interpenetrate.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.export.hand_over import HandOver
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
+from faying.model.system import System, boundary_dofs, elongations, input_forces
+from faying.simulation.frequencies import NEARLY_RIGID
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinearModel:
+    """Small motions x = q − q₀ of a joint about a static state: M ẍ + C ẋ + K x = B f.
+
+    Outputs are y = L x + D f.
+
+    Attributes
+    ----------
+    M, C, K : (n_mode, n_mode)
+        K holds the tangent of the contact.
+    state : (n_mode,)
+        q₀, the static state itself.
+    boundary : (n_boundary,)
+        Coordinate that each boundary degree of freedom is, boundary by boundary.
+    inputs : (n_mode, n_input)
+        B: per unit of each boundary force or moment, then of each bolt's initial force; f are the
+        changes from the state.
+    outputs : (n_output, n_mode)
+        L: changes of boundary displacements, then bolt forces, then clamp forces of the interfaces
+        per x.
+    feedthrough : (n_output, n_input)
+        D: what inputs add to outputs without motion: a bolt's initial force is part of its force.
+    output_offsets : (n_output,)
+        Their values at the state.
+    input_names, output_names
+        As ``"tip.Fz"``, ``"bolt.N0"``; ``"tip.uz"``, ``"bolt.N"``, ``"joint.clamp"``; with the
+        node id between where a boundary has several nodes.
+    closed : (n_point,)
+        Contact points in contact at the state.
+    force_rows, gap_rows : (n_point, n_mode)
+        Changes of contact forces and gaps per x.
+    force_offsets, gap_offsets : (n_point,)
+        Contact forces and gaps at the state.
+    """
+
+    M: Matrix
+    C: Matrix
+    K: Matrix
+    state: Vector
+    boundary: Indices
+    inputs: Matrix
+    outputs: Matrix
+    feedthrough: Matrix
+    output_offsets: Vector
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    closed: Mask
+    force_rows: Matrix
+    gap_rows: Matrix
+    force_offsets: Vector
+    gap_offsets: Vector
+
+    def __post_init__(self) -> None:
+        for name in ("M", "C", "K", "state", "inputs", "outputs", "force_rows", "gap_rows"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def frequencies(self, count: int | None = None) -> Vector:
+        """Return the lowest natural frequencies [1/time], all unless a number is given."""
+        # K is definite, M need not be.
+        inverse = la.eigvalsh(self.M, self.K)[::-1][:count]
+        values: Vector = 1 / (2 * np.pi * np.sqrt(inverse))
+        return values
+
+    def contact_forces(self, motion: Matrix) -> Matrix:
+        """Return contact forces (..., n_point) in a motion x (..., n_mode); below zero is wrong."""
+        forces: Matrix = self.force_offsets + motion @ self.force_rows.T
+        return forces
+
+    def gaps(self, motion: Matrix) -> Matrix:
+        """Return gaps (..., n_point) in a motion x (..., n_mode); below zero is wrong if open."""
+        gaps: Matrix = self.gap_offsets + motion @ self.gap_rows.T
+        return gaps
+
+
+def linearized(hand_over: HandOver, load: Load | None = None) -> LinearModel:
+    """Linearize the joint of a hand-over.
+
+    Parameters
+    ----------
+    load
+        Static load to linearize about; by default the joint under its bolts alone.
+    """
+    return linearize(hand_over.preloaded if load is None else solve_static(hand_over.model, load))
+
+
+def linearize(state: Solution) -> LinearModel:
+    """Linearize a reduced model about one static solution of it.
+
+    Parameters
+    ----------
+    state
+        Of a reduced model with dense matrices.
+
+    Notes
+    -----
+    One Cholesky factorization of the size of the closed points.
+    """
+    system = state.system
+    closed = np.asarray(state.contact_forces > 0)
+    seen = np.asarray(system.contact.gap_operator)
+    forces, gaps = _contact_rows(state, closed, seen)
+    return LinearModel(
+        M=np.asarray(system.M),
+        C=np.asarray(system.C),
+        K=_symmetric(np.asarray(system.K) - seen.T @ forces),
+        state=state.states,
+        boundary=boundary_dofs(system.boundaries),
+        inputs=input_forces(system, np.eye(len(_inputs(system)))).T,
+        outputs=_output_rows(system, forces),
+        feedthrough=_feedthrough(system),
+        output_offsets=_output_offsets(state),
+        input_names=_inputs(system),
+        output_names=_outputs(system),
+        closed=closed,
+        force_rows=forces,
+        gap_rows=gaps,
+        force_offsets=state.contact_forces,
+        gap_offsets=state.gap,
+    )
+
+
+def _contact_rows(state: Solution, closed: Mask, seen: Matrix) -> tuple[Matrix, Matrix]:
+    """Return changes of contact forces and gaps (n_point, n_mode) per change of q."""
+    contact = state.system.contact
+    own = np.diag(state.system.static_contact.flexibility) - contact.flexibility
+    flexibility = np.maximum(contact.flexibility, NEARLY_RIGID * own)[closed]
+    forces, gaps = np.zeros_like(seen), np.array(seen)
+    if not closed.any():
+        return forces, gaps
+    total = np.diag(flexibility)
+    residual = contact.residual_compliance
+    if residual is None:
+        forces[closed] = -seen[closed] / flexibility[:, None]
+        return forces, gaps
+    columns = contact.interpolation @ (residual @ contact.interpolation[closed].T.toarray())
+    total += columns[closed]
+    forces[closed] = -la.cho_solve(la.cho_factor(_symmetric(total)), seen[closed])
+    return forces, gaps + columns @ forces[closed]
+
+
+def _symmetric(matrix: Matrix) -> Matrix:
+    half: Matrix = (matrix + matrix.T) / 2
+    return half
+
+
+def _inputs(system: System) -> tuple[str, ...]:
+    return (*_boundary_names(system, FORCE_NAMES), *(f"{name}.N0" for name in system.bolts))
+
+
+def _outputs(system: System) -> tuple[str, ...]:
+    return (
+        *_boundary_names(system, DISPLACEMENT_NAMES),
+        *(f"{name}.N" for name in system.bolts),
+        *(f"{name}.clamp" for name in system.contact.slices),
+    )
+
+
+def _boundary_names(system: System, components: tuple[str, ...]) -> tuple[str, ...]:
+    """Name every boundary degree of freedom."""
+    names: list[str] = []
+    for name, boundary in system.boundaries.items():
+        several = len(np.unique(boundary.nodes)) > 1
+        for node, component in zip(
+            boundary.nodes.tolist(), boundary.components.tolist(), strict=True
+        ):
+            place = f"{name}.{node}" if several else name
+            names.append(f"{place}.{components[component]}")
+    return tuple(names)
+
+
+def _output_rows(system: System, forces: Matrix) -> Matrix:
+    n_mode = int(system.K.shape[0])
+    bolts = elongations(system.bolts, n_mode)
+    stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
+    clamp = [forces[points].sum(axis=0) for points in system.contact.slices.values()]
+    rows: Matrix = np.vstack(
+        [
+            np.eye(n_mode)[boundary_dofs(system.boundaries)],
+            stiffness.reshape(-1, 1) * bolts,
+            np.reshape(clamp, (len(clamp), n_mode)),
+        ]
+    )
+    return rows
+
+
+def _feedthrough(system: System) -> Matrix:
+    """Put a one where the input and the output are of the same bolt."""
+    n_boundary, n_bolt = len(boundary_dofs(system.boundaries)), len(system.bolts)
+    matrix = np.zeros((len(_outputs(system)), n_boundary + n_bolt))
+    bolts = slice(n_boundary, n_boundary + n_bolt)
+    matrix[bolts, bolts] = np.eye(n_bolt)
+    return matrix
+
+
+def _output_offsets(state: Solution) -> Vector:
+    system = state.system
+    return np.concatenate(
+        [
+            state.states[boundary_dofs(system.boundaries)],
+            [float(state.bolt_force(name)) for name in system.bolts],
+            [float(state.contact_force(name)) for name in system.contact.slices],
+        ]
+    )
