@@ -22,6 +22,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[[interface]]": tables.InterfaceSection,
     "[[bolt]]": tables.BoltSection,
     "[[boundary]]": tables.BoundarySection,
+    "[[support]]": tables.SupportSection,
     "[sticking]": tables.StickingSection,
     "[damping]": tables.DampingSection,
     "[reduction]": tables.ReductionSection,

@@ -111,9 +111,14 @@ class Interface:
 
     @property
     def relative_places(self) -> Matrix:
-        """About where each relative displacement is (n_relative, 3): amid the points it moves."""
+        """About where each relative displacement is (n_relative, 3): amid the points it moves.
+
+        Under nodal quadrature the corners of six-node triangles move none; any place serves them.
+        """
         shape = abs(self.point_shape)
-        places = (shape.T @ self.points) / np.asarray(shape.sum(axis=0)).reshape(-1, 1)
+        total = np.asarray(shape.sum(axis=0)).reshape(-1, 1)
+        moved = (shape.T @ self.points) / np.where(total > 0, total, 1.0)
+        places = np.where(total > 0, moved, self.points.mean(axis=0))
         return np.repeat(places, self.relative_operator.shape[0] // len(places), axis=0)
 
     @property

@@ -306,3 +306,17 @@ class Assembly:
     loads: Mapping[str, NodalLoads] = field(default_factory=dict)
     name: str = "assembly"
     ignored: tuple[str, ...] = ()
+
+    @property
+    def largest_id(self) -> int:
+        """Largest id of any element or coupling; they share one numbering in a deck."""
+        parts = (
+            self.beams,
+            self.springs,
+            self.masses,
+            self.rigid_couplings,
+            self.average_couplings,
+        )
+        ids = [one.id for family in parts for one in family]
+        ids += [int(block.ids.max()) for block in self.mesh.blocks if len(block.ids)]
+        return max(ids, default=0)

@@ -19,6 +19,7 @@ from faying.model.boundary import FORCE_NAMES, Boundary
 from faying.model.clamping import check_clamping, element_seats
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
+from faying.model.coupled_boundary import add_coupled_boundary
 from faying.model.diagnosis import unconstrained
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
@@ -63,6 +64,7 @@ def build_model(
     Assembly and elimination of constraints only; nothing is factorized yet.
     """
     assembly, bolts = _with_generated_bolts(assembly, bolts)
+    assembly, boundaries = _with_coupled_boundaries(assembly, boundaries)
     nodal = assemble_matrices(assembly)
     used = used_components(assembly)
     movable = movable_components(assembly, used)
@@ -117,6 +119,20 @@ def _with_generated_bolts(
             continue
         assembly = add_bolt(assembly, spec)
         specs.append(replace(spec, elements=(assembly.beams[-1].id,), axis=None))
+    return assembly, specs
+
+
+def _with_coupled_boundaries(
+    assembly: Assembly, boundaries: Sequence[BoundarySpec]
+) -> tuple[Assembly, list[BoundarySpec]]:
+    """Add the nodes of boundaries that couple a face; all others stay as they are."""
+    specs = []
+    for spec in boundaries:
+        if spec.coupling is None:
+            specs.append(spec)
+            continue
+        assembly, own = add_coupled_boundary(assembly, spec, _boundary_nodes(assembly, spec))
+        specs.append(own)
     return assembly, specs
 
 

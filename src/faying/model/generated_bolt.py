@@ -66,8 +66,8 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
     seats = _seats(assembly.mesh, spec, ends)
     check_clamping(assembly.mesh, spec, seats)
     n_node = len(assembly.mesh.nodes)
-    mesh = _with_nodes(assembly.mesh, ends)
-    first_id = _largest_id(assembly) + 1
+    mesh = assembly.mesh.with_nodes(ends)
+    first_id = assembly.largest_id + 1
     beam = Beam(
         id=first_id,
         nodes=(n_node, n_node + 1),
@@ -189,16 +189,6 @@ def _seat(
     return nodes[held[labels[nodes]]]
 
 
-def _with_nodes(mesh: Mesh, points: Matrix) -> Mesh:
-    """Append nodes with ids after the largest one."""
-    new_ids = mesh.node_ids.max() + 1 + np.arange(len(points))
-    return replace(
-        mesh,
-        nodes=np.vstack([mesh.nodes, points]),
-        node_ids=np.concatenate([mesh.node_ids, new_ids]),
-    )
-
-
 def _with_washer(
     assembly: Assembly, spec: BoltSpec, coupling_id: int, reference: int, seat: Indices
 ) -> Assembly:
@@ -216,13 +206,3 @@ def _perpendicular(axis: Vector) -> tuple[float, float, float]:
     """Return the coordinate direction farthest from the axis."""
     x, y, z = np.eye(3)[int(np.argmin(np.abs(axis)))].tolist()
     return x, y, z
-
-
-def _largest_id(assembly: Assembly) -> int:
-    """Largest id of any element or coupling; they share one numbering in a deck."""
-    ids = [beam.id for beam in assembly.beams] + [spring.id for spring in assembly.springs]
-    ids += [mass.id for mass in assembly.masses]
-    ids += [coupling.id for coupling in assembly.rigid_couplings]
-    ids += [coupling.id for coupling in assembly.average_couplings]
-    ids += [int(block.ids.max()) for block in assembly.mesh.blocks if len(block.ids)]
-    return max(ids, default=0)

@@ -103,6 +103,16 @@ class Mesh:
             raise ModelError(message)
         return index
 
+    def with_nodes(self, points: Matrix) -> "Mesh":
+        """Return a copy with nodes (n, 3) appended; their ids follow the largest one."""
+        points = np.atleast_2d(points)
+        new_ids = self.node_ids.max(initial=0) + 1 + np.arange(len(points))
+        return replace(
+            self,
+            nodes=np.vstack([self.nodes, points]),
+            node_ids=np.concatenate([self.node_ids, new_ids]),
+        )
+
     def with_node_set(self, name: str, nodes: Indices) -> "Mesh":
         """Return a copy with the named set of node indices added."""
         return replace(self, node_sets={**self.node_sets, name: frozen(nodes, np.int64)})

@@ -85,11 +85,22 @@ class BoltSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class BoundarySpec:
-    """Where loads enter: one node id or a node set."""
+    """Where loads enter: one node id or a node set.
+
+    Attributes
+    ----------
+    coupling
+        ``"rbe2"``: the set's nodes follow a new node rigidly; ``"rbe3"``: it moves as their
+        average. Loads then enter at that node, with six components.
+    at
+        Place (x, y, z) of the new node [length]; the mean of the set's nodes unless given.
+    """
 
     name: str
     node: int | None = None
     set: str | None = None
+    coupling: Literal["rbe2", "rbe3"] | None = None
+    at: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

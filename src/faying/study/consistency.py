@@ -159,6 +159,37 @@ def _boundaries(study: Study) -> Iterator[Problem]:
         yield from boundary_problems(study, [boundary.name for boundary in study.boundaries])
 
 
+def _coupled(study: Study) -> Iterator[Problem]:
+    for i, boundary in enumerate(study.boundaries):
+        if boundary.coupling is not None and boundary.set is None:
+            text = "a coupling needs 'set', the nodes that follow; add it"
+            yield _in_table(study, ("boundary", i), text)
+        if boundary.at is not None and boundary.coupling is None:
+            text = '\'at\' places the node of a coupling; add coupling = "rbe2" or "rbe3"'
+            yield _in_table(study, ("boundary", i), text)
+
+
+def _supports(study: Study) -> Iterator[Problem]:
+    for i, support in enumerate(study.supports):
+        if (support.set is None) == (support.node is None):
+            text = "a support needs either 'set' or 'node'; give one of them"
+            yield _in_table(study, ("support", i), text)
+
+
+def _mesh_materials(study: Study) -> Iterator[Problem]:
+    """Check that the materials of a mesh are whole, for it brings none."""
+    if study.model.separate and study.model.source != "mesh":
+        text = 'only source "mesh" has groups to separate; remove it'
+        yield _problem(study, ("model", "separate"), text)
+    if study.model.source != "mesh":
+        return
+    for name, material in study.materials.items():
+        missing = [key for key in ("E", "nu", "rho") if getattr(material, key) is None]
+        if missing:
+            text = f"a mesh brings no material, so {quoted(missing)} must be given; add it"
+            yield _in_table(study, ("material", name), text)
+
+
 def _reduction(study: Study) -> Iterator[Problem]:
     reduction, training = study.reduction, study.reduction.training
     modes = reduction.joint_modes
@@ -280,6 +311,9 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _interfaces,
     _bolts,
     _boundaries,
+    _coupled,
+    _supports,
+    _mesh_materials,
     _reduction,
     _load_cases,
 )

@@ -23,6 +23,7 @@ from faying.study.lap_joint_keys import lap_joint_keywords
 from faying.study.loads import check_loads
 from faying.study.section import Section
 from faying.study.sets import with_study_sets
+from faying.study.supports import with_study_supports
 from faying.study.tables import BoltSection, MaterialSection, Study
 
 Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
@@ -62,7 +63,7 @@ def load_model(study: Study) -> LoadedModel:
     """
     read = SOURCE_READERS[study.model.source]
     described = read(study)
-    assembly = with_study_sets(described.assembly, study)
+    assembly = with_study_supports(with_study_sets(described.assembly, study), study)
     bolts = _merged(study, "bolt", described.bolts, _bolt_entries(study, assembly))
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
@@ -155,11 +156,16 @@ def _mesh(study: Study) -> JointDescription:
     from faying.io.mesh_files import read_mesh_file
 
     materials = {
-        name: Material(name=name, youngs_modulus=one.E, poissons_ratio=one.nu, density=one.rho)
+        name: Material(
+            name=name,
+            # a mesh has no material to override; that all are given was checked
+            youngs_modulus=one.E or 0.0,
+            poissons_ratio=one.nu or 0.0,
+            density=one.rho or 0.0,
+        )
         for name, one in study.materials.items()
-        if one.E is not None and one.nu is not None and one.rho is not None
     }
-    assembly = read_mesh_file(_file(study), materials=materials)
+    assembly = read_mesh_file(_file(study), materials=materials, separate=study.model.separate)
     return JointDescription(assembly=replace(assembly, element=study.model.element))
 
 

@@ -58,6 +58,7 @@ TRAINED: tuple[Method, ...] = ("jim-b", "jim-b+compliance", "cone-greedy", "nmf"
 """Methods that learn from the loads of a training box."""
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 OutputField = Literal["pressure", "gap", "displacement"]
 
 
@@ -131,6 +132,8 @@ class ModelSection(Section):
         Matrix and table files of source "matrices".
     element
         Formulation of hex8.
+    separate
+        Volume groups of a mesh file that get nodes of their own where they touch others.
     sets
         Own names for parts of the mesh.
     lap_joint
@@ -142,6 +145,7 @@ class ModelSection(Section):
     subcase: Count | None = None
     files: MatrixFiles | None = None
     element: Literal["incompatible", "standard"] = "incompatible"
+    separate: tuple[Name, ...] = ()
     sets: Mapping[str, Annotated[NamedSet, BeforeValidator(_named_set)]] = Field(
         default_factory=dict
     )
@@ -213,12 +217,32 @@ class BoltSection(Section):
     mass: Switch = True
 
 
+class SupportSection(Section):
+    """[[support]]: nodes held at zero, beside what the source holds itself.
+
+    Attributes
+    ----------
+    components
+        Displacements ``ux`` … and rotations ``rx`` … that are held.
+    """
+
+    set: Name | None = None
+    node: Id | None = None
+    components: Annotated[tuple[DisplacementComponent, ...], Field(min_length=1)] = (
+        "ux",
+        "uy",
+        "uz",
+    )
+
+
 class BoundarySection(Section):
-    """[[boundary]]: a node id or the name of a node set where loads enter."""
+    """[[boundary]]: where loads enter, see :class:`faying.model.specs.BoundarySpec`."""
 
     name: Name
     set: Name | None = None
     node: Id | None = None
+    coupling: Literal["rbe2", "rbe3"] | None = None
+    at: Point | None = None
 
 
 class StickingSection(Section):
@@ -429,6 +453,7 @@ class Study(Section):
     interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")
     bolts: tuple[BoltSection, ...] = Field(default=(), alias="bolt")
     boundaries: tuple[BoundarySection, ...] = Field(default=(), alias="boundary")
+    supports: tuple[SupportSection, ...] = Field(default=(), alias="support")
     sticking: StickingSection | None = None
     damping: DampingSection = DampingSection()
     reduction: ReductionSection = ReductionSection()

@@ -1,0 +1,369 @@
+"""Meshes of gmsh and other meshers, read by meshio: solids, named groups, no loads or couplings."""
+
+import contextlib
+import io
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import FormatError
+from faying.model.assembly import Assembly, FaceSet, Material
+from faying.model.mesh import CellBlock, Mesh
+from faying.model.surface import Facets, exterior_facets, padded, unique_rows
+
+ANY_GROUP = "default"
+"""Material of the groups that have none of their own."""
+
+OTHER_SOURCES = {
+    ".bdf": "nastran",
+    ".dat": "nastran",
+    ".fem": "nastran",
+    ".nas": "nastran",
+    ".inp": "abaqus",
+}
+"""Decks that meshio reads only in part: it drops couplings, beams and supports."""
+
+SOLID_KINDS = {
+    "tetra": "tet4",
+    "tetra10": "tet10",
+    "hexahedron": "hex8",
+    "hexahedron20": "hex20",
+    "wedge": "wedge6",
+    "wedge15": "wedge15",
+}
+FACE_KINDS = {"triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8"}
+
+# meshio numbers top edges before upright ones, as VTK does; our elements the other way round.
+_ORDER = {
+    "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
+    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
+}
+
+_REMEDIES = {
+    "hexahedron27": "in gmsh set Mesh.SecondOrderIncomplete = 1 for 20-node bricks",
+    "wedge18": "in gmsh set Mesh.SecondOrderIncomplete = 1 for 15-node wedges",
+    "pyramid": "mesh with tetrahedra, wedges or bricks",
+    "pyramid13": "mesh with tetrahedra, wedges or bricks",
+    "pyramid14": "mesh with tetrahedra, wedges or bricks",
+}
+
+_TAGS = ("gmsh:physical", "medit:ref", "cell_tags", "CellEntityIds", "property", "material")
+"""Cell data that number the groups, the first one found."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Group:
+    """Cells of one group: name, number, and which of each block of meshio (None for none)."""
+
+    name: str
+    number: int
+    cells: tuple[Indices | None, ...]
+
+
+def read_mesh_file(
+    path: str | PathLike[str], *, materials: Mapping[str, Material], separate: tuple[str, ...] = ()
+) -> Assembly:
+    """Read solids and named groups from a mesh file: ``.msh``, ``.vtu``, ``.med`` and others.
+
+    Volume groups (gmsh: physical groups) become element sets and carry the materials, surface
+    groups face and node sets, line and point groups node sets. Without volume groups all solids
+    are one group named ``"solids"``. Supports, bolts and loads are said elsewhere.
+
+    Parameters
+    ----------
+    path
+        Anything meshio reads that is no deck.
+    materials
+        Volume group to its material; ``"default"`` is that of groups without one of their own.
+    separate
+        Volume groups whose nodes are their own, see :func:`faying.model.separate.separated`: parts
+        of a fragmented geometry, which share the nodes of the faces where they touch.
+
+    Returns
+    -------
+    Assembly
+        Node ids count from 1 in the order of the file, and so do element ids and property ids.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, damaged, a deck, without solids or with solids of other kinds, or
+        a group has no material.
+    ModelError
+        If a group to separate is not there.
+    """
+    from faying.model.separate import separated
+
+    path = Path(path)
+    found = _read(path)
+    points = _points(path, found)
+    groups = _groups(found)
+    blocks = _blocks(path, found, points, _volume_groups(found, groups))
+    element_sets, node_sets = _sets(found, groups, blocks)
+    used = sorted({int(number) for block in blocks for number in np.unique(block.properties)})
+    names = {group.number: group.name for group in _volume_groups(found, groups)}
+    mesh = separated(
+        Mesh(
+            nodes=points,
+            node_ids=np.arange(1, len(points) + 1),
+            blocks=blocks,
+            node_sets=node_sets,
+            element_sets=element_sets,
+        ),
+        separate,
+    )
+    face_sets, notes = _face_sets(found, groups, exterior_facets(mesh))
+    return Assembly(
+        mesh=mesh,
+        materials={number: _material(path, names[number], materials) for number in used},
+        face_sets=face_sets,
+        name=path.stem,
+        ignored=tuple(notes),
+    )
+
+
+def _read(path: Path) -> Any:
+    """Return meshio's mesh; it prints and exits where a reader should raise."""
+    if not path.is_file():
+        message = f"mesh file '{path}' is not there; check the path"
+        raise FormatError(message)
+    source = OTHER_SOURCES.get(path.suffix.lower())
+    if source is not None:
+        message = (
+            f"'{path}' is a deck: a mesh reader would drop its couplings, supports and sets; "
+            f'use source = "{source}"'
+        )
+        raise FormatError(message)
+    import meshio
+
+    said = io.StringIO()
+    try:
+        with (
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+            np.errstate(all="ignore"),
+        ):
+            return meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio's readers raise whatever a damaged file meets
+        reason = " ".join((said.getvalue().strip() or str(error) or type(error).__name__).split())
+        message = (
+            f"mesh file '{path}' cannot be read ({reason[:200]}); write it again, as .msh (4.1 or "
+            "2.2), .vtu or .med"
+        )
+        raise FormatError(message) from None
+
+
+def _points(path: Path, found: Any) -> Matrix:
+    points = np.asarray(found.points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        message = (
+            f"mesh file '{path}': points of shape {points.shape}, or not all finite; expected "
+            "x, y, z of every node"
+        )
+        raise FormatError(message)
+    return points
+
+
+def _groups(found: Any) -> list[_Group]:
+    """Return named groups of cells; unnamed numbers are named by themselves."""
+    named = {
+        name: [None if cells is None else np.asarray(cells, dtype=np.int64) for cells in blocks]
+        for name, blocks in found.cell_sets.items()
+        if not name.startswith("gmsh:")
+    }
+    if not named:
+        named = _tagged(found)
+    groups = []
+    for number, (name, blocks) in enumerate(named.items(), start=1):
+        cells = tuple(None if one is None or not len(one) else one for one in blocks)
+        groups.append(_Group(name=name, number=number, cells=cells))
+    return groups
+
+
+def _tagged(found: Any) -> dict[str, list[Any]]:
+    """Return groups by number and dimension, as cell data tell them."""
+    key = next((key for key in _TAGS if key in found.cell_data), None)
+    if key is None:
+        return {}
+    names = {
+        (int(tag), int(dimension)): name
+        for name, (tag, dimension) in found.field_data.items()
+        if np.size(tag) == 1
+    }
+    tags = [np.asarray(values) for values in found.cell_data[key]]
+    kinds = [_dimension(block.type) for block in found.cells]
+    present = sorted(
+        {
+            (dimension, int(tag))
+            for dimension, values in zip(kinds, tags, strict=True)
+            for tag in np.unique(values)
+            if tag != 0
+        }
+    )
+    return {
+        names.get((tag, dimension), f"{['point', 'line', 'surface', 'volume'][dimension]} {tag}"): [
+            np.flatnonzero(values == tag) if kind == dimension else None
+            for kind, values in zip(kinds, tags, strict=True)
+        ]
+        for dimension, tag in present
+    }
+
+
+def _dimension(kind: str) -> int:
+    if kind in FACE_KINDS or kind.startswith(("triangle", "quad")):
+        return 2
+    if kind.startswith("line"):
+        return 1
+    return 0 if kind == "vertex" else 3
+
+
+def _volume_groups(found: Any, groups: list[_Group]) -> list[_Group]:
+    """Return groups that hold solids; one of all solids where there is none."""
+    solid = [_dimension(block.type) == 3 for block in found.cells]
+    holding = [
+        group
+        for group in groups
+        if any(
+            is_solid and cells is not None
+            for is_solid, cells in zip(solid, group.cells, strict=True)
+        )
+    ]
+    if holding:
+        return holding
+    everything = tuple(
+        np.arange(len(block.data)) if is_solid else None
+        for is_solid, block in zip(solid, found.cells, strict=True)
+    )
+    return [_Group(name="solids", number=len(groups) + 1, cells=everything)]
+
+
+def _blocks(path: Path, found: Any, points: Matrix, groups: list[_Group]) -> tuple[CellBlock, ...]:
+    blocks, first = [], 1
+    for number, block in enumerate(found.cells):
+        if _dimension(block.type) != 3:
+            continue
+        if block.type not in SOLID_KINDS:
+            remedy = _REMEDIES.get(block.type, f"mesh with {', '.join(SOLID_KINDS)}")
+            message = f"mesh file '{path}' has solids of kind '{block.type}'; {remedy}"
+            raise FormatError(message)
+        nodes = np.asarray(block.data, dtype=np.int64)
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= len(points)):
+            message = f"mesh file '{path}': a {block.type} names a node that is not there"
+            raise FormatError(message)
+        blocks.append(
+            CellBlock(
+                kind=SOLID_KINDS[block.type],
+                nodes=nodes[:, _ORDER.get(block.type, slice(None))],
+                ids=np.arange(first, first + len(nodes)),
+                properties=_properties(path, groups, number, len(nodes)),
+            )
+        )
+        first += len(nodes)
+    if not blocks:
+        message = (
+            f"mesh file '{path}' has no solids; in gmsh mesh in three dimensions and put volumes "
+            "into physical groups"
+        )
+        raise FormatError(message)
+    return tuple(blocks)
+
+
+def _properties(path: Path, groups: list[_Group], block: int, n_cells: int) -> Indices:
+    """Return the group (n_cells,) of each solid of a block; a later group overrides."""
+    properties = np.zeros(n_cells, dtype=np.int64)
+    for group in groups:
+        cells = group.cells[block]
+        if cells is not None:
+            properties[cells] = group.number
+    lost = np.count_nonzero(properties == 0)
+    if lost:
+        message = (
+            f"mesh file '{path}': {lost} solids belong to no group, so they have no material; put "
+            "every volume into a physical group, or none"
+        )
+        raise FormatError(message)
+    return properties
+
+
+def _sets(
+    found: Any, groups: list[_Group], blocks: tuple[CellBlock, ...]
+) -> tuple[dict[str, Indices], dict[str, Indices]]:
+    """Element sets of volume groups and node sets of all groups."""
+    ids: list[Indices | None] = []
+    solids = iter(blocks)
+    ids = [next(solids).ids if _dimension(block.type) == 3 else None for block in found.cells]
+    element_sets: dict[str, Indices] = {}
+    node_sets: dict[str, Indices] = {}
+    for group in _volume_groups(found, groups):
+        parts = [
+            numbers[cells]
+            for numbers, cells in zip(ids, group.cells, strict=True)
+            if numbers is not None and cells is not None
+        ]
+        element_sets[group.name] = np.concatenate(parts)
+    for group in groups:
+        if group.name not in element_sets:
+            nodes = [np.ravel(block.data[cells]) for block, cells in _taken(found, group)]
+            node_sets[group.name] = np.unique(np.concatenate([*nodes, np.empty(0, np.int64)]))
+    for name, members in found.point_sets.items():
+        node_sets.setdefault(name, np.unique(np.asarray(members, dtype=np.int64)))
+    return element_sets, node_sets
+
+
+def _taken(found: Any, group: _Group) -> Iterator[tuple[Any, Indices]]:
+    for block, cells in zip(found.cells, group.cells, strict=True):
+        if cells is not None:
+            yield block, cells
+
+
+def _face_sets(
+    found: Any, groups: list[_Group], exterior: Facets
+) -> tuple[dict[str, FaceSet], list[str]]:
+    """Surface groups as facets of the solids, which know what is outside.
+
+    A mesher's own orientation follows its geometry, not the body. Groups of faces between solids,
+    or of facets of several kinds, remain node sets.
+    """
+    face_sets: dict[str, FaceSet] = {}
+    notes: list[str] = []
+    for group in groups:
+        tables = [
+            padded(np.asarray(block.data[cells], dtype=np.int64))
+            for block, cells in _taken(found, group)
+            if block.type in FACE_KINDS
+        ]
+        if not tables:
+            continue
+        wanted = np.concatenate(tables)
+        nobody = np.full(len(wanted), -1)
+        given = Facets(nodes=wanted, elements=nobody, properties=nobody, bodies=nobody)
+        first, which, _ = unique_rows(exterior.joined(given).corner_keys)
+        owner = np.unique(first[which[len(exterior) :]])
+        facets = exterior.taken(owner[owner < len(exterior)])
+        kinds = facets.by_kind()
+        if len(kinds) == 1 and len(facets) == len(np.unique(given.corner_keys, axis=0)):
+            kind = next(iter(kinds))
+            width = facets.counts.max()
+            face_sets[group.name] = FaceSet(kind=kind, nodes=facets.nodes[:, :width])
+        else:
+            notes.append(
+                f"surface group '{group.name}' is no face of one kind of solid's outside: "
+                "taken as a set of nodes"
+            )
+    return face_sets, notes
+
+
+def _material(path: Path, group: str, materials: Mapping[str, Material]) -> Material:
+    found = materials.get(group, materials.get(ANY_GROUP))
+    if found is None:
+        message = (
+            f"mesh file '{path}': group '{group}' has no material; add [material.{group}] or "
+            f"[material.{ANY_GROUP}] with E, nu and rho"
+        )
+        raise FormatError(message)
+    return found

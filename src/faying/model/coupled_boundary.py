@@ -1,0 +1,57 @@
+"""Boundaries with a node of their own: a face whose nodes follow, or average to, one point."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, AverageCoupling, RigidCoupling
+from faying.model.specs import BoundarySpec
+
+
+def add_coupled_boundary(
+    assembly: Assembly, spec: BoundarySpec, nodes: Indices
+) -> tuple[Assembly, BoundarySpec]:
+    """Give a boundary one node with six degrees of freedom, coupled to the nodes of its set.
+
+    Parameters
+    ----------
+    spec
+        With ``coupling``; ``at`` is the place of the new node, the mean of the nodes unless given.
+    nodes : (n,)
+        Indices of the nodes of its set.
+
+    Returns
+    -------
+    Assembly
+        With one more node, the last, and one more coupling.
+    BoundarySpec
+        Of that node.
+
+    Raises
+    ------
+    ModelError
+        If there are too few nodes to define a rigid motion.
+    """
+    points = assembly.mesh.nodes[nodes]
+    spread = np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-9 * np.abs(points).max())
+    if spread < 2:
+        message = (
+            f"boundary '{spec.name}': the {len(nodes)} nodes of set '{spec.set}' lie on one line, "
+            "so no rotation of its node is defined; couple a face, or leave 'coupling' away"
+        )
+        raise ModelError(message)
+    place = points.mean(axis=0) if spec.at is None else np.asarray(spec.at, dtype=float)
+    reference, number = len(assembly.mesh.nodes), assembly.largest_id + 1
+    mesh = assembly.mesh.with_nodes(place)
+    own = replace(spec, node=int(mesh.node_ids[reference]), set=None, coupling=None, at=None)
+    if spec.coupling == "rbe2":
+        rigid = RigidCoupling(id=number, reference=reference, nodes=nodes)
+        couplings = (*assembly.rigid_couplings, rigid)
+        return replace(assembly, mesh=mesh, rigid_couplings=couplings), own
+    average = AverageCoupling(
+        id=number, reference=reference, nodes=nodes, weights=np.ones(len(nodes))
+    )
+    averages = (*assembly.average_couplings, average)
+    return replace(assembly, mesh=mesh, average_couplings=averages), own
