@@ -59,11 +59,12 @@ if TYPE_CHECKING:
     from faying.simulation.static import solve_static, solve_static_cases
     from faying.simulation.transient import solve_transient
     from faying.simulation.worst_case import worst_case_load
-    from faying.sources import from_matrices, lap_joint, read_nastran
+    from faying.sources import from_matrices, lap_joint, read_mesh, read_nastran
 
 # Names are imported when first used, so that `faying --help` need not wait for SciPy.
 _HOMES = {
     "lap_joint": "faying.sources",
+    "read_mesh": "faying.sources",
     "read_nastran": "faying.sources",
     "from_matrices": "faying.sources",
     "build_model": "faying.model.build",
@@ -152,6 +153,7 @@ __all__ = [
     "pod",
     "preload",
     "preloaded_frequencies",
+    "read_mesh",
     "read_nastran",
     "recommend_penalty",
     "recover_from_boundary_loads",

@@ -1,13 +1,15 @@
-"""Models in one call: the built-in lap joint, a Nastran deck, matrices."""
+"""Models in one call: the built-in lap joint, decks, mesh files, matrices."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from faying.model.assembly import Material
 from faying.model.build import build_model
 from faying.model.lap_joint import lap_joint_assembly
 from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.model.supports import with_supports
 
 AUTO = (InterfaceSpec(name="joint"),)
 
@@ -69,6 +71,50 @@ def read_nastran(
 
     return build_model(
         read_deck(path),
+        interfaces=interfaces,
+        bolts=bolts,
+        boundaries=boundaries,
+        damping=damping,
+    )
+
+
+def read_mesh(
+    path: str | Path,
+    *,
+    materials: Mapping[str, Material],
+    separate: Sequence[str] = (),
+    supports: Mapping[str, Sequence[int]] | None = None,
+    interfaces: Sequence[InterfaceSpec] = AUTO,
+    bolts: Sequence[BoltSpec] = (),
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+) -> Model:
+    """Build a model from a mesh file: gmsh ``.msh``, ``.vtu``, ``.med`` and others meshio reads.
+
+    Parameters
+    ----------
+    materials
+        Volume group to its material; ``"default"`` is that of groups without one of their own.
+    separate
+        Volume groups that get nodes of their own where they share nodes with other solids.
+    supports
+        Group to the components 0..5 that are held at zero, usually ``(0, 1, 2)``.
+    interfaces, bolts, boundaries
+        As for :func:`read_nastran`; sides and boundaries are groups of the file, bolts are
+        generated.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, or a group has no material.
+    ModelError
+        If the mesh and what is said about it do not fit together.
+    """
+    from faying.io.mesh_files import read_mesh_file
+
+    assembly = read_mesh_file(path, materials=materials, separate=tuple(separate))
+    return build_model(
+        with_supports(assembly, supports or {}),
         interfaces=interfaces,
         bolts=bolts,
         boundaries=boundaries,

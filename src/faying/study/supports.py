@@ -6,9 +6,9 @@ from typing import get_args
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import StudyError
+from faying.exceptions import ModelError, StudyError
 from faying.model.assembly import Assembly, Support
-from faying.study.errors import nearest
+from faying.model.supports import nodes_of_set
 from faying.study.tables import DisplacementComponent, Study
 
 
@@ -35,20 +35,11 @@ def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
 
 def _nodes(assembly: Assembly, study: Study, number: int) -> Indices:
     section, mesh = study.supports[number], assembly.mesh
-    if section.node is not None:
-        if section.node not in mesh.node_ids:
-            _refuse(study, number, "node", f"the model has no node {section.node}; correct the id")
-        return mesh.node_index(np.array([section.node]))
-    name = section.set or ""
-    if name in mesh.node_sets:
-        return mesh.node_sets[name]
-    if name in assembly.face_sets:
-        return np.unique(assembly.face_sets[name].nodes)
-    known = [*mesh.node_sets, *assembly.face_sets]
-    _refuse(study, number, "set", f"there is no node set '{name}'; {nearest(name, known)}")
-    return np.empty(0, dtype=np.int64)
-
-
-def _refuse(study: Study, number: int, key: str, text: str) -> None:
-    message = f"{study.source.place(('support', number, key))}: {text}"
-    raise StudyError(message)
+    key = "set" if section.node is None else "node"
+    try:
+        if section.node is not None:
+            return mesh.node_index(np.array([section.node]))
+        return nodes_of_set(assembly, section.set or "")
+    except ModelError as error:
+        message = f"{study.source.place(('support', number, key))}: {error}"
+        raise StudyError(message) from None

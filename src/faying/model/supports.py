@@ -1,0 +1,53 @@
+"""Supports by the name of what they hold."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Support
+
+
+def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> Assembly:
+    """Return the assembly with more supports.
+
+    Parameters
+    ----------
+    supports
+        Node set or face set to the components 0..5 that are held at zero.
+
+    Raises
+    ------
+    ModelError
+        If a set does not exist or a component is none.
+    """
+    number = max((support.id for support in assembly.supports), default=0)
+    own = []
+    for name, components in supports.items():
+        number += 1
+        wrong = [component for component in components if component not in range(6)]
+        if wrong:
+            message = f"support '{name}': component {wrong[0]}; components are 0 to 5"
+            raise ModelError(message)
+        nodes = nodes_of_set(assembly, name)
+        own.append(Support(id=number, nodes=nodes, components=tuple(sorted({*components}))))
+    return replace(assembly, supports=(*assembly.supports, *own))
+
+
+def nodes_of_set(assembly: Assembly, name: str) -> Indices:
+    """Return the node indices of a node set, or of the facets of a face set.
+
+    Raises
+    ------
+    ModelError
+        If there is no such set; the message lists those there are.
+    """
+    if name in assembly.mesh.node_sets:
+        return assembly.mesh.node_sets[name]
+    if name in assembly.face_sets:
+        return np.unique(assembly.face_sets[name].nodes)
+    known = ", ".join([*assembly.mesh.node_sets, *assembly.face_sets]) or "none"
+    message = f"there is no node set '{name}'; known are {known}"
+    raise ModelError(message)
