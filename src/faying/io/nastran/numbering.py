@@ -11,7 +11,7 @@ from faying.model.assembly import Assembly, BeamSection, Material
 LARGEST = 99_999_999
 """Largest id that fits the eight columns of a small field."""
 
-SectionKey = tuple[BeamSection, Material, bool]
+SectionKey = tuple[BeamSection, Material]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -21,7 +21,7 @@ class Numbering:
     Attributes
     ----------
     sections
-        Section, material and whether shear-flexible (PBEAM) to property id.
+        Section and material to property id.
     supports, equations
         Set id of the assembly to that of the deck (only 0 changes).
     changed
@@ -42,11 +42,6 @@ class Numbering:
     def element(self, family: str, number: int) -> int:
         """Return the id of an element in the deck."""
         return self.changed.get((family, number), number)
-
-    @staticmethod
-    def flexible(section: BeamSection) -> bool:
-        """Whether the section is flexible in shear."""
-        return bool(np.isfinite(section.shear_factor_y) or np.isfinite(section.shear_factor_z))
 
 
 def number_assembly(assembly: Assembly) -> Numbering:
@@ -121,7 +116,7 @@ def _sections(assembly: Assembly) -> dict[SectionKey, int]:
     taken = {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)}
     wanted: dict[SectionKey, int] = {}
     for beam in assembly.beams:
-        key = (beam.section, beam.material, Numbering.flexible(beam.section))
+        key = (beam.section, beam.material)
         wanted.setdefault(key, beam.property)
     free = max([*taken, *wanted.values(), 0])
     numbers: dict[SectionKey, int] = {}

@@ -23,16 +23,22 @@ _CARDS = {
     "tet10": "CTETRA",
     "wedge6": "CPENTA",
 }
+_METHOD = 1
 
 
 def write_deck(
-    assembly: Assembly, path: str | os.PathLike[str], *, title: str = "", loads: str | None = None
+    assembly: Assembly,
+    path: str | os.PathLike[str],
+    *,
+    title: str = "",
+    loads: str | None = None,
+    modes: int | None = None,
 ) -> None:
-    """Write a deck that Nastran can run as a linear static analysis (SOL 101).
+    """Write a deck that Nastran can run: linear statics (SOL 101) or normal modes (SOL 103).
 
     All load sets are written; case control selects ``loads`` (the first one by default). Supports
-    of several sets are joined by SPCADD, equations by MPCADD. Shear-flexible beams become CBEAM,
-    others CBAR. The file appears complete or not at all.
+    of several sets are joined by SPCADD, equations by MPCADD. Beams become CBAR, with the shear
+    factors on PBAR. The file appears complete or not at all.
 
     Parameters
     ----------
@@ -42,12 +48,15 @@ def write_deck(
         One line for the output of the other program; the assembly's name by default.
     loads
         Name of the load set to select.
+    modes
+        Write SOL 103 and an EIGRL that asks for this many modes, instead of statics.
 
     Raises
     ------
     FormatError
-        If the assembly cannot be said in bulk data (matrices, ids above 99 999 999, several
-        support directions at a node), or the file cannot be written.
+        If ``modes`` is no positive number, the assembly cannot be said in bulk data (matrices,
+        ids above 99 999 999, several support directions at a node), or the file cannot be
+        written.
 
     Notes
     -----
@@ -55,7 +64,7 @@ def write_deck(
     kept; load sets and materials whose names are no numbers are numbered (comments tell).
     """
     path = Path(path)
-    text = _deck(assembly, title or assembly.name, loads)
+    text = _deck(assembly, title or assembly.name, loads, modes)
     try:
         handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent or None)
         try:
@@ -74,7 +83,7 @@ def write_deck(
         raise FormatError(message) from error
 
 
-def _deck(assembly: Assembly, title: str, loads: str | None) -> list[str]:
+def _deck(assembly: Assembly, title: str, loads: str | None, modes: int | None) -> list[str]:
     if assembly.matrices is not None:
         message = (
             "the assembly holds matrices from another program, which bulk data cannot express; "
@@ -85,13 +94,20 @@ def _deck(assembly: Assembly, title: str, loads: str | None) -> list[str]:
         known = ", ".join(assembly.loads) or "none"
         message = f"the assembly has no load set '{loads}'; load sets are {known}"
         raise FormatError(message)
+    if modes is not None and modes < 1:
+        message = f"{modes} modes are asked for; ask for one or more, or leave modes out"
+        raise FormatError(message)
     numbering = number_assembly(assembly)
     selected = loads if loads is not None else next(iter(assembly.loads), None)
     control = [f"TITLE = {' '.join(title.split())[:60]}"]
     control += [f"SPC = {numbering.spc}"] if assembly.supports else []
     control += [f"MPC = {numbering.mpc}"] if assembly.equations else []
-    control += [f"LOAD = {numbering.loads[selected]}"] if selected is not None else []
-    bulk = [
+    bulk = [] if modes is None else [small("EIGRL", [_METHOD, None, None, modes])]
+    if modes is not None:
+        control += [f"METHOD = {_METHOD}"]
+    elif selected is not None:
+        control += [f"LOAD = {numbering.loads[selected]}"]
+    bulk += [
         *_properties(assembly, numbering),
         *_grids(assembly),
         *(line for b in assembly.mesh.blocks for line in _block(b, assembly, numbering)),
@@ -100,7 +116,13 @@ def _deck(assembly: Assembly, title: str, loads: str | None) -> list[str]:
         *_constraints(assembly, numbering),
         *_loads(assembly, numbering),
     ]
-    head = ["SOL 101", "CEND", *control, "DISPLACEMENT = ALL", "BEGIN BULK"]
+    head = [
+        "SOL 101" if modes is None else "SOL 103",
+        "CEND",
+        *control,
+        "DISPLACEMENT = ALL",
+        "BEGIN BULK",
+    ]
     return ["\n".join([*head, *bulk, "ENDDATA"]), "\n"]
 
 
@@ -183,19 +205,14 @@ def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
         network, scheme = _scheme(found, assembly.element)
         made_of = numbering.materials[assembly.materials[number]]
         yield small("PSOLID", [number, made_of, None, network, None, scheme])
-    for (section, material, shear), number in numbering.sections.items():
+    for (section, material), number in numbering.sections.items():
+        factors = [section.shear_factor_y, section.shear_factor_z]
+        stiff = np.isinf(factors).all()
+        # Zero is Nastran's infinite shear stiffness; eight stress points lie in between.
+        shear = [] if stiff else [*[None] * 10, *(0.0 if np.isinf(k) else k for k in factors)]
         made_of = numbering.materials[material]
-        main = [section.area, section.inertia_z, section.inertia_y]
-        factors = [
-            0.0 if np.isinf(k) else k for k in (section.shear_factor_y, section.shear_factor_z)
-        ]
-        if shear:
-            stress = [0.0] * 8
-            yield large(
-                "PBEAM", [number, made_of, *main, 0.0, section.torsion, None, *stress, *factors]
-            )
-        else:
-            yield large("PBAR", [number, made_of, *main, section.torsion])
+        main = [section.area, section.inertia_z, section.inertia_y, section.torsion]
+        yield large("PBAR", [number, made_of, *main, *shear])
 
 
 def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
@@ -220,11 +237,10 @@ def _lines(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
     turned = {n for s in assembly.supports if _turned(s) for n in s.nodes.tolist()}
     for beam in assembly.beams:
         start, end = beam.nodes
-        shear = numbering.flexible(beam.section)
-        pid = numbering.sections[beam.section, beam.material, shear]
+        pid = numbering.sections[beam.section, beam.material]
         flag = "BGG" if start in turned else None
         fields = [numbering.element("beam", beam.id), pid, int(ids[start]), int(ids[end])]
-        yield large("CBEAM" if shear else "CBAR", [*fields, *beam.orientation, flag])
+        yield large("CBAR", [*fields, *beam.orientation, flag])
     for spring in assembly.springs:
         ends = [value for node, c in spring.ends for value in (int(ids[node]), c + 1)]
         yield large("CELAS2", [numbering.element("spring", spring.id), spring.stiffness, *ends])
