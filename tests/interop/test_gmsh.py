@@ -1,0 +1,143 @@
+"""Meshes that gmsh itself makes: fragmented parts, and parts meshed apart with matching faces."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import ModelError
+
+try:
+    import gmsh
+except (ImportError, OSError) as error:  # the wheel needs libraries of a desktop (libGLU)
+    pytest.skip(f"gmsh cannot be loaded: {error}", allow_module_level=True)
+
+STEEL = fy.Material(name="steel", youngs_modulus=210e3, poissons_ratio=0.29, density=7.82e-9)
+BOLT = fy.BoltSpec(name="bolt", axis=((0, 0, -10), (0, 0, 10)), diameter=6.0, washer_radius=6.0)
+TIP = fy.BoundarySpec(name="tip", set="tip", coupling="rbe2", at=(55.0, 0.0, 5.0))
+JOINT = fy.InterfaceSpec(name="joint", minus="lower", plus="upper", penalty=1e5)
+LOAD = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3})
+SIZE = 6.0
+
+
+@pytest.fixture
+def model():
+    gmsh.initialize(interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", SIZE)
+    gmsh.model.add("lap")
+    yield gmsh.model
+    gmsh.finalize()
+
+
+def plates(model):
+    """The seed's plates: two boxes with an overlap of 40 x 20."""
+    lower = model.occ.addBox(-55, -10, -10, 75, 20, 10)
+    upper = model.occ.addBox(-20, -10, 0, 75, 20, 10)
+    return lower, upper
+
+
+def named(model, volumes):
+    for name, members in volumes.items():
+        model.addPhysicalGroup(3, members, name=name)
+    for _, face in model.getEntities(2):
+        x = model.occ.getCenterOfMass(2, face)[0]
+        for name, place in (("clamp", -55), ("tip", 55)):
+            if abs(x - place) < 1e-6:
+                model.addPhysicalGroup(2, [face], name=name)
+
+
+def meshed(model, path, *, order=2, version=4.1):
+    gmsh.option.setNumber("Mesh.ElementOrder", order)
+    gmsh.option.setNumber("Mesh.MshFileVersion", version)
+    model.mesh.generate(3)
+    gmsh.write(str(path))
+    return path
+
+
+def joint_of(path, **options):
+    return fy.read_mesh(
+        path,
+        materials={"default": STEEL},
+        supports={"clamp": (0, 1, 2)},
+        interfaces=[JOINT],
+        bolts=[BOLT],
+        boundaries=[TIP],
+        **options,
+    )
+
+
+def answer(model):
+    preloaded = fy.preload(model, {"bolt": 10e3})
+    return fy.solve_static(preloaded, LOAD)
+
+
+@pytest.mark.parametrize("version", [2.2, 4.1])
+@pytest.mark.parametrize("order", [1, 2])
+def test_fragmented_parts_come_apart(model, tmp_path: Path, version, order):
+    lower, upper = plates(model)
+    _, pieces = model.occ.fragment([(3, lower)], [(3, upper)])
+    model.occ.synchronize()
+    volumes = {
+        name: [tag for _, tag in found]
+        for name, found in zip(("lower", "upper"), pieces, strict=True)
+    }
+    named(model, volumes)
+    path = meshed(model, tmp_path / "lap.msh", order=order, version=version)
+    with pytest.raises(ModelError):  # one body: nothing can touch
+        joint_of(path)
+    joint = joint_of(path, separate=["upper"])
+    assert joint.interfaces["joint"].area == pytest.approx(800.0, rel=1e-12)
+    assert joint.assembly.mesh.n_elements > 100
+    solution = answer(joint)
+    # equilibrium: the joint carries the bolt's force and the load
+    assert solution.contact_force("joint") == pytest.approx(
+        float(solution.bolt_force("bolt")) + 500.0, rel=1e-9
+    )
+
+
+def test_tetrahedra_agree_with_the_built_in_bricks(model, tmp_path: Path):
+    lower, upper = plates(model)
+    _, pieces = model.occ.fragment([(3, lower)], [(3, upper)])
+    model.occ.synchronize()
+    volumes = {
+        name: [tag for _, tag in found]
+        for name, found in zip(("lower", "upper"), pieces, strict=True)
+    }
+    named(model, volumes)
+    ours = joint_of(meshed(model, tmp_path / "lap.msh"), separate=["upper"])
+    bricks = fy.lap_joint(shape="hex20", hole_radius=None, penalty=1e5, element_size=5.0)
+    tips = [answer(joint).displacement("tip")[2] for joint in (ours, bricks)]
+    # two meshes of quadratic elements; washers seat on different nodes, worth a percent or two
+    assert tips[0] == pytest.approx(tips[1], rel=0.03)
+
+
+def test_parts_meshed_apart_match_by_periodic_faces(model, tmp_path: Path):
+    """The how-to's recipe: imprint, keep two volumes, let one face copy the other's mesh."""
+    lower, upper = plates(model)
+    face = model.occ.addRectangle(-20, -10, 0, 40, 20)
+    other = model.occ.addRectangle(-20, -10, 0, 40, 20)
+    low, _ = model.occ.fragment([(3, lower)], [(2, face)], removeTool=True)
+    top, _ = model.occ.fragment([(3, upper)], [(2, other)], removeTool=True)
+    model.occ.synchronize()
+    volumes = {
+        "lower": [tag for dimension, tag in low if dimension == 3],
+        "upper": [tag for dimension, tag in top if dimension == 3],
+    }
+    sides = []
+    for members in volumes.values():
+        faces = model.getBoundary([(3, tag) for tag in members], oriented=False)
+        sides.append(
+            next(
+                tag
+                for _, tag in faces
+                if np.allclose(model.occ.getCenterOfMass(2, tag), (0, 0, 0), atol=1e-6)
+            )
+        )
+    identity = np.eye(4).ravel().tolist()
+    model.mesh.setPeriodic(2, [sides[1]], [sides[0]], identity)
+    named(model, volumes)
+    joint = joint_of(meshed(model, tmp_path / "lap.msh"))
+    assert joint.interfaces["joint"].area == pytest.approx(800.0, rel=1e-12)
+    assert float(answer(joint).max_pressure) > 0

@@ -1,0 +1,92 @@
+"""Damaged mesh files end in one message or in a mesh, never in a traceback, an exit or a hang."""
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from faying.exceptions import FayingError
+from faying.io.mesh_files import read_mesh_file
+from faying.model.assembly import Material
+from faying.model.generate import brick_grid, shaped
+
+STEEL = Material(name="steel", youngs_modulus=210e3, poissons_ratio=0.29, density=7.82e-9)
+MATERIALS = {"default": STEEL}
+LINES = np.array([0.0, 1.0, 2.0])
+FORMATS = {
+    "gmsh22": {"suffix": ".msh", "file_format": "gmsh22", "binary": False},
+    "gmsh": {"suffix": ".msh", "file_format": "gmsh", "binary": False},
+    "gmsh22-binary": {"suffix": ".msh", "file_format": "gmsh22", "binary": True},
+    "vtu": {"suffix": ".vtu", "file_format": "vtu", "binary": False},
+    "vtu-binary": {"suffix": ".vtu", "file_format": "vtu", "binary": True},
+    "medit": {"suffix": ".mesh", "file_format": "medit"},
+}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory) -> dict[str, tuple[Path, bytes]]:
+    folder = tmp_path_factory.mktemp("meshes")
+    cells = shaped(brick_grid(LINES, LINES[:2], LINES[:2]), "tet4")
+    tags = np.where(cells.centroids()[:, 0] > 1, 2, 1)
+    mesh = meshio.Mesh(
+        cells.nodes,
+        [("tetra", cells.cells)],
+        cell_data={"gmsh:physical": [tags], "gmsh:geometrical": [tags], "medit:ref": [tags]},
+        field_data={"left": np.array([1, 3]), "right": np.array([2, 3])},
+    )
+    found = {}
+    for name, options in FORMATS.items():
+        kept = {key: value for key, value in options.items() if key != "suffix"}
+        path = folder / f"{name}{options['suffix']}"
+        tagged = {"gmsh:dim_tags": np.tile([3, 1], (len(cells.nodes), 1))}
+        mesh.point_data = tagged if kept["file_format"] == "gmsh" else {}
+        mesh.write(path, **kept)
+        found[name] = (folder, path.read_bytes())
+    return found
+
+
+@pytest.mark.parametrize("name", list(FORMATS))
+@settings(
+    max_examples=60,
+    deadline=5000,  # a hang; a read takes a millisecond
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(data=st.data())
+def test_damaged_files_end_in_one_message(files, name, data):
+    folder, content = files[name]
+    damaged = bytearray(content)
+    for _ in range(data.draw(st.integers(1, 3))):
+        at = data.draw(st.integers(0, len(damaged) - 1))
+        kind = data.draw(st.sampled_from(["change", "delete", "insert", "cut", "repeat"]))
+        if kind == "change":
+            damaged[at] = data.draw(st.sampled_from(list(b"0123456789-+.eE \n$x<>/\xff")))
+        elif kind == "delete":
+            del damaged[at : at + data.draw(st.integers(1, 40))]
+        elif kind == "insert":
+            damaged[at:at] = data.draw(st.binary(min_size=1, max_size=8))
+        elif kind == "cut":
+            del damaged[at:]
+        else:
+            damaged[at:at] = damaged[at : at + 30]
+        if not damaged:
+            damaged = bytearray(b" ")
+    path = folder / f"damaged{FORMATS[name]['suffix']}"
+    path.write_bytes(bytes(damaged))
+    said, mesh = read(path)
+    if mesh is None:
+        assert "damaged" in said
+        assert "\n" not in said
+    else:
+        assert np.isfinite(mesh.nodes).all()
+        assert all((b.nodes >= 0).all() and (b.nodes < len(mesh.nodes)).all() for b in mesh.blocks)
+
+
+def read(path):
+    """What the reader says, or the mesh it makes."""
+    try:
+        return "", read_mesh_file(path, materials=MATERIALS).mesh
+    except FayingError as error:
+        return str(error), None
