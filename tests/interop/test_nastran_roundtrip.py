@@ -71,6 +71,7 @@ def there_and_back(assembly: Assembly, tmp_path: Path) -> Assembly:
         {"shape": "tet10", "washer": "rbe3", "curvature": 0.002},
         {"shape": "tet4", "plates": 3},
         {"shape": "wedge6", "bolt_positions": ((-8.0, 0.0), (8.0, 0.0))},
+        {"shape": "wedge15", "washer": "rbe3"},
     ],
     ids=lambda options: "-".join(map(str, options.values())) or "default",
 )

@@ -110,8 +110,12 @@ def test_quadratic_and_wedge_elements(read: Read) -> None:
     assembly = read(more, hexa, tetra, "CPENTA,3,1,1,2,3,5,6,7", "PSOLID,1,9,,,,1")
     assert [b.kind for b in assembly.mesh.blocks] == ["hex20", "wedge6", "tet10"]
     assert assembly.mesh.blocks[0].nodes[0].tolist() == [*range(20)]
-    with pytest.raises(FormatError, match="CPENTA: 15 nodes; supported are 6"):
-        read(more, "CPENTA,3,1,1,2,3,5,6,7\n,11,12,13,14,15,16,17,18\n,19", "PSOLID,1,9")
+    fifteen = "CPENTA,3,1,1,2,3,5,6,7\n,11,12,13,14,15,16,17,18\n,19"
+    block = read(more, fifteen, "PSOLID,1,9").mesh.blocks[0]
+    assert block.kind == "wedge15"
+    assert block.nodes[0].tolist() == [0, 1, 2, 4, 5, 6, *range(8, 17)]
+    with pytest.raises(FormatError, match="CPENTA: 14 nodes; supported are 6 or 15"):
+        read(more, fifteen.replace("\n,19", ""), "PSOLID,1,9")
 
 
 def test_material_constants(read: Read) -> None:

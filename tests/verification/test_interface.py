@@ -19,7 +19,7 @@ from faying.model.lap_joint import lap_joint_assembly
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
 
-SHAPES = ("hex8", "hex20", "tet4", "tet10", "wedge6")
+SHAPES = ("hex8", "hex20", "tet4", "tet10", "wedge6", "wedge15")
 RULES = ("gauss", "nodal")
 REFERENCE = Path(__file__).parents[1] / "data" / "lap_joint"
 OVERLAP_AREA = 40.0 * 20.0

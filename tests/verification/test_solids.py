@@ -1,5 +1,6 @@
 """Solid elements against exact answers, scikit-fem's own assembly and the reference matrices."""
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,10 @@ from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 from solid_blocks import STEEL, one_sheared_cell, solid_assembly, solid_block, solid_dofs
 
+from faying.contact.facets import shape_functions as facet_shape_functions
 from faying.model.assembly import Assembly, Material
 from faying.model.elements import SOLIDS, solid_element
+from faying.model.elements.solid_element import shape_gradients, shape_values
 from faying.model.matrices import assemble_matrices, mass_properties, rigid_body_motions
 from faying.model.mesh import CellBlock, Mesh
 
@@ -24,6 +27,7 @@ FORMULATIONS = [
     ("tet4", "standard"),
     ("tet10", "standard"),
     ("wedge6", "standard"),
+    ("wedge15", "standard"),
 ]
 every_solid = pytest.mark.parametrize(("kind", "formulation"), FORMULATIONS)
 SIZE = np.array([3.0, 2.0, 4.0])
@@ -122,6 +126,7 @@ PURE_BENDING = [
     ("hex8", "incompatible", 0.0),
     ("hex20", "standard", 0.0),
     ("tet10", "standard", DISTORTION),
+    ("wedge15", "standard", 0.0),
 ]
 
 
@@ -164,7 +169,12 @@ def tip_deflection_ratio(kind, formulation, cells) -> float:
 
 @pytest.mark.parametrize(
     ("kind", "formulation"),
-    [("hex8", "incompatible"), ("hex20", "standard"), ("tet10", "standard")],
+    [
+        ("hex8", "incompatible"),
+        ("hex20", "standard"),
+        ("tet10", "standard"),
+        ("wedge15", "standard"),
+    ],
 )
 def test_cantilever_agrees_with_timoshenko_on_a_coarse_mesh(kind, formulation):
     # Two layers of cells; local deformation under the nodal loads is part of the compliance.
@@ -205,7 +215,7 @@ SKFEM_MESH = {
 }
 
 
-@pytest.mark.parametrize("kind", list(SOLIDS))
+@pytest.mark.parametrize("kind", list(SKFEM_MESH))
 def test_matrices_equal_those_of_scikit_fem(kind):
     element = SOLIDS[kind]
     mesh = solid_block(kind, CELLS, SIZE, DISTORTION)
@@ -292,3 +302,42 @@ def face_integrals(corners):
 def test_formulation_only_concerns_hex8():
     assert solid_element("tet10", "incompatible") is SOLIDS["tet10"]
     assert solid_element("hex8", "incompatible") is not SOLIDS["hex8"]
+
+
+@pytest.mark.parametrize("kind", list(SOLIDS))
+def test_shape_functions_are_one_at_their_node_and_reproduce_their_polynomials(kind):
+    element = SOLIDS[kind]
+    nodes = element.reference_nodes
+    np.testing.assert_allclose(shape_values(element, nodes), np.eye(len(nodes)), atol=1e-14)
+    points = np.random.default_rng(5).uniform(0, 0.5, (7, 3))
+    degree = 2 if element.n_nodes > element.n_corners else 1
+    for exponents in product(range(degree + 1), repeat=3):
+        if sum(exponents) <= degree:
+            found = shape_values(element, points) @ np.prod(nodes**exponents, axis=1)
+            # Rounding of numbers of size one.
+            np.testing.assert_allclose(found, np.prod(points**exponents, axis=1), atol=1e-14)
+
+
+@pytest.mark.parametrize("kind", list(SOLIDS))
+def test_shape_gradients_are_the_derivatives(kind):
+    element = SOLIDS[kind]
+    points, step = np.random.default_rng(6).uniform(0, 0.5, (4, 3)), 1e-5
+    found = shape_gradients(element, points)
+    for axis in range(3):
+        move = step * np.eye(3)[axis]
+        slope = shape_values(element, points + move) - shape_values(element, points - move)
+        # Central differences of quadratics and cubics: step² plus rounding over the step.
+        np.testing.assert_allclose(found[:, axis], slope / (2 * step), atol=1e-8)
+
+
+@pytest.mark.parametrize("kind", list(SOLIDS))
+def test_on_a_face_only_its_nodes_count_and_as_in_the_facet(kind):
+    """So that solids of any kind conform where they share a face."""
+    element = SOLIDS[kind]
+    local = np.array([[0.2, 0.3], [0.5, 0.1], [0.25, 0.6]])
+    for face_kind, face in element.faces:
+        on_facet = facet_shape_functions(face_kind, local)
+        values = shape_values(element, on_facet @ element.reference_nodes[list(face)])
+        np.testing.assert_allclose(values[:, list(face)], on_facet, atol=1e-14)
+        others = np.setdiff1d(np.arange(element.n_nodes), face)
+        np.testing.assert_allclose(values[:, others], 0, atol=1e-14)

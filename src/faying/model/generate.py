@@ -109,4 +109,5 @@ _SHAPES: dict[str, tuple[str, tuple[tuple[int, ...], ...]]] = {
     "tet4": ("tet4", _kuhn()),
     "tet10": ("tet4", _kuhn()),
     "wedge6": ("wedge6", _WEDGES),
+    "wedge15": ("wedge6", _WEDGES),
 }

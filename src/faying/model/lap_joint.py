@@ -37,7 +37,7 @@ def lap_joint_assembly(
     overlap: float = 40.0,
     plates: int = 2,
     curvature: float = 0.0,
-    shape: Literal["hex8", "hex20", "tet4", "tet10", "wedge6"] = "hex8",
+    shape: Literal["hex8", "hex20", "tet4", "tet10", "wedge6", "wedge15"] = "hex8",
     element: Literal["incompatible", "standard"] = "incompatible",
     material: Material | None = None,
     hole_radius: float | None = 4.2,

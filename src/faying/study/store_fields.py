@@ -139,7 +139,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "iterations": Meaning("linear systems of the contact problem", "1", "(n_time,)"),
     },
     CellBlock: {
-        "kind": Meaning("hex8, hex20, tet4, tet10 or wedge6"),
+        "kind": Meaning("hex8, hex20, tet4, tet10, wedge6 or wedge15"),
         "nodes": Meaning("indices into /nodes, Nastran order", "1", "(n_cell, n_node_per_cell)"),
         "ids": Meaning("element ids", "1", "(n_cell,)"),
         "properties": Meaning("property ids", "1", "(n_cell,)"),

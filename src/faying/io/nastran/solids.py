@@ -13,7 +13,6 @@ from faying.model.assembly import Material
 from faying.model.mesh import CellBlock
 
 _FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
-_REFUSED_NODES = {"CPENTA": "use CPENTA with 6 nodes, CTETRA with 10 or CHEXA with 20"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +26,7 @@ class _Family:
 
 _FAMILIES = (
     _Family(card="CHEXA", kinds=((8, "hex8"), (20, "hex20")), most=20),
-    _Family(card="CPENTA", kinds=((6, "wedge6"),), most=15),
+    _Family(card="CPENTA", kinds=((6, "wedge6"), (15, "wedge15")), most=15),
     _Family(card="CTETRA", kinds=((4, "tet4"), (10, "tet10")), most=10),
 )
 
@@ -87,6 +86,7 @@ def _note_schemes(
     """Say where elements without a choice of formulation differ from what the deck asks for."""
     notes = {
         "wedge6": "bubble functions of CPENTA (the standard six-node wedge is used)",
+        "wedge15": "reduced shear integration of CPENTA with 15 nodes (3 x 3 points are used)",
         "hex20": "reduced shear integration of CHEXA with 20 nodes (full integration is used)",
     }
     for block in blocks:
@@ -105,7 +105,6 @@ def _blocks(cards: Cards, family: _Family, grids: Grids) -> list[CellBlock]:
         card = int(wrong[0])
         text = (
             f"{count[card]} nodes; supported are {' or '.join(map(str, sizes))} without gaps"
-            f"{'; ' + _REFUSED_NODES[cards.name] if cards.name in _REFUSED_NODES else ''}"
         )
         raise cards.error(card, text)
     result = []

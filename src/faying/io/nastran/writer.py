@@ -22,6 +22,7 @@ _CARDS = {
     "tet4": "CTETRA",
     "tet10": "CTETRA",
     "wedge6": "CPENTA",
+    "wedge15": "CPENTA",
 }
 _METHOD = 1
 
@@ -219,7 +220,7 @@ def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
     """IN and ISOP of PSOLID for which Nastran's element is the one faying uses."""
     if "hex8" in kinds:
         return ("TWO", "FULL") if element == "standard" else (None, None)
-    if "hex20" in kinds:
+    if kinds & {"hex20", "wedge15"}:
         return "THREE", "FULL"
     return ("TWO", "FULL") if "wedge6" in kinds else (None, None)
 

@@ -11,9 +11,10 @@ from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.tet4 import TET4
 from faying.model.elements.tet10 import TET10
 from faying.model.elements.wedge6 import WEDGE6
+from faying.model.elements.wedge15 import WEDGE15
 
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
-    {element.kind: element for element in (HEX8, HEX20, TET4, TET10, WEDGE6)}
+    {element.kind: element for element in (HEX8, HEX20, TET4, TET10, WEDGE6, WEDGE15)}
 )
 """Mesh cell kind to its standard element."""
 

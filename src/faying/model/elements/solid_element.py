@@ -10,6 +10,7 @@ from faying._typing import Matrix, frozen
 from faying.model.elements.quadrature import Quadrature
 
 Face = tuple[str, tuple[int, ...]]
+ShapeFunctions = Callable[[Matrix], tuple[Matrix, Matrix]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -19,7 +20,8 @@ class SolidElement:
     Attributes
     ----------
     kind
-        Kind of the mesh cell: ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"`` or ``"wedge6"``.
+        Kind of the mesh cell: ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"``, ``"wedge6"`` or
+        ``"wedge15"``.
     formulation
         ``"standard"``, or the name of the enhancement.
     reference_nodes : (n_node, 3)
@@ -27,7 +29,9 @@ class SolidElement:
     n_corners
         Number of corner nodes.
     shape_functions
-        Name of the scikit-fem element whose shape functions are used.
+        Name of the scikit-fem element whose shape functions are used or, where it has none, the
+        function itself: points (n_point, 3) to values (n_point, n_node) and gradients
+        (n_point, 3, n_node).
     stiffness_quadrature, mass_quadrature
         The rules, as functions so that scikit-fem is imported only when needed.
     faces
@@ -41,7 +45,7 @@ class SolidElement:
     kind: str
     reference_nodes: Matrix
     n_corners: int
-    shape_functions: str
+    shape_functions: str | ShapeFunctions
     stiffness_quadrature: Callable[[], Quadrature]
     mass_quadrature: Callable[[], Quadrature]
     faces: tuple[Face, ...]
@@ -59,11 +63,15 @@ class SolidElement:
 
 def shape_values(element: SolidElement, points: Matrix) -> Matrix:
     """Return shape functions at reference points: (n_point, 3) to (n_point, n_node)."""
+    if not isinstance(element.shape_functions, str):
+        return element.shape_functions(points)[0]
     return np.stack([value for value, _ in _local_basis(element, points)], axis=-1)
 
 
 def shape_gradients(element: SolidElement, points: Matrix) -> Matrix:
     """Return reference gradients of the shape functions: (n_point, 3) to (n_point, 3, n_node)."""
+    if not isinstance(element.shape_functions, str):
+        return element.shape_functions(points)[1]
     return np.stack([gradient.T for _, gradient in _local_basis(element, points)], axis=-1)
 
 
@@ -117,4 +125,4 @@ def _nastran_order(element: SolidElement) -> tuple[int, ...]:
 def _skfem_element(element: SolidElement):  # type: ignore[no-untyped-def]  # skfem ships no types
     import skfem
 
-    return getattr(skfem, element.shape_functions)()
+    return getattr(skfem, str(element.shape_functions))()
