@@ -13,8 +13,9 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.model.assembly import Assembly, FaceSet, Material
+from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock, Mesh
-from faying.model.surface import Facets, exterior_facets, padded, unique_rows
+from faying.model.surface import N_NODES, Facets, exterior_facets, padded, unique_rows
 
 ANY_GROUP = "default"
 """Material of the groups that have none of their own."""
@@ -139,6 +140,7 @@ def _read(path: Path) -> Any:
             f'use source = "{source}"'
         )
         raise FormatError(message)
+    _check_whole(path)
     import meshio
 
     said = io.StringIO()
@@ -156,6 +158,21 @@ def _read(path: Path) -> Any:
             "2.2), .vtu or .med"
         )
         raise FormatError(message) from None
+
+
+def _check_whole(path: Path) -> None:
+    """Refuse a gmsh file that was cut off: meshio would return the part that is there."""
+    if path.suffix.lower() != ".msh":
+        return
+    with path.open("rb") as file:
+        file.seek(max(path.stat().st_size - 100, 0))
+        last = file.read().split()
+    if not last or not last[-1].startswith(b"$End"):
+        message = (
+            f"mesh file '{path}' cannot be read: it does not end with a section's $End, so it was "
+            "cut off; write it again"
+        )
+        raise FormatError(message)
 
 
 def _points(path: Path, found: Any) -> Matrix:
@@ -251,10 +268,7 @@ def _blocks(path: Path, found: Any, points: Matrix, groups: list[_Group]) -> tup
             remedy = _REMEDIES.get(block.type, f"mesh with {', '.join(SOLID_KINDS)}")
             message = f"mesh file '{path}' has solids of kind '{block.type}'; {remedy}"
             raise FormatError(message)
-        nodes = np.asarray(block.data, dtype=np.int64)
-        if nodes.size and (nodes.min() < 0 or nodes.max() >= len(points)):
-            message = f"mesh file '{path}': a {block.type} names a node that is not there"
-            raise FormatError(message)
+        nodes = _connectivity(path, block, len(points))
         blocks.append(
             CellBlock(
                 kind=SOLID_KINDS[block.type],
@@ -271,6 +285,22 @@ def _blocks(path: Path, found: Any, points: Matrix, groups: list[_Group]) -> tup
         )
         raise FormatError(message)
     return tuple(blocks)
+
+
+def _connectivity(path: Path, block: Any, n_points: int) -> Indices:
+    """Return the nodes of the cells of a block of solids, checked."""
+    nodes = np.asarray(block.data, dtype=np.int64)
+    expected = len(SOLIDS[SOLID_KINDS[block.type]].reference_nodes)
+    if nodes.ndim != 2 or nodes.shape[1] != expected:
+        message = (
+            f"mesh file '{path}': a block of {block.type} of shape {nodes.shape}, expected "
+            f"{expected} nodes a cell; the file is cut off or damaged, write it again"
+        )
+        raise FormatError(message)
+    if nodes.size and (nodes.min() < 0 or nodes.max() >= n_points):
+        message = f"mesh file '{path}': a {block.type} names a node that is not there"
+        raise FormatError(message)
+    return nodes
 
 
 def _properties(path: Path, groups: list[_Group], block: int, n_cells: int) -> Indices:
@@ -335,7 +365,7 @@ def _face_sets(
         tables = [
             padded(np.asarray(block.data[cells], dtype=np.int64))
             for block, cells in _taken(found, group)
-            if block.type in FACE_KINDS
+            if np.shape(block.data)[1:] == (N_NODES.get(FACE_KINDS.get(block.type, ""), -1),)
         ]
         if not tables:
             continue
