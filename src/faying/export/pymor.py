@@ -1,0 +1,85 @@
+"""A linear hand-over as a pyMOR second-order model, for the system-theoretic methods of pyMOR."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from faying.exceptions import StudyError
+from faying.export.hand_over import HandOver
+from faying.export.linearized import LinearModel, linearize, linearized
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static
+from faying.study.errors import nearest
+
+Linearizable = HandOver | ReducedModel | Solution | LinearModel
+
+
+def second_order_model(
+    source: Linearizable,
+    *,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+) -> Any:
+    """Return a ``pymor.models.iosys.SecondOrderModel``: M ẍ + E ẋ + K x = B f, y = Cp x + D f.
+
+    Parameters
+    ----------
+    source
+        A hand-over or a reduced model, linearized under its bolts alone; a static solution of a
+        reduced model to linearize about; or a :class:`~faying.export.linearized.LinearModel`.
+    inputs, outputs
+        Names of those wanted, as ``input_names`` and ``output_names`` of that class list them;
+        all unless given. Balancing methods weigh all of them by their bare numbers, whatever
+        their units: name those that matter.
+
+    Returns
+    -------
+    SecondOrderModel
+        Its inputs are the boundary forces, then the initial forces of the bolts; its outputs the
+        boundary displacements, then the bolt forces, then the clamp forces of the interfaces; all
+        are changes from the state.
+
+    Raises
+    ------
+    StudyError
+        If pyMOR is not installed, or there is no such input or output.
+    """
+    try:
+        SecondOrderModel = import_module("pymor.models.iosys").SecondOrderModel  # noqa: N806
+    except ModuleNotFoundError:
+        message = "pyMOR is not installed; pip install 'faying[pymor]'"
+        raise StudyError(message) from None
+    model = _linear(source)
+    columns = _places("input", inputs, model.input_names)
+    rows = _places("output", outputs, model.output_names)
+    # pyMOR keeps the arrays it gets; ours are read-only.
+    return SecondOrderModel.from_matrices(
+        M=np.array(model.M),
+        E=np.array(model.C),
+        K=np.array(model.K),
+        B=model.inputs[:, columns],
+        Cp=model.outputs[rows],
+        D=model.feedthrough[np.ix_(rows, columns)],
+        name="faying joint",
+    )
+
+
+def _places(kind: str, wanted: Sequence[str] | None, known: tuple[str, ...]) -> list[int]:
+    if wanted is None:
+        return list(range(len(known)))
+    for name in wanted:
+        if name not in known:
+            message = f"the joint has no {kind} '{name}'; {nearest(name, known)}"
+            raise StudyError(message)
+    return [known.index(name) for name in wanted]
+
+
+def _linear(source: Linearizable) -> LinearModel:
+    if isinstance(source, LinearModel):
+        return source
+    if isinstance(source, HandOver):
+        return linearized(source)
+    return linearize(source if isinstance(source, Solution) else solve_static(source))
