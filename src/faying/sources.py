@@ -4,8 +4,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from faying.model.assembly import Material
 from faying.model.build import build_model
+from faying.model.description import JointDescription
 from faying.model.lap_joint import lap_joint_assembly
 from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
@@ -44,21 +47,25 @@ def lap_joint(*, damping: Rayleigh | None = None, **parameters: Any) -> Model:
 def read_nastran(
     path: str | Path,
     *,
-    interfaces: Sequence[InterfaceSpec] = AUTO,
-    bolts: Sequence[BoltSpec] = (),
+    interfaces: Sequence[InterfaceSpec] | None = None,
+    bolts: Sequence[BoltSpec] | None = None,
     boundaries: Sequence[BoundarySpec] = (),
     damping: Rayleigh | None = None,
+    subcase: int | None = None,
 ) -> Model:
     """Build a model from a Nastran bulk-data deck.
 
     Parameters
     ----------
     interfaces
-        Where bodies touch; by default all coincident facets of different bodies.
+        Where bodies touch; by default the contact definitions of the deck or, if it has none, all
+        coincident facets of different bodies.
     bolts
-        Bolts, as beam elements of the deck or as generated beams.
+        Bolts, as beam elements of the deck or as generated beams; by default those of the deck.
     boundaries
         Where loads enter.
+    subcase
+        Subcase whose sets count; the first unless given.
 
     Raises
     ------
@@ -67,14 +74,71 @@ def read_nastran(
     ModelError
         If the deck and what is said about it do not fit together.
     """
-    from faying.io.nastran.reader import read_deck
+    from faying.io.nastran import read_joint
 
-    return build_model(
-        read_deck(path),
-        interfaces=interfaces,
-        bolts=bolts,
-        boundaries=boundaries,
+    described = read_joint(path, subcase=subcase)
+    return _of_deck(described, interfaces, bolts, boundaries, damping)
+
+
+def read_abaqus(
+    path: str | Path,
+    *,
+    interfaces: Sequence[InterfaceSpec] | None = None,
+    bolts: Sequence[BoltSpec] | None = None,
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+    step: int | None = None,
+) -> Model:
+    """Build a model from an Abaqus or CalculiX input deck.
+
+    Parameters
+    ----------
+    interfaces
+        Where bodies touch; by default the contact pairs of the deck or, if it has none, all
+        coincident facets of different bodies.
+    bolts
+        Bolts, as beam elements of the deck or as generated beams; by default the pretension
+        sections of the deck, whose forces :func:`faying.io.abaqus.read_joint` tells.
+    boundaries
+        Where loads enter.
+    step
+        Step whose boundary conditions count; the last general one unless given.
+
+    Raises
+    ------
+    FormatError
+        If the deck cannot be read; the message names file and line.
+    ModelError
+        If the deck and what is said about it do not fit together.
+    """
+    from faying.io.abaqus import read_joint
+
+    return _of_deck(read_joint(path, step=step), interfaces, bolts, boundaries, damping)
+
+
+def _of_deck(
+    described: JointDescription,
+    interfaces: Sequence[InterfaceSpec] | None,
+    bolts: Sequence[BoltSpec] | None,
+    boundaries: Sequence[BoundarySpec],
+    damping: Rayleigh | None,
+) -> Model:
+    """Build what a deck describes; what is given replaces what the deck says."""
+    from faying.contact.gap_field import with_gap_offset
+
+    model = build_model(
+        described.assembly,
+        interfaces=(described.interfaces or AUTO) if interfaces is None else interfaces,
+        bolts=described.bolts if bolts is None else bolts,
+        boundaries=[*described.boundaries, *boundaries],
         damping=damping,
+    )
+    return model.with_interfaces(
+        {
+            name: with_gap_offset(model.interfaces[name], np.asarray(offset))
+            for name, offset in described.initial_gaps.items()
+            if name in model.interfaces
+        }
     )
 
 

@@ -1,0 +1,118 @@
+"""A deck as a sequence of keywords, with parts replaced by their instances and steps counted."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from faying.exceptions import FormatError
+from faying.io.abaqus.instances import instantiated
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.source import read_lines
+from faying.io.abaqus.tokenizer import read_keywords
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Deck:
+    """Keywords in their order.
+
+    Attributes
+    ----------
+    n_step
+        Number of steps.
+    path
+        The deck, for messages that concern all of it.
+    """
+
+    keywords: Sequence[Keyword]
+    n_step: int
+    path: Path
+
+    def of(self, *names: str) -> list[Keyword]:
+        """Return the keywords of these names."""
+        return [keyword for keyword in self.keywords if keyword.name in names]
+
+    def until(self, step: int | None) -> "Deck":
+        """Return the deck as it is in one step: model data and steps up to it.
+
+        Linear perturbation steps leave nothing behind for later ones; by default the last other
+        step is taken.
+
+        Raises
+        ------
+        FormatError
+            If there is no such step.
+        """
+        aside = {k.step for k in self.of("STEP") if k.has("PERTURBATION")}
+        general = [number for number in range(1, self.n_step + 1) if number not in aside]
+        chosen = step if step is not None else (general[-1] if general else self.n_step)
+        if step is not None and not 1 <= step <= self.n_step:
+            message = f"{self.path}: there is no step {step}; the deck has {self.n_step}"
+            raise FormatError(message)
+        kept = [
+            k
+            for k in self.keywords
+            if k.step == chosen or (k.step < chosen and k.step not in aside)
+        ]
+        return replace(self, keywords=kept, n_step=chosen)
+
+    def groups(self, head: str, *members: str) -> Iterator[tuple[Keyword, list[Keyword]]]:
+        """Return each head with the members that follow it.
+
+        Raises
+        ------
+        FormatError
+            If a member follows no head.
+        """
+        found: list[tuple[Keyword, list[Keyword]]] = []
+        for keyword in self.keywords:
+            if keyword.name == head:
+                found.append((keyword, []))
+            elif keyword.name in members and found:
+                found[-1][1].append(keyword)
+            elif keyword.name in members:
+                message = f"it must follow *{head}"
+                raise keyword.error(message)
+        return iter(found)
+
+
+def read_keyword_deck(path: Path, ignored: list[str]) -> Deck:
+    """Read a deck into keywords.
+
+    Raises
+    ------
+    FormatError
+        As the tokenizer, or if parts, instances or steps are not closed.
+    """
+    keywords = instantiated(read_keywords(read_lines(path)), ignored)
+    if not keywords:
+        message = f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …"
+        raise FormatError(message)
+    numbered, step, inside = [], 0, False
+    for keyword in keywords:
+        if keyword.name == "STEP":
+            if inside:
+                message = "a step before this one does not end; add *END STEP"
+                raise keyword.error(message)
+            step, inside = step + 1, True
+        numbered.append(replace(keyword, step=step if inside else 0))
+        if keyword.name == "END STEP":
+            if not inside:
+                message = "there is no *STEP that it ends"
+                raise keyword.error(message)
+            inside = False
+    _check_order(numbered)
+    return Deck(keywords=numbered, n_step=step, path=path)
+
+
+def _check_order(keywords: Sequence[Keyword]) -> None:
+    """Refuse model data after a step; both programs do."""
+    steps = np.array([keyword.step for keyword in keywords])
+    inside = np.flatnonzero(steps)
+    if not inside.size:
+        return
+    for keyword in keywords[int(inside[0]) :]:
+        if keyword.step == 0:
+            message = "it stands between or behind steps; move it before the first *STEP"
+            raise keyword.error(message)

@@ -1,0 +1,147 @@
+"""What degrees of freedom of a deck are here: local axes, and nodes that stand for rotations."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import integer, optional_real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.nodes import Nodes
+from faying.io.abaqus.sets import NamedSets
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Dofs:
+    """Nodes and components of data lines, as our nodes and components.
+
+    Attributes
+    ----------
+    sets
+        Node sets.
+    system : (n_node,)
+        Number of the *TRANSFORM of each node, -1 for none.
+    transforms
+        The *TRANSFORM keywords.
+    rotations
+        Index of a rotation node of CalculiX to the index of the node whose rotations its
+        translations are.
+    """
+
+    nodes: Nodes
+    sets: NamedSets
+    system: Indices
+    transforms: Sequence[Keyword]
+    rotations: Mapping[int, int] = field(default_factory=dict)
+
+    def find(self, keyword: Keyword, row: int, label: str) -> Indices:
+        """Return the indices of the nodes a field stands for: an id, or a node set."""
+        ids = self.sets.members(keyword, label, row)
+        return self.nodes.index(ids, keyword, np.full(len(ids), row))
+
+    def one(self, keyword: Keyword, row: int | None, label: str, what: str) -> int:
+        """Return the index of the single node a field stands for."""
+        ids = self.sets.members(keyword, label, row)
+        if len(ids) != 1:
+            message = f"'{label}' has {len(ids)} nodes; {what} is one node"
+            raise keyword.error(message, row)
+        rows = np.array([-1 if row is None else row])
+        if not np.isin(ids, self.nodes.ids).all():
+            message = f"there is no node {label}; define it under *NODE"
+            raise keyword.error(message, row)
+        return int(self.nodes.index(ids, keyword, rows)[0])
+
+    def axes(self, node: int) -> Matrix | None:
+        """Return the local axes of a node as rows, None for the basic frame."""
+        number = int(self.system[node])
+        if number < 0:
+            return None
+        return _axes(self.transforms[number], self.nodes.coordinates[node])
+
+    def places(self, nodes: Indices, component: int) -> list[tuple[int, int]]:
+        """Return (node, component) of each node, rotation nodes replaced by whose they are."""
+        return [self.place(node, component) for node in nodes.tolist()]
+
+    def place(self, node: int, component: int) -> tuple[int, int]:
+        """Return the node and component of a degree of freedom of the deck."""
+        if node in self.rotations and component < 3:
+            return self.rotations[node], component + 3
+        return node, component
+
+
+def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int, int]) -> Dofs:
+    """Read all *TRANSFORM.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a malformed transformation.
+    """
+    system = np.full(len(nodes.ids), -1)
+    transforms = deck.of("TRANSFORM")
+    for number, keyword in enumerate(transforms):
+        keyword.allow("NSET", "TYPE")
+        if keyword.choice("TYPE", "R") not in ("R", "C", "S"):
+            message = f"TYPE={keyword.choice('TYPE')} is not known; give R, C or S"
+            raise keyword.error(message)
+        ids = sets.find(keyword, keyword.required("NSET"))
+        system[nodes.index(ids, keyword, np.full(len(ids), -1))] = number
+        first, second = _points(keyword)
+        _axes(keyword, first + 0.371 * second + np.array([0.1, 0.7, 0.3]))
+    return Dofs(
+        nodes=nodes, sets=sets, system=system, transforms=transforms, rotations=dict(rotations)
+    )
+
+
+def _points(keyword: Keyword) -> tuple[Vector, Vector]:
+    rows = keyword.rows()
+    if len(rows) != 1 or len(rows[0]) > 6:
+        message = "expected one data line with the coordinates of two points a and b"
+        raise keyword.error(message)
+    values = np.array(
+        [optional_real(keyword, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)]
+    )
+    return values[:3], values[3:]
+
+
+def _axes(keyword: Keyword, point: Vector) -> Matrix:
+    """Local axes at a point: rectangular x to a, b in the plane; cylindrical r, t, z; spherical."""
+    first, second = _points(keyword)
+    kind = keyword.choice("TYPE", "R")
+    if kind == "R":
+        third = np.cross(first, second)
+        return _orthonormal(keyword, first, third)
+    axis = second - first
+    arm = point - first
+    if kind == "C":
+        length = np.linalg.norm(axis)
+        radial = arm - axis * (arm @ axis) / (length**2 or 1.0)
+        return _orthonormal(keyword, radial, axis)
+    around = np.cross(axis, arm)
+    return _orthonormal(keyword, arm, np.cross(arm, around))
+
+
+def _orthonormal(keyword: Keyword, x: Vector, z: Vector) -> Matrix:
+    lengths = np.linalg.norm(x), np.linalg.norm(z)
+    if not min(lengths) > 0:
+        message = "the axes are not defined: points coincide or lie on one line, or a node on it"
+        raise keyword.error(message, 0)
+    x, z = x / lengths[0], z / lengths[1]
+    return np.stack([x, np.cross(z, x), z])
+
+
+def component(keyword: Keyword, row: int, text: str) -> int:
+    """Return the component 0..5 of a field 1..6.
+
+    Raises
+    ------
+    FormatError
+        If it is anything else.
+    """
+    value = integer(keyword, row, text, "a degree of freedom")
+    if not 1 <= value <= 6:
+        message = f"found degree of freedom {value}, expected 1 to 6 (displacements and rotations)"
+        raise keyword.error(message, row)
+    return value - 1

@@ -1,0 +1,135 @@
+"""``*ELEMENT``: solids as blocks of cells, and tables of all other elements."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.element_types import LINE_TYPES, REMEDIES, SOLID_TYPES
+from faying.io.abaqus.fields import integers, table
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.nodes import Nodes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ElementBlock:
+    """Elements of one *ELEMENT.
+
+    Attributes
+    ----------
+    type
+        As in the deck, upper case.
+    ids : (n_element,)
+    nodes : (n_element, n_node_per_element)
+        Indices of nodes, solids in our order.
+    rows : (n_element,)
+        Data line of each element.
+    """
+
+    type: str
+    ids: Indices
+    nodes: Indices
+    rows: Indices
+    keyword: Keyword
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Elements:
+    """All elements: solids, and others by type."""
+
+    solids: tuple[ElementBlock, ...]
+    others: Mapping[str, tuple[ElementBlock, ...]]
+
+    def of(self, *types: str) -> list[ElementBlock]:
+        """Return the blocks of elements that are no solids."""
+        return [block for name in types for block in self.others.get(name, ())]
+
+    @property
+    def blocks(self) -> list[ElementBlock]:
+        """All blocks."""
+        return [*self.solids, *(block for blocks in self.others.values() for block in blocks)]
+
+
+def read_elements(deck: Deck, nodes: Nodes) -> Elements:
+    """Read all *ELEMENT.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an unsupported type, a missing node, or an id that occurs twice.
+    """
+    solids: list[ElementBlock] = []
+    others: dict[str, tuple[ElementBlock, ...]] = {}
+    for keyword in deck.of("ELEMENT"):
+        keyword.allow("TYPE", "ELSET")
+        block = _block(keyword, nodes)
+        if block.type in SOLID_TYPES:
+            solids.append(block)
+        else:
+            others[block.type] = (*others.get(block.type, ()), block)
+    result = Elements(solids=tuple(solids), others=others)
+    _check_distinct(result.blocks)
+    if not result.blocks:
+        message = f"{deck.path}: the deck has no elements; it needs *ELEMENT with data lines"
+        raise FormatError(message)
+    return result
+
+
+def _block(keyword: Keyword, nodes: Nodes) -> ElementBlock:
+    kind = keyword.required("TYPE").upper()
+    if kind in SOLID_TYPES:
+        order = list(SOLID_TYPES[kind].order)
+    elif kind in LINE_TYPES:
+        order = list(range(LINE_TYPES[kind]))
+    else:
+        remedy = REMEDIES.get(kind, f"supported are {', '.join([*SOLID_TYPES, *LINE_TYPES])}")
+        message = f"elements of TYPE={kind} are not supported; {remedy}"
+        raise keyword.error(message)
+    width = len(order) + 1
+    texts, rows = table(keyword).records(width, f"an id and {len(order)} nodes for each {kind}")
+    flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
+    values = flat.reshape(-1, width)
+    if values.size and values[:, 0].min() < 1:
+        message = f"element id {values[:, 0].min()}; ids are positive"
+        raise keyword.error(message, int(rows[values[:, 0].argmin()]))
+    offset = keyword.scope.offset
+    ends = values[:, 1:][:, order]
+    index = nodes.index(ends.ravel() + offset, keyword, np.repeat(rows, len(order)))
+    block = ElementBlock(
+        type=kind,
+        ids=values[:, 0] + offset,
+        nodes=index.reshape(ends.shape),
+        rows=rows,
+        keyword=keyword,
+    )
+    _check_own_nodes(block)
+    return block
+
+
+def _check_own_nodes(block: ElementBlock) -> None:
+    """Refuse elements that name a node twice."""
+    ordered = np.sort(block.nodes, axis=1)
+    twice = np.flatnonzero((np.diff(ordered, axis=1) == 0).any(axis=1))
+    if twice.size:
+        first = int(twice[0])
+        message = (
+            f"element {block.ids[first]} names a node twice; collapsed elements are not "
+            "supported, use a wedge or a tetrahedron"
+        )
+        raise block.keyword.error(message, int(block.rows[first]))
+
+
+def _check_distinct(blocks: list[ElementBlock]) -> None:
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *(block.ids for block in blocks)])
+    order = np.argsort(ids, kind="stable")
+    again = np.flatnonzero(np.diff(ids[order]) == 0)
+    if again.size:
+        position = int(order[again[0] + 1])
+        for block in blocks:
+            if position < len(block.ids):
+                message = f"element {block.ids[position]} is defined twice; give it another id"
+                raise block.keyword.error(message, int(block.rows[position]))
+            position -= len(block.ids)

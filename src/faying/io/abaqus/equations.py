@@ -1,0 +1,128 @@
+"""``*EQUATION`` and ``*MPC``: linear equations between degrees of freedom."""
+
+from collections.abc import Iterator
+
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.fields import integer, real
+from faying.io.abaqus.keyword import Keyword
+from faying.model.assembly import Equation, RigidCoupling
+
+_MPC_REMEDIES = {
+    "PLANE": "it is nonlinear; write *EQUATION",
+    "STRAIGHT": "it is nonlinear; write *EQUATION",
+    "LINK": "use a stiff beam",
+    "SLIDER": "write *EQUATION",
+}
+
+Term = tuple[int, int, float]
+
+
+def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
+    """Read all *EQUATION; the first term is the one that is eliminated.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a malformed equation.
+    """
+    number = 0
+    for keyword in deck.of("EQUATION"):
+        keyword.allow()
+        rows = keyword.rows()
+        row = 0
+        while row < len(rows):
+            count = integer(keyword, row, rows[row][0], "the number of terms")
+            start, row = row, row + 1
+            if count < 1 or len(rows[start]) != 1:
+                message = "expected the number of terms alone on this line"
+                raise keyword.error(message, start)
+            fields: list[tuple[int, list[str]]] = []
+            while row < len(rows) and len(fields) < count:
+                if len(rows[row]) % 3:
+                    message = "expected node, degree of freedom, coefficient for each term"
+                    raise keyword.error(message, row)
+                fields += [(row, rows[row][i : i + 3]) for i in range(0, len(rows[row]), 3)]
+                row += 1
+            if len(fields) != count:
+                message = f"found {len(fields)} terms, expected {count}"
+                raise keyword.error(message, start)
+            for terms in _per_node(keyword, fields, dofs):
+                number += 1
+                yield Equation(id=number, terms=terms)
+
+
+def _per_node(
+    keyword: Keyword, fields: list[tuple[int, list[str]]], dofs: Dofs
+) -> Iterator[tuple[Term, ...]]:
+    """One equation; or several, where the terms are node sets that are taken member by member."""
+    nodes = [dofs.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
+    count = len(nodes[0])
+    for (row, _), members in zip(fields, nodes, strict=True):
+        if len(members) not in (1, count) or (count > 1 and not deck_sorted(members)):
+            message = f"a set of {len(members)} nodes where the first term has {count}"
+            raise keyword.error(message, row)
+    for i in range(count):
+        terms: list[Term] = []
+        for (row, (_, dof, text)), members in zip(fields, nodes, strict=True):
+            node = members[i] if len(members) > 1 else members[0]
+            value = real(keyword, row, text, "a coefficient")
+            terms += _term(node, component(keyword, row, dof), value, dofs)
+        yield tuple(terms)
+
+
+def deck_sorted(members: list[int]) -> bool:
+    """Whether nodes are in ascending order, as sets are sorted unless told otherwise."""
+    return members == sorted(members)
+
+
+def _term(node: int, c: int, value: float, dofs: Dofs) -> list[Term]:
+    axes = dofs.axes(node)
+    if axes is None:
+        return [(*dofs.place(node, c), value)]
+    first = 3 * (c // 3)
+    turned = [(node, first + k, value * float(axes[c % 3, k])) for k in range(3)]
+    # The largest comes first, for the first term of an equation is eliminated.
+    return sorted((t for t in turned if t[2] != 0.0), key=lambda term: -abs(term[2]))
+
+
+def read_mpcs(deck: Deck, dofs: Dofs, first_id: int) -> tuple[list[Equation], list[RigidCoupling]]:
+    """Read *MPC of type PIN, TIE and BEAM.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of any other type.
+    """
+    equations: list[Equation] = []
+    rigid: list[RigidCoupling] = []
+    for keyword in deck.of("MPC"):
+        keyword.allow()
+        for row, fields in enumerate(keyword.rows()):
+            kind = fields[0].upper()
+            if kind not in ("PIN", "TIE", "BEAM"):
+                remedy = _MPC_REMEDIES.get(kind, "write *EQUATION")
+                message = f"type {kind} is not supported (PIN, TIE and BEAM are); {remedy}"
+                raise keyword.error(message, row)
+            if len(fields) != 3:
+                message = (
+                    f"found {len(fields)} fields, expected {kind}, dependent node or set, node"
+                )
+                raise keyword.error(message, row)
+            dependent = dofs.find(keyword, row, fields[1])
+            leader = dofs.one(keyword, row, fields[2], "the independent node")
+            number = first_id + len(equations) + len(rigid)
+            if kind == "BEAM":
+                rigid.append(
+                    RigidCoupling(
+                        id=number, reference=leader, nodes=dependent, components=tuple(range(6))
+                    )
+                )
+                continue
+            for node in dependent.tolist():
+                for c in range(3 if kind == "PIN" else 6):
+                    terms = ((node, c, 1.0), (leader, c, -1.0))
+                    equations.append(
+                        Equation(id=first_id + len(equations) + len(rigid), terms=terms)
+                    )
+    return equations, rigid

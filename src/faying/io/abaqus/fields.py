@@ -1,0 +1,203 @@
+"""Comma-separated numbers of data lines: by the million and one at a time.
+
+Fields are strict: digits, signs, a point and an exponent after E or D. A number that is not one is
+an error that names its line, never a zero.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from faying._typing import Indices, Mask, Vector
+from faying.io.abaqus.keyword import Keyword
+
+Fields = npt.NDArray[np.bytes_]
+
+_REAL = re.compile(r"[+-]?(?=\.?\d)\d*\.?\d*(?:[ED][+-]?\d+)?", re.IGNORECASE)
+_INTEGER = re.compile(r"[+-]?\d{1,15}")
+_COMMA, _NEWLINE = ord(","), ord("\n")
+# No number needs more; a longer field is a mistake and would widen the whole table.
+_LONGEST = 64
+
+
+def _mask(characters: bytes) -> Mask:
+    allowed = np.zeros(256, dtype=bool)
+    allowed[np.frombuffer(characters, dtype=np.uint8)] = True
+    return allowed
+
+
+_IN_INTEGERS = _mask(b"0123456789+- \t,\n")
+_IN_REALS = _mask(b"0123456789+-.EeDd \t,\n")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Table:
+    """All fields of a keyword's data.
+
+    Attributes
+    ----------
+    texts : (n_field,)
+    row : (n_field,)
+        Data line of each field.
+    """
+
+    keyword: Keyword
+    texts: Fields
+    row: Indices
+
+    @property
+    def counts(self) -> Indices:
+        """Number of fields on each data line."""
+        counts: Indices = np.bincount(self.row, minlength=len(self.keyword.data))
+        return counts
+
+    def columns(self, least: int, most: int, expected: str) -> tuple[list[Fields], Indices]:
+        """Return the columns of lines of ``least`` to ``most`` fields, empty where left out.
+
+        Also returned is the number of fields on each line.
+        """
+        counts = self.counts
+        wrong = np.flatnonzero((counts < least) | (counts > most))
+        if wrong.size:
+            message = f"found {counts[wrong[0]]} fields, expected {expected}"
+            raise self.keyword.error(message, int(wrong[0]))
+        table = np.zeros((len(counts), most), dtype=self.texts.dtype)
+        start = np.cumsum(counts) - counts
+        table[self.row, np.arange(len(self.row)) - start[self.row]] = self.texts
+        return list(table.T), counts
+
+    def records(self, width: int, expected: str) -> tuple[Fields, Indices]:
+        """Return records (n, width) that may run over several lines, and the line of each.
+
+        Each record starts on a line of its own.
+        """
+        start = np.arange(0, len(self.texts), width)
+        rows = self.row[start]
+        first = np.flatnonzero(np.diff(self.row, prepend=-1))
+        misplaced = np.flatnonzero(~np.isin(start, first))
+        lone = rows[np.flatnonzero(np.diff(rows, prepend=-1) == 0)]
+        incomplete = len(self.texts) % width != 0
+        if misplaced.size or lone.size or incomplete:
+            bad = int(rows[misplaced[0]]) if misplaced.size else int(rows[-1])
+            message = f"expected {expected}, each on lines of its own; a field is missing or extra"
+            raise self.keyword.error(message, bad)
+        return self.texts.reshape(-1, width), rows
+
+
+def table(keyword: Keyword) -> Table:
+    """Split the data lines of a keyword into fields; a comma at the end of a line adds none."""
+    if not keyword.data:
+        return Table(keyword=keyword, texts=np.zeros(0, "S1"), row=np.zeros(0, dtype=np.int64))
+    joined = b"\n".join(keyword.data)
+    letters = np.frombuffer(joined, dtype=np.uint8)
+    places = np.flatnonzero((letters == _COMMA) | (letters == _NEWLINE))
+    newline = letters[places] == _NEWLINE
+    lengths = np.diff(places, prepend=-1, append=len(letters)) - 1
+    row = np.concatenate([[0], np.cumsum(newline)]).astype(np.int64)
+    if lengths.max() > _LONGEST:
+        long = int(lengths.argmax())
+        message = f"a field of {lengths[long]} characters is no number or label"
+        raise keyword.error(message, int(row[long]))
+    texts = np.strings.strip(np.array(joined.replace(b"\n", b",").split(b",")))
+    keep = ~(np.append(newline, True) & (texts == b""))
+    return Table(keyword=keyword, texts=texts[keep], row=row[keep])
+
+
+def integers(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Indices:
+    """Return the values of integer fields.
+
+    Raises
+    ------
+    FormatError
+        Naming the line and the first field that is no integer.
+    """
+    if not len(texts):
+        return np.zeros(0, dtype=np.int64)
+    _check_letters(texts, _IN_INTEGERS, keyword, row, what)
+    if np.strings.str_len(texts).max() <= 15:
+        try:
+            values: Indices = texts.astype(np.int64)
+            return values
+        except ValueError:
+            pass
+    raise _culprit(texts, _INTEGER, keyword, row, f"{what}, a whole number")
+
+
+def reals(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Vector:
+    """Return the values of real fields; an empty one is 0, as in both programs.
+
+    Raises
+    ------
+    FormatError
+        Naming the line and the first field that is no finite number.
+    """
+    if not len(texts):
+        return np.zeros(0)
+    _check_letters(texts, _IN_REALS, keyword, row, what)
+    plain = np.where(texts == b"", b"0", texts)
+    letters = np.ascontiguousarray(plain).view(np.uint8)
+    if (letters == ord("D")).any() or (letters == ord("d")).any():
+        flat = np.ascontiguousarray(np.strings.upper(plain)).view(np.uint8)
+        plain = np.where(flat == ord("D"), np.uint8(ord("E")), flat).view(plain.dtype)
+    try:
+        values: Vector = plain.astype(np.float64)
+    except ValueError:
+        raise _culprit(texts, _REAL, keyword, row, f"{what}, a number") from None
+    if not np.isfinite(values).all():
+        bad = int(np.flatnonzero(~np.isfinite(values))[0])
+        message = f"{what}: '{texts[bad].decode('latin-1')}' is too large for a number"
+        raise keyword.error(message, int(row[bad]))
+    return values
+
+
+def _check_letters(texts: Fields, allowed: Mask, keyword: Keyword, row: Indices, what: str) -> None:
+    width = texts.dtype.itemsize
+    letters = np.ascontiguousarray(texts).view(np.uint8).reshape(-1, width)
+    bad = ~(allowed[letters] | (letters == 0)).all(axis=1)
+    if bad.any():
+        first = int(bad.argmax())
+        message = f"{what}: '{texts[first].decode('latin-1')}' is not a number"
+        raise keyword.error(message, int(row[first]))
+
+
+def _culprit(
+    texts: Fields, form: re.Pattern[str], keyword: Keyword, row: Indices, what: str
+) -> Exception:
+    found = (i for i, t in enumerate(texts) if not form.fullmatch(t.decode("latin-1")))
+    first = next(found, 0)
+    message = f"found '{texts[first].decode('latin-1')}', expected {what}"
+    return keyword.error(message, int(row[first]))
+
+
+def is_integer(text: str) -> bool:
+    """Whether a field is a whole number."""
+    return _INTEGER.fullmatch(text) is not None
+
+
+def integer(keyword: Keyword, row: int | None, text: str, what: str) -> int:
+    """Return the value of one integer field."""
+    if not is_integer(text):
+        message = f"found '{text}', expected {what}, a whole number"
+        raise keyword.error(message, row)
+    return int(text)
+
+
+def real(keyword: Keyword, row: int | None, text: str, what: str) -> float:
+    """Return the value of one real field, which must be there."""
+    if _REAL.fullmatch(text):
+        value = float(text.upper().replace("D", "E"))
+        if math.isfinite(value):
+            return value
+    message = f"found '{text}', expected {what}, a number"
+    raise keyword.error(message, row)
+
+
+def optional_real(
+    keyword: Keyword, row: int, fields: list[str], column: int, default: float, what: str
+) -> float:
+    """Return the value of one real field, or the default where it is left out."""
+    text = fields[column] if column < len(fields) else ""
+    return real(keyword, row, text, what) if text else default

@@ -1,0 +1,143 @@
+"""Parts, assembly and instances: every instance becomes a copy of its part's keywords."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.io.abaqus.fields import integers, real, table
+from faying.io.abaqus.keyword import Keyword, Scope
+
+_CLOSING = {"PART": "END PART", "INSTANCE": "END INSTANCE", "ASSEMBLY": "END ASSEMBLY"}
+
+
+def instantiated(keywords: Sequence[Keyword], ignored: list[str]) -> list[Keyword]:
+    """Replace parts and instances by the keywords they stand for, in the scope of the instance.
+
+    A deck without parts comes back as it is. With several instances, ids may repeat; then each
+    instance's ids are raised by a power of ten times its number, which ``ignored`` says.
+
+    Raises
+    ------
+    FormatError
+        If a part, instance or assembly is not closed, or a part is not known.
+    """
+    if not any(keyword.name in _CLOSING for keyword in keywords):
+        return list(keywords)
+    parts: dict[str, list[Keyword]] = {}
+    result: list[Keyword] = []
+    i = 0
+    names: list[str] = []
+    while i < len(keywords):
+        keyword = keywords[i]
+        if keyword.name == "PART":
+            keyword.allow("NAME")
+            end = _end(keywords, i)
+            name = keyword.required("NAME").upper()
+            if name in parts:
+                message = f"there are two parts '{name}'; rename one of them"
+                raise keyword.error(message)
+            parts[name] = list(keywords[i + 1 : end])
+            i = end
+        elif keyword.name == "INSTANCE":
+            end = _end(keywords, i)
+            members, scope = _instance(keyword, keywords[i + 1 : end], parts)
+            if scope.name.upper() in map(str.upper, names):
+                message = f"there are two instances '{scope.name}'; rename one of them"
+                raise keyword.error(message)
+            names.append(scope.name)
+            result += [replace(member, scope=scope) for member in members]
+            i = end
+        elif keyword.name == "ASSEMBLY":
+            _end(keywords, i)
+        elif keyword.name != "END ASSEMBLY":
+            result.append(keyword)
+        i += 1
+    return _distinct(result, names, ignored)
+
+
+def _end(keywords: Sequence[Keyword], start: int) -> int:
+    closing = _CLOSING[keywords[start].name]
+    for i in range(start + 1, len(keywords)):
+        if keywords[i].name == closing:
+            return i
+        if keywords[i].name in ("PART", keywords[start].name):
+            break
+    message = f"it does not end; add *{closing}"
+    raise keywords[start].error(message)
+
+
+def _instance(
+    keyword: Keyword, own: Sequence[Keyword], parts: dict[str, list[Keyword]]
+) -> tuple[list[Keyword], Scope]:
+    keyword.allow("NAME", "PART")
+    name, part = keyword.required("NAME"), keyword.required("PART").upper()
+    if part not in parts:
+        known = ", ".join(parts) or "none"
+        message = f"there is no part '{part}'; known are {known}"
+        raise keyword.error(message)
+    rotation, translation = _position(keyword)
+    scope = Scope(name=name, rotation=rotation, translation=translation)
+    return [*parts[part], *own], scope
+
+
+def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
+    """Rotation and translation of an instance: first moved, then turned about an axis."""
+    rows = keyword.rows()
+    if len(rows) > 2:
+        message = "found more than two data lines; expected a translation and a rotation"
+        raise keyword.error(message, 2)
+    rotation, shift = np.eye(3), np.zeros(3)
+    if rows:
+        shift = _numbers(keyword, 0, rows[0], 3, "a translation (3 numbers)")
+    if len(rows) == 2:
+        values = _numbers(keyword, 1, rows[1], 7, "two points of an axis and an angle (7 numbers)")
+        first, second, angle = values[:3], values[3:6], np.radians(values[6])
+        length = float(np.linalg.norm(second - first))
+        if not length > 0:
+            message = "the two points of the axis are the same"
+            raise keyword.error(message, 1)
+        rotation = _rotation((second - first) / length, float(angle))
+        shift = rotation @ (shift - first) + first
+    return rotation, shift
+
+
+def _numbers(keyword: Keyword, row: int, fields: list[str], count: int, what: str) -> Vector:
+    if len(fields) != count:
+        message = f"found {len(fields)} fields, expected {what}"
+        raise keyword.error(message, row)
+    return np.array([real(keyword, row, text, what) for text in fields])
+
+
+def _rotation(axis: Vector, angle: float) -> Matrix:
+    """Rodrigues' formula."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turned: Matrix = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return turned
+
+
+def _distinct(keywords: list[Keyword], names: list[str], ignored: list[str]) -> list[Keyword]:
+    """Give ids of different scopes different ranges, if more than one scope has nodes."""
+    largest: dict[str, int] = {}
+    for keyword in keywords:
+        if keyword.name in ("NODE", "ELEMENT"):
+            fields = table(keyword)
+            # Continuation lines of elements start with node ids, which do no harm here.
+            first = np.flatnonzero(np.diff(fields.row, prepend=-1))
+            ids = integers(fields.texts[first], keyword, fields.row[first], "an id")
+            name = keyword.scope.name
+            largest[name] = max(largest.get(name, 0), int(ids.max(initial=0)))
+    if len(largest) < 2:
+        return keywords
+    step = 10 ** len(str(max(largest.values())))
+    ordered = sorted(largest, key=lambda name: names.index(name) if name else len(names))
+    offsets = {name: number * step for number, name in enumerate(ordered)}
+    for name, offset in offsets.items():
+        if offset:
+            place = f"instance '{name}'" if name else "the assembly's own nodes and elements"
+            ignored.append(f"ids of {place} are raised by {offset}")
+    return [
+        replace(k, scope=replace(k.scope, offset=offsets.get(k.scope.name, 0))) for k in keywords
+    ]

@@ -1,0 +1,50 @@
+"""Read an Abaqus or CalculiX deck: the structure, its contact pairs and its bolts."""
+
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from faying.io.abaqus.deck import read_keyword_deck
+from faying.io.abaqus.model import description
+from faying.model.assembly import Assembly
+from faying.model.description import JointDescription
+
+
+def read_joint(path: str | PathLike[str], *, step: int | None = None) -> JointDescription:
+    """Read a deck, its contact pairs as interfaces and its pretension sections as bolts.
+
+    Parameters
+    ----------
+    path
+        The deck; *INCLUDE is relative to its folder.
+    step
+        Step whose boundary conditions, loads and bolt forces count, with what earlier steps leave
+        in force; the last general one unless given.
+
+    Returns
+    -------
+    JointDescription
+        Slave surfaces are the minus sides. Ids and names are those of the deck; names inside
+        instances are ``instance.name``. ``assembly.ignored`` names everything left out.
+
+    Raises
+    ------
+    FormatError
+        With file and line: a missing file, a malformed number, a reference to something that is
+        not there, a repeated id, or a keyword that changes the structure and is not supported.
+
+    Notes
+    -----
+    About 8 s for 500 000 nodes and bricks.
+    """
+    path = Path(path)
+    ignored: list[str] = []
+    # Overflow is caught by the finiteness checks, where the culprit can be named.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return description(read_keyword_deck(path, ignored).until(step), ignored)
+
+
+def read_deck(path: str | PathLike[str]) -> Assembly:
+    """Read the structure of a deck as :func:`read_joint`, in its last general step."""
+    return read_joint(path).assembly

@@ -1,0 +1,100 @@
+"""One keyword of a deck: its parameters, its data lines, and where it stands."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import FormatError
+from faying.io.abaqus.source import Lines
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Scope:
+    """What a number or a name in a keyword's data refers to: the whole deck or one instance.
+
+    Attributes
+    ----------
+    name
+        Name of the instance; empty for a deck without parts, for its assembly and its steps.
+    offset
+        Added to node and element ids, which may repeat between instances.
+    rotation : (3, 3), translation : (3,)
+        Position of the instance: x = rotation · x_part + translation.
+    """
+
+    name: str = ""
+    offset: int = 0
+    rotation: Matrix = field(default_factory=lambda: np.eye(3))
+    translation: Matrix = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Keyword:
+    """A keyword with its data.
+
+    Attributes
+    ----------
+    name
+        Upper case, single blanks: ``"SOLID SECTION"``.
+    parameters
+        Upper-case names to values as written; flags have an empty value.
+    data
+        Data lines as written, without comments and blank lines.
+    line
+        Index of the keyword line in ``lines``.
+    data_lines : (n_data,)
+        Indices of the data lines in ``lines``.
+    step
+        Number of the step it belongs to, from 1; 0 before the first.
+    """
+
+    name: str
+    parameters: Mapping[str, str]
+    data: list[bytes]
+    line: int
+    data_lines: Indices
+    lines: Lines
+    scope: Scope = field(default_factory=Scope)
+    step: int = 0
+
+    def error(self, text: str, row: int | None = None) -> FormatError:
+        """Return an error that names file, line and keyword; ``row`` is a data line."""
+        line = self.line if row is None else int(self.data_lines[row])
+        return FormatError(f"{self.lines.where(line)}: *{self.name}: {text}")
+
+    def has(self, name: str) -> bool:
+        """Whether a parameter is given."""
+        return name in self.parameters
+
+    def value(self, name: str, default: str = "") -> str:
+        """Return the value of a parameter."""
+        return self.parameters.get(name, default)
+
+    def choice(self, name: str, default: str = "") -> str:
+        """Return the value of a parameter in upper case with single blanks."""
+        return " ".join(self.parameters.get(name, default).upper().split())
+
+    def required(self, name: str) -> str:
+        """Return the value of a parameter that must be there."""
+        value = self.parameters.get(name, "")
+        if not value:
+            message = f"the parameter {name} is missing; give {name}=…"
+            raise self.error(message)
+        return value
+
+    def allow(self, *names: str) -> None:
+        """Refuse parameters other than these."""
+        for name in self.parameters:
+            if name not in names:
+                known = f"known here are {', '.join(names)}" if names else "it takes none here"
+                message = (
+                    f"the parameter {name} is not supported and may change the structure; {known}"
+                )
+                raise self.error(message)
+
+    def rows(self) -> list[list[str]]:
+        """Return the data lines split into stripped fields; for small data."""
+        split = [[part.strip() for part in line.decode("latin-1").split(",")] for line in self.data]
+        return [row[:-1] if len(row) > 1 and not row[-1] else row for row in split]

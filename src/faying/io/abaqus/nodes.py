@@ -1,0 +1,131 @@
+"""``*NODE``: ids and coordinates in the basic frame."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import FormatError
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import integers, optional_real, reals, table
+from faying.io.abaqus.keyword import Keyword
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Nodes:
+    """All nodes, sorted by id.
+
+    Attributes
+    ----------
+    ids : (n_node,)
+        Increasing.
+    coordinates : (n_node, 3) [length]
+    """
+
+    ids: Indices
+    coordinates: Matrix
+
+    def index(self, ids: Indices, keyword: Keyword, rows: Indices) -> Indices:
+        """Return the indices of nodes; ``rows`` are the data lines they stand on."""
+        place: Indices = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
+        wrong = np.flatnonzero(self.ids[place] != ids)
+        if wrong.size:
+            shown = int(ids[wrong[0]]) - keyword.scope.offset
+            message = f"there is no node {shown}; define it under *NODE or correct the id"
+            raise keyword.error(message, int(rows[wrong[0]]))
+        return place
+
+
+def read_nodes(deck: Deck) -> Nodes:
+    """Read all *NODE, with the *SYSTEM in force and the position of their instance.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a malformed or repeated node.
+    """
+    ids, coordinates, owners, rows = [], [], [], []
+    system: tuple[Matrix, Vector] | None = None
+    for keyword in deck.of("NODE", "SYSTEM"):
+        if keyword.name == "SYSTEM":
+            system = _system(keyword)
+            continue
+        own, points, lines = _node_block(keyword, system)
+        owners.append(keyword)
+        ids.append(own + keyword.scope.offset)
+        coordinates.append(points)
+        rows.append(lines)
+    if not ids or not sum(map(len, ids)):
+        message = f"{deck.path}: the deck has no nodes; it needs *NODE with data lines"
+        raise FormatError(message)
+    all_ids, points = np.concatenate(ids), np.concatenate(coordinates)
+    order = np.argsort(all_ids, kind="stable")
+    again = np.flatnonzero(np.diff(all_ids[order]) == 0)
+    if again.size:
+        position = int(order[again[0] + 1])
+        block = int(np.searchsorted(np.cumsum([len(i) for i in ids]), position, side="right"))
+        row = position - sum(len(i) for i in ids[:block])
+        message = f"node {all_ids[position]} is defined twice; remove one definition"
+        raise owners[block].error(message, int(rows[block][row]))
+    return Nodes(ids=all_ids[order], coordinates=points[order])
+
+
+def _node_block(
+    keyword: Keyword, system: tuple[Matrix, Vector] | None
+) -> tuple[Indices, Matrix, Indices]:
+    keyword.allow("NSET", "SYSTEM", "INPUT")
+    if keyword.has("INPUT"):
+        message = "INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE"
+        raise keyword.error(message)
+    expected = "id, x, y, z"
+    columns, _ = table(keyword).columns(1, 4, expected)
+    rows = np.arange(len(keyword.data), dtype=np.int64)
+    ids = integers(columns[0], keyword, rows, "a node id")
+    if ids.size and ids.min() < 1:
+        message = f"node id {ids.min()}; ids are positive"
+        raise keyword.error(message, int(ids.argmin()))
+    points = np.column_stack([reals(c, keyword, rows, "a coordinate") for c in columns[1:]])
+    points = _cartesian(keyword, points)
+    if system is not None:
+        points = points @ system[0] + system[1]
+    return ids, points @ keyword.scope.rotation.T + keyword.scope.translation, rows
+
+
+def _cartesian(keyword: Keyword, points: Matrix) -> Matrix:
+    kind = keyword.choice("SYSTEM", "R")
+    if kind == "R":
+        return points
+    first, angle, third = points[:, 0], np.radians(points[:, 1]), points[:, 2]
+    if kind == "C":
+        return np.column_stack([first * np.cos(angle), first * np.sin(angle), third])
+    if kind == "S":
+        height = np.radians(third)
+        flat = first * np.cos(height)
+        return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), first * np.sin(height)])
+    message = f"SYSTEM={kind} is not known; give R, C or S"
+    raise keyword.error(message)
+
+
+def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
+    """Axes (rows) and origin of local coordinates; without data, back to the basic frame."""
+    keyword.allow()
+    rows = keyword.rows()
+    if not rows:
+        return None
+    values = np.array(
+        [
+            [optional_real(keyword, i, row, column, 0.0, "a coordinate") for column in range(6)]
+            for i, row in enumerate(rows[:2])
+        ]
+    )
+    origin = values[0, :3]
+    x = values[0, 3:] - origin
+    # Without a second line z stays and y is perpendicular to it and x.
+    y = values[1, :3] - origin if len(rows) > 1 else np.cross([0.0, 0.0, 1.0], x)
+    z = np.cross(x, y)
+    lengths = np.linalg.norm(x), np.linalg.norm(z)
+    if len(rows) > 2 or not min(lengths) > 0:
+        message = "expected the origin and a point on the x axis, then a point in the x-y plane"
+        raise keyword.error(message, 0)
+    x, z = x / lengths[0], z / lengths[1]
+    return np.stack([x, np.cross(z, x), z]), origin

@@ -1,0 +1,104 @@
+"""``*PRE-TENSION SECTION``: bolts and their forces."""
+
+from dataclasses import dataclass
+
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.dofs import Dofs
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.fields import is_integer
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.loads import Forces
+from faying.io.abaqus.sets import NamedSets
+from faying.model.specs import BoltSpec
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A pretension section: what it cuts and the node that carries its force.
+
+    Attributes
+    ----------
+    node
+        Index of the pretension node.
+    element
+        Id of the beam it cuts; None for a cut through solids.
+    surface
+        Name of the surface it cuts solids at; empty for a beam.
+    """
+
+    keyword: Keyword
+    name: str
+    node: int
+    element: int | None
+    surface: str
+
+
+def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -> list[Section]:
+    """Read all *PRE-TENSION SECTION.
+
+    Raises
+    ------
+    FormatError
+        Naming the line, if a node, element or surface is missing.
+    """
+    found: list[Section] = []
+    for keyword in deck.of("PRE-TENSION SECTION"):
+        keyword.allow("SURFACE", "ELEMENT", "NODE")
+        node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
+        if keyword.has("SURFACE") == keyword.has("ELEMENT"):
+            message = "give either SURFACE= or ELEMENT="
+            raise keyword.error(message)
+        element = _beam(keyword, elements, sets) if keyword.has("ELEMENT") else None
+        surface = keyword.value("SURFACE")
+        label = keyword.value("NODE")
+        plain = surface or (f"bolt {element}" if is_integer(label) else label)
+        found.append(
+            Section(keyword=keyword, name=plain, node=node, element=element, surface=surface)
+        )
+        if any(other.name == plain for other in found[:-1]):
+            message = (
+                f"there are two pretension sections '{plain}'; use different surfaces or nodes"
+            )
+            raise keyword.error(message)
+    return found
+
+
+def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
+    members = sets.members(keyword, keyword.required("ELEMENT"))
+    beams = elements.of("B31", "B31R", "B33", "B32", "B32R")
+    known = {i for block in beams for i in block.ids.tolist()}
+    if len(members) != 1 or int(members[0]) not in known:
+        message = f"ELEMENT={keyword.value('ELEMENT')} is not one beam element"
+        raise keyword.error(message)
+    return int(members[0])
+
+
+def bolts(sections: list[Section]) -> tuple[BoltSpec, ...]:
+    """Return the bolts that are beams."""
+    return tuple(
+        BoltSpec(name=section.name, elements=(section.element,))
+        for section in sections
+        if section.element is not None
+    )
+
+
+def preloads(sections: list[Section], forces: Forces) -> dict[str, float]:
+    """Return the force of each bolt: the *CLOAD on its pretension node.
+
+    Raises
+    ------
+    FormatError
+        If a section has no force, or a compressive one.
+    """
+    found = {}
+    for section in sections:
+        value = forces.get((section.node, 0))
+        if value is None or not value >= 0:
+            problem = "has no force" if value is None else f"has the compressive force {value:g}"
+            message = (
+                f"the section '{section.name}' {problem}; give its pretension node a *CLOAD in "
+                "direction 1, positive for tension"
+            )
+            raise section.keyword.error(message)
+        found[section.name] = value
+    return found

@@ -1,0 +1,240 @@
+"""``*NSET`` and ``*ELSET``, and the sets that ``*NODE`` and ``*ELEMENT`` name on their way."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from faying._typing import Indices, frozen
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.fields import Table, integers, is_integer, table
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.nodes import Nodes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NamedSets:
+    """Sets of node or element ids, found without regard to case.
+
+    Attributes
+    ----------
+    what
+        ``"node set"`` or ``"element set"``.
+    ids
+        Upper-case name to sorted ids.
+    names
+        Upper-case name to the name as first written.
+    """
+
+    what: str
+    ids: Mapping[str, Indices]
+    names: Mapping[str, str]
+
+    def key(self, keyword: Keyword, label: str) -> str | None:
+        """Return the key of a name as seen from a keyword, None if there is no such set."""
+        plain = label.strip("\"' ").upper()
+        for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
+            if key in self.ids:
+                return key
+        return None
+
+    def find(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
+        """Return the ids of a set.
+
+        Raises
+        ------
+        FormatError
+            If there is none of this name.
+        """
+        key = self.key(keyword, label)
+        if key is None:
+            known = ", ".join(list(self.names.values())[:8]) or "none"
+            message = f"there is no {self.what} '{label}'; known are {known}"
+            raise keyword.error(message, row)
+        return self.ids[key]
+
+    def members(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
+        """Return the ids a data field stands for: one id, ``instance.id``, or a set."""
+        if is_integer(label):
+            return np.array([int(label) + keyword.scope.offset])
+        return self.find(keyword, label, row)
+
+
+@dataclass(eq=False, kw_only=True)
+class _Builder:
+    """Collects pieces of sets; names inside sets are looked up at the end, in any order."""
+
+    what: str
+    pieces: dict[str, list[tuple[Keyword, Indices]]] = field(default_factory=dict)
+    nested: dict[str, list[tuple[Keyword, int, str]]] = field(default_factory=dict)
+    names: dict[str, str] = field(default_factory=dict)
+
+    def open(self, keyword: Keyword, label: str) -> str:
+        plain = label.strip("\"' ")
+        name = f"{keyword.scope.name}.{plain}" if keyword.scope.name else plain
+        key = name.upper()
+        self.names.setdefault(key, name)
+        self.pieces.setdefault(key, [])
+        self.nested.setdefault(key, [])
+        return key
+
+    def closed(self) -> NamedSets:
+        done: dict[str, Indices] = {}
+        for key in self.pieces:
+            self._resolve(key, done, ())
+        return NamedSets(what=self.what, ids=done, names=self.names)
+
+    def _resolve(self, key: str, done: dict[str, Indices], path: tuple[str, ...]) -> Indices:
+        if key in done:
+            return done[key]
+        parts = [ids for _, ids in self.pieces[key]]
+        for keyword, row, label in self.nested[key]:
+            plain = label.strip("\"' ").upper()
+            options = (f"{keyword.scope.name.upper()}.{plain}", plain)
+            inner = next((option for option in options if option in self.pieces), None)
+            if inner is None or inner in (*path, key) or len(path) > 50:
+                problem = "does not exist" if inner is None else "contains itself"
+                message = f"the {self.what} '{label}' {problem}; correct the name"
+                raise keyword.error(message, row)
+            parts.append(self._resolve(inner, done, (*path, key)))
+        joined = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
+        done[key] = frozen(joined, np.int64)
+        return done[key]
+
+
+def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
+    """Read all element sets; ids must be those of elements.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an unknown element or set.
+    """
+    builder = _Builder(what="element set")
+    blocks = {id(block.keyword): block for block in elements.blocks}
+    known = np.sort(np.concatenate([block.ids for block in elements.blocks]))
+    for keyword in deck.of("ELEMENT", "ELSET"):
+        if keyword.name == "ELEMENT":
+            if keyword.has("ELSET"):
+                key = builder.open(keyword, keyword.required("ELSET"))
+                builder.pieces[key].append((keyword, blocks[id(keyword)].ids))
+            continue
+        keyword.allow("ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED")
+        key = builder.open(keyword, keyword.required("ELSET"))
+        ids, rows = _explicit(keyword, builder, key, deck, known)
+        _check_known(ids, rows, known, keyword, "element")
+        builder.pieces[key].append((keyword, ids))
+    return builder.closed()
+
+
+def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedSets) -> NamedSets:
+    """Read all node sets; ids must be those of nodes.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an unknown node or set.
+    """
+    builder = _Builder(what="node set")
+    for keyword in deck.of("NODE", "NSET"):
+        if keyword.name == "NODE":
+            if keyword.has("NSET"):
+                key = builder.open(keyword, keyword.required("NSET"))
+                fields = table(keyword)
+                first = np.flatnonzero(np.diff(fields.row, prepend=-1))
+                ids = integers(fields.texts[first], keyword, fields.row[first], "a node id")
+                builder.pieces[key].append((keyword, ids + keyword.scope.offset))
+            continue
+        keyword.allow("NSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED", "ELSET")
+        key = builder.open(keyword, keyword.required("NSET"))
+        ids, rows = _explicit(keyword, builder, key, deck, nodes.ids)
+        _check_known(ids, rows, nodes.ids, keyword, "node")
+        builder.pieces[key].append((keyword, ids))
+        if keyword.has("ELSET"):
+            chosen = by_name.find(keyword, keyword.value("ELSET"))
+            corners = [b.nodes[np.isin(b.ids, chosen)].ravel() for b in elements.blocks]
+            of_elements = nodes.ids[np.unique(np.concatenate(corners))]
+            builder.pieces[key].append((keyword, of_elements))
+    return builder.closed()
+
+
+def _explicit(
+    keyword: Keyword, builder: _Builder, key: str, deck: Deck, known: Indices
+) -> tuple[Indices, Indices]:
+    """Ids written out or generated, with the data line of each; names go to the builder."""
+    offset = _offset(keyword, deck)
+    fields = table(keyword)
+    if keyword.has("GENERATE"):
+        return _generated(keyword, fields, known, offset)
+    letters = np.strings.isdigit(fields.texts)
+    texts, rows = fields.texts[letters], fields.row[letters]
+    for place in np.flatnonzero(~letters).tolist():
+        label, row = fields.texts[place].decode("latin-1"), int(fields.row[place])
+        head, dot, tail = label.rpartition(".")
+        if dot and is_integer(tail):
+            scope = _scope_offset(keyword, deck, head, row)
+            single = np.array([int(tail) + scope])
+            builder.pieces[key].append((keyword, single))
+        elif not label or label[0] in "+-.0123456789":
+            message = f"found '{label}', expected ids or names of sets"
+            raise keyword.error(message, row)
+        else:
+            inside = f"{keyword.value('INSTANCE')}.{label}" if keyword.has("INSTANCE") else label
+            builder.nested[key].append((keyword, row, inside))
+    return integers(texts, keyword, rows, "an id") + offset, rows
+
+
+def _offset(keyword: Keyword, deck: Deck) -> int:
+    if not keyword.has("INSTANCE"):
+        return keyword.scope.offset
+    return _scope_offset(keyword, deck, keyword.required("INSTANCE"), None)
+
+
+def _scope_offset(keyword: Keyword, deck: Deck, name: str, row: int | None) -> int:
+    wanted = name.strip("\"' ").upper()
+    for other in deck.keywords:
+        if other.scope.name.upper() == wanted:
+            return other.scope.offset
+    message = f"there is no instance '{name}'"
+    raise keyword.error(message, row)
+
+
+def _generated(
+    keyword: Keyword, fields: Table, known: Indices, offset: int
+) -> tuple[Indices, Indices]:
+    """Ids from first to last; between them, both programs pass over ids that do not exist."""
+    columns, counts = fields.columns(2, 3, "first, last, increment")
+    rows = np.arange(len(counts), dtype=np.int64)
+    first = integers(columns[0], keyword, rows, "the first id")
+    last = integers(columns[1], keyword, rows, "the last id")
+    step = integers(np.where(counts > 2, columns[2], b"1"), keyword, rows, "the increment")
+    wrong = np.flatnonzero((step < 1) | (last < first))
+    if not wrong.size:
+        wrong = np.flatnonzero((last - first) % step != 0)
+    if wrong.size:
+        bad = int(wrong[0])
+        message = (
+            f"{first[bad]} to {last[bad]} in steps of {step[bad]} does not work out; the last id "
+            "must be reached from the first"
+        )
+        raise keyword.error(message, bad)
+    ids = []
+    for row, (a, b, s) in enumerate(zip(first + offset, last + offset, step, strict=True)):
+        part = known[np.searchsorted(known, a) : np.searchsorted(known, b, side="right")]
+        part = part[(part - a) % s == 0]
+        if not len(part) or part[0] != a or part[-1] != b:
+            missing = a if not len(part) or part[0] != a else b
+            message = f"the range starts or ends at {missing - offset}, which does not exist"
+            raise keyword.error(message, row)
+        ids.append(part)
+    joined = np.concatenate([np.empty(0, dtype=np.int64), *ids])
+    return joined, np.repeat(rows, [len(part) for part in ids])
+
+
+def _check_known(ids: Indices, rows: Indices, known: Indices, keyword: Keyword, what: str) -> None:
+    missing = np.flatnonzero(~np.isin(ids, known))
+    if missing.size:
+        bad = int(missing[0])
+        message = f"there is no {what} {ids[bad] - keyword.scope.offset}; correct the set"
+        raise keyword.error(message, int(rows[bad]))

@@ -1,0 +1,104 @@
+"""``*SOLID SECTION``: solids and their materials as blocks of a mesh."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.element_types import SOLID_TYPES
+from faying.io.abaqus.elements import ElementBlock, Elements
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+from faying.model.assembly import Material
+from faying.model.mesh import CellBlock
+
+
+def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Material:
+    """Return the material a section names.
+
+    Raises
+    ------
+    FormatError
+        If there is none of this name.
+    """
+    name = keyword.required("MATERIAL")
+    if name.upper() not in materials:
+        known = ", ".join(material.name for material in materials.values()) or "none"
+        message = f"there is no material '{name}'; known are {known}"
+        raise keyword.error(message)
+    return materials[name.upper()]
+
+
+def read_solid_sections(
+    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
+) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
+    """Return blocks of cells, whose properties number the sections from 1, and their materials.
+
+    Raises
+    ------
+    FormatError
+        If a solid has no section, or two.
+    """
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
+    section = np.zeros(len(ids), dtype=np.int64)
+    used: dict[int, Material] = {}
+    for number, keyword in enumerate(deck.of("SOLID SECTION"), start=1):
+        keyword.allow("ELSET", "MATERIAL", "ORIENTATION", "CONTROLS", "STACK DIRECTION")
+        chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
+        again = np.flatnonzero(chosen & (section > 0))
+        if again.size:
+            message = (
+                f"element {ids[again[0]]} has a section already (section {section[again[0]]}); "
+                "give each solid one section"
+            )
+            raise keyword.error(message)
+        section[chosen] = number
+        used[number] = find_material(materials, keyword)
+    missing = np.flatnonzero(section == 0)
+    if missing.size:
+        block, row = _place(elements.solids, int(missing[0]))
+        message = f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one"
+        raise block.keyword.error(message, row)
+    return tuple(_cells(elements.solids, section)), used
+
+
+def _place(blocks: Sequence[ElementBlock], position: int) -> tuple[ElementBlock, int]:
+    for block in blocks:
+        if position < len(block.ids):
+            return block, int(block.rows[position])
+        position -= len(block.ids)
+    raise IndexError(position)
+
+
+def _cells(blocks: Sequence[ElementBlock], section: Indices) -> list[CellBlock]:
+    cells, start = [], 0
+    for block in blocks:
+        end = start + len(block.ids)
+        cells.append(
+            CellBlock(
+                kind=SOLID_TYPES[block.type].kind,
+                nodes=block.nodes,
+                ids=block.ids,
+                properties=section[start:end],
+            )
+        )
+        start = end
+    return cells
+
+
+def formulation(blocks: Sequence[ElementBlock], ignored: list[str]) -> str:
+    """Return the formulation of eight-node bricks, and say what differs from the deck."""
+    counts: dict[str, int] = {}
+    for block in blocks:
+        counts[block.type] = counts.get(block.type, 0) + len(block.ids)
+    for name, count in counts.items():
+        if SOLID_TYPES[name].note:
+            ignored.append(f"{count} {name}: {SOLID_TYPES[name].note}")
+    wished = {SOLID_TYPES[name].formulation for name in counts} - {""}
+    if len(wished) > 1:
+        ignored.append(
+            f"{counts['C3D8']} C3D8 are taken with incompatible modes like the other bricks: a "
+            "model has one formulation of bricks"
+        )
+    return "standard" if wished == {"standard"} else "incompatible"

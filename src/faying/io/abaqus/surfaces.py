@@ -1,0 +1,190 @@
+"""``*SURFACE``: facets of solids."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import is_integer, table
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+from faying.model.elements import SOLIDS
+from faying.model.mesh import Mesh
+from faying.model.surface import exterior_facets
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DeckSurface:
+    """A surface of facets, or of nodes.
+
+    Attributes
+    ----------
+    name
+        As written.
+    facets
+        Facet kind to nodes (n_facet, n_node_per_facet), in our order, seen from outside.
+    nodes : (n_node,)
+        All of its nodes.
+    elements : (n_element,)
+        Ids of the solids its facets belong to.
+    """
+
+    name: str
+    keyword: Keyword
+    facets: Mapping[str, Indices]
+    nodes: Indices
+    elements: Indices
+
+
+Surfaces = Mapping[str, DeckSurface]
+
+
+def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | None) -> DeckSurface:
+    """Return a surface by name.
+
+    Raises
+    ------
+    FormatError
+        If there is none of this name.
+    """
+    plain = name.strip("\"' ").upper()
+    for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
+        if key in surfaces:
+            return surfaces[key]
+    known = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none"
+    message = f"there is no surface '{name}'; known are {known}"
+    raise keyword.error(message, row)
+
+
+def read_surfaces(
+    deck: Deck, mesh: Mesh, by_element: NamedSets, by_node: NamedSets
+) -> dict[str, DeckSurface]:
+    """Read all *SURFACE: element faces S1 … S6, whole elements (their exterior), or nodes.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an unknown element, set or face.
+    """
+    found: dict[str, DeckSurface] = {}
+    for keyword in deck.of("SURFACE"):
+        keyword.allow("NAME", "TYPE", "INTERNAL", "COMBINE")
+        label = keyword.required("NAME")
+        name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
+        kind = keyword.choice("TYPE", "ELEMENT")
+        if name.upper() in found:
+            message = f"there are two surfaces '{name}'; rename one of them"
+            raise keyword.error(message)
+        if keyword.has("COMBINE") or kind not in ("ELEMENT", "NODE"):
+            problem = "COMBINE" if keyword.has("COMBINE") else f"TYPE={kind}"
+            message = f"{problem} is not supported; list element faces or nodes"
+            raise keyword.error(message)
+        if not keyword.data:
+            message = f"surface '{name}' has no data lines"
+            raise keyword.error(message)
+        if kind == "NODE":
+            found[name.upper()] = _of_nodes(keyword, name, mesh, by_node)
+        else:
+            found[name.upper()] = _of_elements(keyword, name, mesh, by_element)
+    return found
+
+
+def _of_nodes(keyword: Keyword, name: str, mesh: Mesh, by_node: NamedSets) -> DeckSurface:
+    parts = []
+    for row, fields in enumerate(keyword.rows()):
+        ids = by_node.members(keyword, fields[0], row)
+        unknown = ids[~np.isin(ids, mesh.node_ids)]
+        if unknown.size:
+            message = f"there is no node {unknown[0]}"
+            raise keyword.error(message, row)
+        parts.append(mesh.node_index(ids))
+    empty = np.empty(0, dtype=np.int64)
+    nodes = np.unique(np.concatenate(parts))
+    return DeckSurface(name=name, keyword=keyword, facets={}, nodes=nodes, elements=empty)
+
+
+def _of_elements(keyword: Keyword, name: str, mesh: Mesh, by_element: NamedSets) -> DeckSurface:
+    ids, faces, rows = _faces(keyword, by_element)
+    whole = faces == 0
+    facets: dict[str, list[Indices]] = {}
+    owners = []
+    if whole.any():
+        exterior = exterior_facets(mesh)
+        chosen = exterior.taken(np.isin(exterior.elements, ids[whole]))
+        for kind, part in chosen.by_kind().items():
+            facets.setdefault(kind, []).append(part.nodes[:, : (part.nodes[0] >= 0).sum()])
+        owners.append(chosen.elements)
+        _check_all_solid(keyword, mesh, ids[whole], rows[whole])
+    ids, faces, rows = ids[~whole], faces[~whole], rows[~whole]
+    _check_all_solid(keyword, mesh, ids, rows)
+    for block in mesh.blocks:
+        order = np.argsort(block.ids, kind="stable")
+        place = np.minimum(np.searchsorted(block.ids[order], ids), len(order) - 1)
+        cell = order[place]
+        here = np.flatnonzero(block.ids[cell] == ids)
+        table_of_faces = SOLIDS[block.kind].faces
+        over = here[faces[here] > len(table_of_faces)]
+        if over.size:
+            bad = int(over[0])
+            message = f"element {ids[bad]} ({block.kind}) has no face S{faces[bad]}"
+            raise keyword.error(message, int(rows[bad]))
+        for number, (kind, local) in enumerate(table_of_faces, start=1):
+            of_face = here[faces[here] == number]
+            if of_face.size:
+                corners = block.nodes[cell[of_face]][:, list(local)]
+                facets.setdefault(kind, []).append(corners)
+        owners.append(ids[here])
+    joined = {kind: np.concatenate(parts) for kind, parts in facets.items()}
+    all_nodes = [np.empty(0, dtype=np.int64), *(part.ravel() for part in joined.values())]
+    return DeckSurface(
+        name=name,
+        keyword=keyword,
+        facets=joined,
+        nodes=np.unique(np.concatenate(all_nodes)),
+        elements=np.unique(np.concatenate(owners)),
+    )
+
+
+def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, Indices]:
+    """Element ids, face numbers (0 for all exterior ones) and data lines."""
+    columns, _ = table(keyword).columns(1, 2, "an element or element set and a face S1 … S6")
+    rows = np.arange(len(keyword.data), dtype=np.int64)
+    labels, row_of_label = np.unique(np.strings.upper(columns[1]), return_inverse=True)
+    numbers = np.array([_face_number(keyword, t, row_of_label, i) for i, t in enumerate(labels)])
+    faces = numbers[row_of_label]
+    single = np.strings.isdigit(columns[0])
+    ids = [np.asarray(columns[0][single], dtype=np.int64) + keyword.scope.offset]
+    parts = [(faces[single], rows[single])]
+    for row in np.flatnonzero(~single).tolist():
+        label = columns[0][row].decode("latin-1")
+        if not label or is_integer(label):
+            message = f"found '{label}', expected an element id or an element set"
+            raise keyword.error(message, row)
+        members = by_element.find(keyword, label, row)
+        ids.append(members)
+        parts.append((np.full(len(members), faces[row]), np.full(len(members), row)))
+    return (
+        np.concatenate(ids),
+        np.concatenate([face for face, _ in parts]),
+        np.concatenate([row for _, row in parts]),
+    )
+
+
+def _face_number(keyword: Keyword, text: bytes, rows: Indices, which: int) -> int:
+    if not text:
+        return 0
+    if len(text) == 2 and text[:1] == b"S" and text[1:] in (b"1", b"2", b"3", b"4", b"5", b"6"):
+        return int(text[1:])
+    row = int(np.flatnonzero(rows == which)[0])
+    message = f"found '{text.decode('latin-1')}', expected a face S1 … S6 of a solid"
+    raise keyword.error(message, row)
+
+
+def _check_all_solid(keyword: Keyword, mesh: Mesh, ids: Indices, rows: Indices) -> None:
+    unknown = np.flatnonzero(~np.isin(ids, mesh.element_ids))
+    if unknown.size:
+        bad = int(unknown[0])
+        message = f"{ids[bad]} is no solid element; surfaces need solids"
+        raise keyword.error(message, int(rows[bad]))
