@@ -21,6 +21,7 @@ from scipy.spatial import QhullError
 
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.interface import Interface
+from faying.contact.relative import sides
 from faying.exceptions import FormatError, ModelError
 
 POINT_COLUMNS = ("x", "y", "z", "gap")
@@ -136,7 +137,8 @@ def gap_from_nodes(
         Ids of all nodes of the mesh, ``model.assembly.mesh.node_ids``.
     nodes : (n,)
         Node ids of either side; where both nodes of a pair are named, their gaps add up (each
-        side has its own form error). Nodes elsewhere are ignored.
+        side has its own form error). Nodes elsewhere are ignored. Where meshes do not match, plus
+        nodes act through the projection, and all those around a pair are needed.
     gaps : (n,) [length]
 
     Returns
@@ -161,19 +163,24 @@ def gap_from_nodes(
         twice = int(ids[np.argmax(np.diff(ids) == 0)])
         message = f"interface '{interface.name}': the gap field names node {twice} twice"
         raise ModelError(message)
-    own = node_ids[interface.pairs]
-    place = np.minimum(np.searchsorted(ids, own), max(len(ids) - 1, 0))
-    named = ids[place] == own if len(ids) else np.zeros(own.shape, dtype=bool)
-    missing = np.flatnonzero(~named.any(axis=1))
+    given = np.isin(node_ids, ids)
+    at_nodes = np.zeros(len(node_ids))
+    at_nodes[given] = values[np.searchsorted(ids, node_ids[given])]
+    total, named = np.zeros(len(interface.pairs)), np.zeros(len(interface.pairs), dtype=bool)
+    for side in sides(interface, len(node_ids)):
+        # A pair hears of a side only if all nodes it takes its value from are named.
+        complete = abs(side) @ ~given == 0
+        total += np.where(complete, side @ at_nodes, 0.0)
+        named |= complete
+    missing = np.flatnonzero(~named)
     if missing.size:
-        minus, plus = own[missing[0]].tolist()
+        minus, plus = node_ids[interface.pairs[missing[0]]].tolist()
         message = (
             f"interface '{interface.name}': the gap field has no value at {missing.size} of "
-            f"{len(own)} node pairs, the first of nodes {minus} and {plus}; give one for each"
+            f"{len(named)} node pairs, the first of nodes {minus} and {plus}; give one for each"
         )
         raise ModelError(message)
-    at_pairs = np.where(named, values[place], 0.0).sum(axis=1)
-    field: Vector = interface.point_shape @ at_pairs
+    field: Vector = interface.point_shape @ total
     return field
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.contact.coupling import Coupling
 from faying.exceptions import ModelError
 from faying.linalg.budget import default_budget, points_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance
@@ -20,6 +21,9 @@ from faying.linalg.compressed import Compliance, CompressedCompliance
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FacePairs:
     """Matched facets of one kind on the two sides of an interface.
+
+    Between meshes that do not match these are the corners of the minus facets that the plus side
+    covers, wholly or in part, and the plus node nearest to each.
 
     Attributes
     ----------
@@ -41,19 +45,24 @@ class FacePairs:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Interface:
-    """Zero-thickness elements between two matched surfaces, Eq. (15.11), with a penalty law.
+    """Two surfaces in contact, Eq. (15.11), with a penalty law.
+
+    Zero-thickness elements where the meshes match, a mortar coupling where they do not; solvers
+    see no difference.
 
     Attributes
     ----------
     faces
         The matched facets, one entry per kind.
     pairs : (n_pair, 2)
-        Node indices (minus, plus) of the touching nodes.
+        Node indices (minus, plus) of the touching nodes; of a mortar coupling the minus nodes
+        that carry it, each with the nearest plus node, which only names a neighbour.
     pair_normals : (n_pair, 3)
         Unit normals out of the minus side at the pairs (area-weighted mean of the facets).
     relative_operator : (n_relative, n_dof) sparse
-        Relative displacement u⁺ − u⁻ of the pairs: along the one normal of a flat interface
-        (n_relative = n_pair), or all three components of a curved one (3 n_pair).
+        Relative displacement u⁺ − u⁻ of the pairs (of a mortar coupling, projected): along the
+        one normal of a flat interface (n_relative = n_pair), or all three components of a curved
+        one (3 n_pair).
     interpolation : (n_point, n_relative) sparse
         Shape functions, times the normal where the interface is curved.
     point_shape : (n_point, n_pair) sparse
@@ -70,6 +79,8 @@ class Interface:
         Contact stiffness c_n of Eq. (15.12); ``inf`` is hard contact, Eq. (15.7).
     quadrature
         Name of the rule, e.g. ``"gauss-2"`` or ``"nodal"``.
+    coupling
+        How the motion of the plus side reaches the pairs; None where the meshes match.
     """
 
     name: str
@@ -86,6 +97,7 @@ class Interface:
     face_of_point: Indices
     penalty: float
     quadrature: str
+    coupling: Coupling | None = None
 
     def __post_init__(self) -> None:
         for name in ("pair_normals", "initial_gap", "weights", "points", "normals"):
@@ -125,6 +137,12 @@ class Interface:
     def area(self) -> float:
         """Area of the interface [length²]."""
         return float(self.weights.sum())
+
+    def pair_points(self, nodes: Matrix) -> Matrix:
+        """Return where the pairs are (n_pair, 3), from the coordinates of all nodes."""
+        if self.coupling is not None:
+            return np.asarray(nodes[self.pairs[:, 0]])
+        return np.asarray(nodes[self.pairs].mean(axis=1))
 
     def nodal_average(self, values: Matrix) -> Matrix:
         """Average a quantity at the contact points to the node pairs.

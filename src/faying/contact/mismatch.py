@@ -5,17 +5,15 @@ from typing import NoReturn
 import numpy as np
 from scipy.spatial import cKDTree
 
-from faying._typing import Indices, Mask, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix
+from faying.contact.arcs import arc_heights
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, facet_centres
 
-_FACING = -0.7
+FACING = -0.7
 """Largest cosine between the outward normals of facets that lie on each other."""
-
-_SHARP = np.radians(15.0)
-"""Normals that turn more than this towards a corner belong to an edge or chamfer, not to an arc."""
 
 
 def check_no_mismatch(
@@ -58,8 +56,8 @@ def check_no_mismatch(
         f"interface '{spec.name}': non-matching faces. "
         f"{_count(spec, side, matched, orphan)}, first "
         f"{facet_place(assembly, facets, rows[0])}; {cause}. "
-        "faying needs facets that coincide node on node: mesh both sides from the same imprinted "
-        "face, or raise the tolerance if this is only rounding"
+        'give the interface meshes = "non-matching" (mortar projection), mesh both sides from the '
+        "same imprinted face, or raise the tolerance if this is only rounding"
     )
     raise ModelError(message)
 
@@ -100,7 +98,7 @@ def _resting(nodes: Matrix, facets: Facets, side: Indices, wanted: Mask, toleran
     vectors = facet_area_vectors(nodes, facets)
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     normals = vectors / np.where(length > 0, length, 1.0)
-    arc = _arc_height(corners, facets, normals)
+    arc = arc_heights(corners, facets, normals)
     found = cKDTree(centres[rows]).query_ball_point(centres, 1.01 * radius + tolerance)
     host = np.repeat(np.arange(len(facets)), np.fromiter(map(len, found), np.int64, len(found)))
     guest = rows[np.concatenate([np.asarray(part, dtype=np.int64) for part in found])]
@@ -108,7 +106,7 @@ def _resting(nodes: Matrix, facets: Facets, side: Indices, wanted: Mask, toleran
     host, guest = host[keep], guest[keep]
     offset = centres[guest] - centres[host]
     height = np.abs(np.einsum("kd,kd->k", offset, normals[host]))
-    facing = np.einsum("kd,kd->k", normals[host], normals[guest]) < _FACING
+    facing = np.einsum("kd,kd->k", normals[host], normals[guest]) < FACING
     # Exact zero would let rounding decide where sides are given in decimals.
     slack = tolerance + arc[host] + arc[guest] + 1e-9 * radius[host]
     on = facing & (height <= slack) & _inside(centres[guest], corners[host], normals[host])
@@ -124,25 +122,6 @@ def _inside(points: Matrix, corners: Matrix, normals: Matrix) -> Mask:
     scale = np.einsum("kcd,kcd->k", edges, edges)
     inside: Mask = (turn >= -1e-9 * scale[:, None]).all(axis=1)
     return inside
-
-
-def _arc_height(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
-    """Estimate how far the true surface stands off each facet: h θ / 4, θ the turn at its nodes.
-
-    θ is the largest angle between the facet's normal and the mean normal at its corners that is
-    not an edge's: zero on a flat surface, h / 2R on a cylinder. Of edges h the longest counts.
-    """
-    index = facets.corners
-    mean = np.zeros((int(index.max()) + 1, 3))
-    np.add.at(mean, index, np.broadcast_to(normals[:, None], (*index.shape, 3)))
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    mean /= np.where(length > 0, length, 1.0)
-    # The chord between unit normals: unlike arccos it keeps zero at zero.
-    turn = np.linalg.norm(mean[index] - normals[:, None], axis=2)
-    turn = np.where(turn < _SHARP, turn, 0.0).max(axis=1)
-    edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    height: Vector = edge * turn / 4
-    return height
 
 
 def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.coupling import Coupling
 from faying.contact.interface import FacePairs
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
@@ -37,7 +38,17 @@ def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float
         If the facets belong to no solid elements (a model given as matrices) or a property has no
         material: the penalty must then be a number.
     """
-    facets = _owners(assembly, faces)
+    return facet_penalty(assembly, _owners(assembly, faces))
+
+
+def facet_penalty(assembly: Assembly, facets: Facets) -> float:
+    """Return 10 E/h [force/length³] of the elements that facets of both sides belong to.
+
+    Raises
+    ------
+    ModelError
+        As :func:`automatic_penalty`.
+    """
     missing = np.setdiff1d(facets.properties, np.fromiter(assembly.materials, np.int64))
     if missing.size:
         what = (
@@ -53,6 +64,17 @@ def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float
     used = np.unique(facets.properties).tolist()
     modulus = min(assembly.materials[number].youngs_modulus for number in used)
     return PENALTY_FACTOR * modulus / float(_heights(assembly.mesh, facets).mean())
+
+
+def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
+    """Return 10 E/h [force/length³] of the elements on both sides of a mortar coupling.
+
+    Raises
+    ------
+    ModelError
+        As :func:`automatic_penalty`.
+    """
+    return facet_penalty(assembly, coupling.segments.minus.joined(coupling.segments.plus))
 
 
 def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:

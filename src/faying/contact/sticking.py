@@ -5,7 +5,7 @@ import scipy.sparse as sp
 
 from faying._typing import Mask, SparseMatrix, Vector
 from faying.contact.interface import Interface
-from faying.contact.zero_thickness import relative_displacement
+from faying.contact.relative import relative_motion
 from faying.exceptions import ModelError
 from faying.model.dofs import DofMap
 
@@ -48,7 +48,8 @@ def sticking_stiffness(
     """Return the stiffness of tangential springs at stuck pairs, §15.4.2 of the paper.
 
     Each pair carries k (I − n nᵀ) between its two nodes: k in both tangential directions, nothing
-    along the normal.
+    along the normal. Between meshes that do not match it holds the projected relative
+    displacement, and k is multiplied by the share of the facets around the node that is covered.
 
     Parameters
     ----------
@@ -73,9 +74,12 @@ def sticking_stiffness(
             "positive number [force/length]"
         )
         raise ModelError(message)
-    difference = relative_displacement(dofs, interface.pairs[pairs])
+    difference = relative_motion(interface, dofs, pairs)
     normals = interface.pair_normals[pairs]
     tangential = stiffness * (np.eye(3) - normals[:, :, None] * normals[:, None, :])
+    if interface.coupling is not None:
+        # A node that touches with a corner of its facets alone has nothing to hold with.
+        tangential *= interface.coupling.coverage[pairs][:, None, None]
     blocks = np.arange(len(normals))
     springs = sp.bsr_array(
         (tangential, blocks, np.arange(len(normals) + 1)), shape=(3 * len(normals),) * 2

@@ -17,15 +17,19 @@ from faying.contact.facets import (
 )
 from faying.contact.interface import FacePairs, Interface
 from faying.contact.penalty import automatic_penalty
+from faying.contact.relative import (
+    along_normals,
+    common_normal,
+    relative_displacement,
+    times_normals,
+    unit,
+)
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec
 
 __all__ = ["automatic_penalty", "build_interface", "relative_displacement"]
-
-FLATNESS = 1e-6
-"""Normals that differ by less are one: coordinates of decks seldom have more digits."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -81,11 +85,13 @@ def build_interface(
         message = f"interface '{spec.name}' has no facets; pair the facets of its sides first"
         raise ModelError(message)
     nodes = assembly.mesh.nodes
-    rules = [_rule(spec, entry.kind, penalty) for entry in faces]
+    rules = [contact_rule(spec, entry.kind, penalty) for entry in faces]
     pairs, columns = _node_pairs(faces, len(nodes))
     middle = nodes[pairs].mean(axis=1)
     points = _merged(*_all_points(spec.name, faces, columns, rules, middle))
-    normals, pair_normals, flat = _common_normal(points, _pair_normals(faces, columns, middle))
+    normals, pair_normals, flat = common_normal(
+        points.normals, points.weights, pair_normals_of(faces, columns, middle)
+    )
     relative = relative_displacement(dofs, pairs)
     separation = points.shape @ (nodes[pairs[:, 1]] - nodes[pairs[:, 0]])
     return Interface(
@@ -93,8 +99,8 @@ def build_interface(
         faces=faces,
         pairs=pairs,
         pair_normals=pair_normals,
-        relative_operator=_project(pair_normals, relative) if flat else relative,
-        interpolation=points.shape if flat else _times_normals(points.shape, normals),
+        relative_operator=along_normals(pair_normals, relative) if flat else relative,
+        interpolation=points.shape if flat else times_normals(points.shape, normals),
         point_shape=points.shape,
         initial_gap=np.einsum("kd,kd->k", normals, separation),
         weights=points.weights,
@@ -106,15 +112,14 @@ def build_interface(
     )
 
 
-def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
-    """Return the operator (3 n_pair, n_dof) to u⁺ − u⁻ of node pairs, pair by pair."""
-    minus, plus = ((6 * nodes[:, None] + np.arange(3)).ravel() for nodes in pairs.T)
-    difference = (dofs.transformation[plus] - dofs.transformation[minus]).tocsr()
-    difference.eliminate_zeros()
-    return difference
+def contact_rule(spec: InterfaceSpec, kind: str, penalty: float) -> Rule:
+    """Return the rule that places the contact points of a facet.
 
-
-def _rule(spec: InterfaceSpec, kind: str, penalty: float) -> Rule:
+    Raises
+    ------
+    ModelError
+        If the order does not fit the quadrature.
+    """
     quadrature = spec.quadrature or ("nodal" if np.isinf(penalty) else "gauss")
     if quadrature == "gauss":
         return gauss_rule(kind, spec.order)
@@ -210,55 +215,15 @@ def _merged(raw: _Points, at_pair: Indices) -> _Points:
         shape=raw.shape[kept],
         points=raw.points[kept],
         weights=join @ raw.weights,
-        normals=_unit(join @ (raw.weights[:, None] * raw.normals)),
+        normals=unit(join @ (raw.weights[:, None] * raw.normals)),
         faces=raw.faces[kept],
     )
 
 
-def _pair_normals(faces: tuple[FacePairs, ...], columns: list[Indices], middle: Matrix) -> Matrix:
+def pair_normals_of(faces: tuple[FacePairs, ...], columns: list[Indices], middle: Matrix) -> Matrix:
     """Average the facets' normals at the pairs, weighted with the local Jacobian."""
     total = np.zeros((len(middle), 3))
     for entry, local in zip(faces, columns, strict=True):
         vectors = area_vectors(entry.kind, middle[local], reference_nodes(entry.kind))
         np.add.at(total, local, vectors)
-    return _unit(total)
-
-
-def _common_normal(points: _Points, pair_normals: Matrix) -> tuple[Matrix, Matrix, bool]:
-    """Replace all normals by their mean where they agree; tell whether they did."""
-    mean = _unit((points.weights @ points.normals)[None])
-    every = np.concatenate([points.normals, pair_normals])
-    if np.linalg.norm(every - mean, axis=1).max() > FLATNESS:
-        return points.normals, pair_normals, False
-    # Rounding in a component that should vanish would couple directions that are not.
-    mean = _unit(np.where(np.abs(mean) < 1e-14, 0.0, mean))
-    return (
-        np.broadcast_to(mean, points.normals.shape),
-        np.broadcast_to(mean, pair_normals.shape),
-        True,
-    )
-
-
-def _project(normals: Matrix, operator: SparseMatrix) -> SparseMatrix:
-    """Return the component along the normals (n, n_dof) of an operator (3 n, n_dof)."""
-    n = len(normals)
-    rows, columns = np.repeat(np.arange(n), 3), np.arange(3 * n)
-    along = sp.csr_array((normals.ravel(), (rows, columns)), shape=(n, 3 * n))
-    along.eliminate_zeros()
-    return (along @ operator).tocsr()
-
-
-def _times_normals(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
-    """Return N n (n_point, 3 n_pair) from N (n_point, n_pair), the columns pair by pair."""
-    entries = shape.tocoo()
-    rows = np.repeat(entries.row, 3)
-    columns = (3 * entries.col[:, None] + np.arange(3)).ravel()
-    data = (entries.data[:, None] * normals[entries.row]).ravel()
-    result = sp.csr_array((data, (rows, columns)), shape=(shape.shape[0], 3 * shape.shape[1]))
-    result.eliminate_zeros()
-    return result
-
-
-def _unit(vectors: Matrix) -> Matrix:
-    unit: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    return unit
+    return unit(total)

@@ -1,6 +1,6 @@
 """From a description to a model: matrices, constraints, interfaces, bolts and boundaries."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -8,9 +8,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
-from faying.contact.interface import FacePairs, Interface, stack
+from faying.contact.interface import Interface, stack
+from faying.contact.mortar import build_mortar_interface, find_couplings
 from faying.contact.pairing import find_interfaces
-from faying.contact.penalty import automatic_penalty
+from faying.contact.penalty import automatic_penalty, coupling_penalty
 from faying.contact.zero_thickness import build_interface
 from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly, Beam
@@ -158,25 +159,39 @@ def _interfaces(
 ) -> dict[str, Interface]:
     joints: dict[str, Interface] = {}
     for spec in specs:
-        for name, faces in find_interfaces(assembly, spec).items():
+        for name, interface in _found(assembly, dofs, spec):
             if name in joints:
                 message = f"two interfaces are called '{name}'; give each its own name"
                 raise ModelError(message)
-            penalty = _penalty(assembly, spec, faces)
-            joints[name] = build_interface(assembly, dofs, replace(spec, name=name), faces, penalty)
+            joints[name] = interface
     if not joints:
         message = "the model has no interface; name one, or let faying find it with 'auto'"
         raise ModelError(message)
     return joints
 
 
-def _penalty(assembly: Assembly, spec: InterfaceSpec, faces: tuple[FacePairs, ...]) -> float:
+def _found(
+    assembly: Assembly, dofs: DofMap, spec: InterfaceSpec
+) -> Iterator[tuple[str, Interface]]:
+    """Find where the sides of a spec touch and build the interfaces there."""
+    if spec.meshes == "non-matching":
+        for name, coupling in find_couplings(assembly, spec).items():
+            penalty = _penalty(spec, partial(coupling_penalty, assembly, coupling))
+            own = replace(spec, name=name)
+            yield name, build_mortar_interface(assembly, dofs, own, coupling, penalty)
+    else:
+        for name, faces in find_interfaces(assembly, spec).items():
+            penalty = _penalty(spec, partial(automatic_penalty, assembly, faces))
+            yield name, build_interface(assembly, dofs, replace(spec, name=name), faces, penalty)
+
+
+def _penalty(spec: InterfaceSpec, automatic: Callable[[], float]) -> float:
     if spec.penalty == "hard":
         return np.inf
     if spec.penalty != "auto":
         return float(spec.penalty)
     with naming(f"interface '{spec.name}'"):
-        return automatic_penalty(assembly, faces)
+        return automatic()
 
 
 def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:

@@ -25,9 +25,11 @@ class LapGeometry:
     plates: int
     curvature: float
     shape: str
+    upper_element_size: float
 
     def __post_init__(self) -> None:
-        for name in ("element_size", "length", "width", "thickness", "overlap"):
+        positive = ("element_size", "upper_element_size", "length", "width", "thickness", "overlap")
+        for name in positive:
             if not 0 < getattr(self, name) < np.inf:
                 message = f"lap joint: {name} is {getattr(self, name):g}; it must be positive"
                 raise ModelError(message)
@@ -63,9 +65,10 @@ class LapGeometry:
     def plate(self, number: int) -> Cells:
         """Mesh one plate, counted from below; even ones reach to the clamp, odd ones to the tip."""
         ends = np.array([-self.length / 2, -self.overlap / 2, self.overlap / 2, self.length / 2])
-        x = _grid_lines(ends[:3] if number % 2 == 0 else ends[1:], self.element_size)
-        y = _grid_lines(np.array([-self.width / 2, self.width / 2]), self.element_size)
-        z = _grid_lines(self.heights()[number : number + 2], self.element_size)
+        size = self.upper_element_size if number == self.plates - 1 else self.element_size
+        x = _grid_lines(ends[:3] if number % 2 == 0 else ends[1:], size)
+        y = _grid_lines(np.array([-self.width / 2, self.width / 2]), size)
+        z = _grid_lines(self.heights()[number : number + 2], size)
         bricks = brick_grid(x, y, z)
         kept = ~self._in_hole(bricks)
         if not kept.any():

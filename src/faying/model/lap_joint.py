@@ -31,6 +31,7 @@ two digits of the pressure, because rigid motion then outweighs all elastic comp
 def lap_joint_assembly(
     *,
     element_size: float = 2.5,
+    upper_element_size: float | None = None,
     length: float = 110.0,
     width: float = 20.0,
     thickness: float = 10.0,
@@ -50,6 +51,7 @@ def lap_joint_assembly(
     penalty: float | Literal["auto", "hard"] = "auto",
     quadrature: Literal["gauss", "nodal"] | None = None,
     order: int | None = None,
+    meshes: Literal["matching", "non-matching"] | None = None,
     tip_suspension: tuple[float, float] | None = None,
 ) -> JointDescription:
     """Describe a bolted lap joint; the default is the seed's cantilever (mm, t, s, MPa).
@@ -64,6 +66,8 @@ def lap_joint_assembly(
     element_size
         Edge of the bricks; numbers of bricks are rounded so that the overlap's edges are grid
         lines and the plates match.
+    upper_element_size
+        Another edge for the bricks of the plate on top, whose mesh then does not match.
     length, width, thickness, overlap
         Whole length, width, thickness of each plate, length of the overlap.
     plates
@@ -87,6 +91,8 @@ def lap_joint_assembly(
         See :class:`faying.model.specs.BoltSpec`.
     penalty, quadrature, order
         See :class:`faying.model.specs.InterfaceSpec`.
+    meshes
+        The same; None is ``"non-matching"`` where ``upper_element_size`` is given.
     tip_suspension
         Springs from the tip to ground, each translation [force/length] and each rotation
         [moment/rad]. None is no spring for two plates, and :data:`SOFT_SUSPENSION` for three:
@@ -115,6 +121,7 @@ def lap_joint_assembly(
         plates=plates,
         curvature=curvature,
         shape=shape,
+        upper_element_size=element_size if upper_element_size is None else upper_element_size,
     )
     template = BoltSpec(
         name="bolt",
@@ -128,7 +135,13 @@ def lap_joint_assembly(
     soft = SOFT_SUSPENSION if plates == 3 else (0.0, 0.0)
     bare = _suspended(ends, *(soft if tip_suspension is None else tip_suspension))
     assembly, bolts = _bolted(bare, geometry, template)
-    contact = InterfaceSpec(name="joint", penalty=penalty, quadrature=quadrature, order=order)
+    contact = InterfaceSpec(
+        name="joint",
+        meshes=meshes or ("matching" if upper_element_size is None else "non-matching"),
+        penalty=penalty,
+        quadrature=quadrature,
+        order=order,
+    )
     tip = int(bare.mesh.node_ids[bare.rigid_couplings[0].reference])
     return JointDescription(
         assembly=assembly,

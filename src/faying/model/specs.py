@@ -28,7 +28,8 @@ class InterfaceSpec:
         Contact stiffness [force/length³], ``"auto"`` (10 E/h of the adjoining elements) or
         ``"hard"``.
     tolerance
-        Largest distance [length] between nodes that touch; None is 1 % of the smallest facet edge.
+        Largest distance [length] between nodes that touch, of non-matching meshes between the
+        surfaces; None is 1 % of the smallest facet edge.
     """
 
     name: str

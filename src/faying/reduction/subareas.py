@@ -25,8 +25,9 @@ def subareas(interface: Interface, count: int) -> Indices:
     if count < 1:
         message = f"{count} subareas asked for; give at least one"
         raise ModelError(message)
-    facet = interface.face_of_point
-    n_facet = int(facet.max()) + 1
+    # Nodal points name one of their facets each, and some facets may be named by none.
+    numbers, facet = np.unique(interface.face_of_point, return_inverse=True)
+    n_facet = len(numbers)
     area: Vector = np.bincount(facet, interface.weights, n_facet).astype(float)
     moment = [np.bincount(facet, interface.weights * x, n_facet) for x in interface.points.T]
     centres = np.array(moment).T / area[:, None]

@@ -15,8 +15,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, Vector, frozen
 from faying.contact.interface import Interface
-from faying.contact.penalty import automatic_penalty
-from faying.contact.zero_thickness import build_interface
+from faying.contact.renewal import automatic_penalty_of, rebuilt
 from faying.exceptions import ModelError
 from faying.linalg.factorization import factorize
 from faying.model.model import Model
@@ -178,7 +177,7 @@ def penalty_sweep(
 def _automatic(model: Model) -> float:
     """Return the softest 10 E/h of the interfaces, or the model's own penalty if unknown."""
     try:
-        return min(automatic_penalty(model.assembly, i.faces) for i in model.interfaces.values())
+        return min(automatic_penalty_of(model.assembly, i) for i in model.interfaces.values())
     except ModelError:
         own = min(interface.penalty for interface in model.interfaces.values())
         if np.isfinite(own):
@@ -205,7 +204,7 @@ def _hard_nodal(model: Model) -> Model:
 
 def _nodal(model: Model, interface: Interface) -> Interface:
     spec = InterfaceSpec(name=interface.name, quadrature="nodal", penalty="hard")
-    nodal = build_interface(model.assembly, model.dofs, spec, interface.faces, np.inf)
+    nodal = rebuilt(model.assembly, model.dofs, spec, interface, np.inf)
     shape = interface.point_shape
     # The gap field of the pairs that fits the given points best, exactly where it is theirs.
     gap = factorize(sp.csr_array(shape.T @ shape)).solve(shape.T @ interface.initial_gap)

@@ -16,6 +16,7 @@ ELSEWHERE = {
     "penalty": "[[interface]]",
     "quadrature": "[[interface]]",
     "order": "[[interface]]",
+    "meshes": "[[interface]]",
 }
 """Keywords of the generator that the study file gives in a table of their own."""
 

@@ -1,0 +1,128 @@
+"""How far the true surface stands off the facets that approximate it."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, Vector
+from faying.model.surface import Facets, facet_normals
+
+SHARP = np.radians(15.0)
+"""Normals that turn more than this towards a corner belong to an edge or chamfer, not to an arc."""
+
+
+def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
+    """Estimate how far the true surface stands off each facet: h θ / 4, θ the turn at its nodes.
+
+    θ is the largest angle between the facet's normal and the mean normal at its corners that is
+    not an edge's: zero on a flat surface, h / 2R on a cylinder. Of edges h the longest counts.
+
+    Parameters
+    ----------
+    corners : (n_facet, 4, 3) [length]
+    normals : (n_facet, 3)
+
+    Returns
+    -------
+    ndarray (n_facet,) [length]
+    """
+    index = facets.corners
+    mean = np.zeros((int(index.max()) + 1, 3))
+    np.add.at(mean, index, np.repeat(normals[:, None], index.shape[1], axis=1))
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    mean /= np.where(length > 0, length, 1.0)
+    # The chord between unit normals: unlike arccos it keeps zero at zero.
+    turn = np.linalg.norm(mean[index] - normals[:, None], axis=2)
+    turn = np.where(turn < SHARP, turn, 0.0).max(axis=1)
+    edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+    height: Vector = edge * turn / 4
+    return height
+
+
+def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
+    """Return the normals of the smooth surface through the corners of linear facets.
+
+    At each corner the height of the neighbours' neighbours over the tangent plane is fitted by a
+    quadratic, whose slope at the corner turns the mean normal of the facets; at a rim, where that
+    mean is one-sided, this is what makes the normal second-order accurate. Facets that meet at an
+    edge sharper than 15° do not see each other.
+
+    Returns
+    -------
+    ndarray (n_facet, 4, 3)
+        Unit normals; quadratic facets get their own normal, for they follow the surface.
+    """
+    own = facet_normals(nodes, facets)
+    normals = np.repeat(own[:, None], 4, axis=1)
+    linear = facets.counts <= 4
+    if not linear.any():
+        return normals
+    used, local = np.unique(facets.corners[linear], return_inverse=True)
+    local = local.reshape(-1, 4)
+    mean = np.zeros((len(used), 3))
+    np.add.at(mean, local, np.repeat(own[linear][:, None], 4, axis=1))
+    mean /= np.linalg.norm(mean, axis=1, keepdims=True)
+    fitted = _turned(nodes[used], mean, _neighbours(local, mean))
+    found = fitted[local]
+    smooth = np.linalg.norm(found - own[linear][:, None], axis=2) < SHARP
+    normals[linear] = np.where(smooth[..., None], found, normals[linear])
+    return normals
+
+
+def _neighbours(corners: Indices, normals: Matrix) -> Indices:
+    """Return the nodes within two facets of each node (n_node, most); -1 fills up."""
+    n = len(normals)
+    rows = np.repeat(np.arange(len(corners)), corners.shape[1])
+    belongs = sp.csr_array((np.ones(len(rows)), (rows, corners.ravel())), shape=(len(corners), n))
+    once = (belongs.T @ belongs).tocoo()
+    seen = np.einsum("kd,kd->k", normals[once.row], normals[once.col]) > np.cos(SHARP)
+    once = sp.csr_array((np.ones(seen.sum()), (once.row[seen], once.col[seen])), shape=(n, n))
+    twice = (once @ once).tocsr()
+    count = np.diff(twice.indptr)
+    place = np.arange(twice.nnz) - np.repeat(twice.indptr[:-1], count)
+    table = np.full((n, int(count.max())), -1, dtype=np.int64)
+    table[np.repeat(np.arange(n), count), place] = twice.indices
+    return table
+
+
+def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
+    """Turn normals (n, 3) by the slope of the quadratic through neighbours (n, most)."""
+    first = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    first -= np.einsum("nd,nd->n", first, normals)[:, None] * normals
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    away = np.where(neighbours[..., None] >= 0, points[neighbours] - points[:, None], 0.0)
+    reach = np.linalg.norm(away, axis=2).max(axis=1)
+    x, y, z = (
+        np.einsum("nkd,nd->nk", away, axis) / reach[:, None] for axis in (first, second, normals)
+    )
+    # Rows of zeros stand for missing neighbours; the constant is fixed by the node itself.
+    terms = np.stack([x, y, x * x, x * y, y * y], axis=-1)
+    # Too few neighbours leave terms undetermined; the smallest ones that fit are then taken.
+    fit = np.einsum("nik,nk->ni", np.linalg.pinv(terms, rcond=1e-6), z)
+    turned = normals - fit[:, :1] * first - fit[:, 1:2] * second
+    unit: Matrix = turned / np.linalg.norm(turned, axis=1, keepdims=True)
+    return unit
+
+
+def standing_off(shape: Matrix, corners: Matrix, normals: Matrix) -> Matrix:
+    """Return the height of the smooth surface over linear facets, ½ Σ N_i (x_i − x)·n_i.
+
+    Exact for every quadratic surface with exact normals at the corners: a tangent plane lies as
+    far beyond the surface as the mean of the chords, weighted by N, lies short of it.
+
+    Parameters
+    ----------
+    shape : (n, n_q, 4)
+        Shape functions of the corners; triangles have zero in the last column.
+    corners, normals : (n, 4, 3)
+
+    Returns
+    -------
+    ndarray (n, n_q) [length]
+        Positive where the surface lies outside the facet, seen along the normals.
+    """
+    points = np.einsum("nqi,nid->nqd", shape, corners)
+    at_corner = np.einsum("nid,nid->ni", corners, normals)
+    beyond = np.einsum("nqi,ni->nq", shape, at_corner)
+    height: Matrix = 0.5 * (beyond - np.einsum("nqi,nqd,nid->nq", shape, points, normals))
+    return height

@@ -1,0 +1,90 @@
+"""Convex polygons clipped against each other and cut into triangles, thousands at a time.
+
+Sutherland & Hodgman, Reentrant polygon clipping, Commun. ACM 17 (1974) 32-42.
+"""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+
+
+def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
+    """Intersect convex polygons pairwise.
+
+    Parameters
+    ----------
+    subject, window : (n, 4, 2)
+        Corners, counter-clockwise; a triangle repeats its last corner.
+
+    Returns
+    -------
+    polygons : (n, 8, 2)
+        Corners of the intersections, counter-clockwise; columns beyond the count are zero.
+    counts : (n,)
+        Numbers of corners, 0 where nothing is left.
+
+    Notes
+    -----
+    Four passes over all pairs; each edge of the window adds at most one corner.
+    """
+    polygons = np.array(subject, dtype=float)
+    counts = np.full(len(polygons), polygons.shape[1])
+    for edge in range(window.shape[1]):
+        start = window[:, edge]
+        along = window[:, (edge + 1) % window.shape[1]] - start
+        polygons, counts = _half_plane(polygons, counts, start, along)
+    return polygons, counts
+
+
+def _half_plane(
+    polygons: Matrix, counts: Indices, start: Matrix, along: Matrix
+) -> tuple[Matrix, Indices]:
+    """Keep what lies to the left of one line per polygon; lines (n, 2) without length keep all."""
+    n, width = polygons.shape[:2]
+    corner = np.arange(width)
+    used = corner < counts[:, None]
+    following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
+    away = polygons - start[:, None]
+    left = along[:, None, 0] * away[..., 1] - along[:, None, 1] * away[..., 0]
+    next_left = np.take_along_axis(left, following, axis=1)
+    next_corner = np.take_along_axis(polygons, following[..., None], axis=1)
+    inside = used & (left >= 0)
+    crossing = used & ((left >= 0) != (next_left >= 0))
+    share = left / np.where(crossing, left - next_left, 1.0)
+    cut = polygons + share[..., None] * (next_corner - polygons)
+    # A corner is followed by the point where its edge leaves or enters.
+    every = np.stack([polygons, cut], axis=2).reshape(n, 2 * width, 2)
+    kept = np.stack([inside, crossing], axis=2).reshape(n, 2 * width)
+    first = np.argsort(~kept, axis=1, kind="stable")[:, : width + 1]
+    left_over = np.take_along_axis(every, first[..., None], axis=1)
+    counts = kept.sum(axis=1)
+    left_over[np.arange(width + 1) >= counts[:, None]] = 0.0
+    return left_over, counts
+
+
+def areas(polygons: Matrix, counts: Indices) -> Vector:
+    """Return the areas (n,) of polygons (n, n_corner, 2), counter-clockwise ones positive."""
+    corner = np.arange(polygons.shape[1])
+    following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
+    # About the first corner, so that far-away polygons keep their digits.
+    away = polygons - polygons[:, :1]
+    ahead = np.take_along_axis(away, following[..., None], axis=1)
+    doubled = away[..., 0] * ahead[..., 1] - away[..., 1] * ahead[..., 0]
+    area: Vector = 0.5 * np.where(corner < counts[:, None], doubled, 0.0).sum(axis=1)
+    return area
+
+
+def fans(polygons: Matrix, counts: Indices) -> tuple[Matrix, Indices]:
+    """Cut convex polygons (n, n_corner, 2) into triangles that share their first corner.
+
+    Returns
+    -------
+    triangles : (n_triangle, 3, 2)
+        Counter-clockwise, those without area included.
+    owners : (n_triangle,)
+        Polygon of each.
+    """
+    second = np.arange(1, polygons.shape[1] - 1)
+    owners, place = np.nonzero(second < counts[:, None] - 1)
+    corners = np.stack([np.zeros_like(place), place + 1, place + 2], axis=1)
+    return polygons[owners[:, None], corners], owners
