@@ -19,6 +19,8 @@ READERS: Mapping[str, str] = {
     ".npz": "faying.io.matrix_files:read_npz",
     ".mtx": "faying.io.matrix_files:read_market",
     ".mat": "faying.io.matrix_files:read_matlab",
+    ".op4": "faying.io.op4:read_op4",
+    ".full": "faying.io.ansys_full:read_full",
 }
 """Suffix to module:function (path, name) → :class:`LabelledMatrix`; imported when needed."""
 

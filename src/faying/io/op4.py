@@ -1,0 +1,150 @@
+"""Nastran OUTPUT4 files: dense, sparse and BIGMAT, text and binary, either byte order.
+
+An OP4 file is a list of named matrices. Each is a header (columns, rows, form, type, name), a
+record for every column that is not zero, and one record for the column after the last. A column
+holds *strings*, runs of consecutive rows. Rows have no labels: what row belongs to what degree of
+freedom is said elsewhere, in faying by the dof table.
+
+Nothing is allocated on the word of the file alone: every string must lie in its record and in its
+matrix, and rows must ascend, so that a damaged file is refused and not misread.
+"""
+
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import SparseMatrix
+from faying.exceptions import FormatError
+from faying.io.matrix_files import LabelledMatrix
+from faying.io.op4_binary import BinaryFile, looks_binary
+from faying.io.op4_text import TextFile
+from faying.io.op4_values import COMPLEX, DamageError, Header, Op4File, Strings, spread
+
+FORMS = {1: "square", 2: "rectangular", 6: "symmetric"}
+"""Matrix forms that store every entry; diagonal, triangular and other forms are refused."""
+
+SYMMETRIC = 6
+
+_LETTERS = {"M": "M", "K": "K", "C": "B"}
+"""First letter of Nastran's names (KGG, MAA, BXX) per matrix."""
+
+
+def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:
+    """Read all matrices of an OP4 file.
+
+    Returns
+    -------
+    dict
+        Name as written, without blanks, to sparse matrix (rows, columns).
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, damaged, or holds a complex matrix, one of another form than
+        square, rectangular or symmetric, or two of one name.
+
+    Notes
+    -----
+    Format: OUTPUT4 and INPUTT4 in any Nastran's DMAP manual. Binary files are walked record by
+    record and fetched in batches; half a million columns take seconds.
+    """
+    return _read(Path(path), None)
+
+
+def read_op4(path: Path, name: str) -> LabelledMatrix:
+    """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of an OP4 file.
+
+    It is the one of that name; else the only one; else the only one whose name begins with the
+    letter Nastran uses (M, B for damping, K). Other matrices of the file may be of any kind.
+
+    Raises
+    ------
+    FormatError
+        If there is none, or several; and as :func:`read_op4_matrices`.
+    """
+    return LabelledMatrix(matrix=next(iter(_read(path, name).values())))
+
+
+def _read(path: Path, wanted: str | None) -> dict[str, SparseMatrix]:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        message = f"OP4 file '{path}' cannot be read ({error.strerror}); check the path"
+        raise FormatError(message) from error
+    try:
+        file: Op4File = BinaryFile(content) if looks_binary(content) else TextFile(content)
+        held = list(file.matrices())
+        names = [header.name for header, _ in held]
+        chosen = names if wanted is None else [_chosen(names, wanted)]
+        return {name: _assembled(file, *held[_only(names, name)]) for name in dict.fromkeys(chosen)}
+    except DamageError as error:
+        message = f"OP4 file '{path}': {error}"
+        raise FormatError(message) from error
+
+
+def _chosen(names: list[str], wanted: str) -> str:
+    exact = [name for name in names if name.upper() == wanted.upper()]
+    letter = _LETTERS.get(wanted, wanted)
+    for found in (exact, names, [name for name in names if name.upper().startswith(letter)]):
+        if len(found) == 1:
+            return found[0]
+    message = (
+        f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name begins with "
+        f"{letter}; write {wanted} to a file of its own"
+    )
+    raise DamageError(message)
+
+
+def _only(names: list[str], name: str) -> int:
+    if names.count(name) > 1:
+        message = f"it holds {names.count(name)} matrices named {name}; write each to its own file"
+        raise DamageError(message)
+    return names.index(name)
+
+
+def _check_readable(header: Header) -> None:
+    at = f"matrix '{header.name}' ({header.place})"
+    if header.kind in COMPLEX:
+        message = f"{at} is complex; faying needs real matrices: write its real part"
+        raise DamageError(message)
+    if header.form not in FORMS:
+        known = ", ".join(f"{number} ({text})" for number, text in FORMS.items())
+        message = f"{at} has form {header.form}; readable are {known}"
+        raise DamageError(message)
+    if header.form == SYMMETRIC and header.rows != header.columns:
+        message = (
+            f"{at} is symmetric (form 6) but has {header.rows} rows and {header.columns} columns"
+        )
+        raise DamageError(message)
+
+
+def _check_strings(header: Header, strings: Strings) -> None:
+    """Refuse strings outside the matrix and rows that do not ascend within a column."""
+    last = strings.row + strings.count
+    wrong = (strings.row < 0) | (strings.count < 1) | (last > header.rows)
+    same = strings.column[1:] == strings.column[:-1]
+    wrong[1:] |= same & (strings.row[1:] < last[:-1])
+    if wrong.any():
+        at = int(np.flatnonzero(wrong)[0])
+        message = (
+            f"matrix '{header.name}' ({header.place}): column {strings.column[at] + 1} has "
+            f"{strings.count[at]} values from row {strings.row[at] + 1} on; expected ascending "
+            f"rows from 1 to {header.rows}"
+        )
+        raise DamageError(message)
+
+
+def _assembled(file: Op4File, header: Header, strings: Strings) -> SparseMatrix:
+    _check_readable(header)
+    _check_strings(header, strings)
+    values = file.values(header, strings)
+    if not np.isfinite(values).all():
+        message = f"matrix '{header.name}' ({header.place}) holds NaN or infinity"
+        raise DamageError(message)
+    rows = spread(strings.row, strings.count)
+    columns = np.repeat(strings.column, strings.count)
+    kept = np.flatnonzero(values)
+    where = (rows[kept], columns[kept])
+    return sp.csr_array((values[kept], where), shape=(header.rows, header.columns))

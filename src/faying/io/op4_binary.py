@@ -1,0 +1,204 @@
+"""Binary OUTPUT4: Fortran records of 32- or 64-bit integers, little or big endian."""
+
+import struct
+from collections.abc import Iterator
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Vector
+from faying.io.op4_values import DamageError, Header, Strings, checked_header, chunks, spread
+
+_HEADER_BYTES = {24: 4, 48: 8}
+"""Length of the header record to bytes per integer."""
+
+_BIG_ROWS = 65536
+"""Rows from which Nastran writes strings in the BIGMAT form even where it does not say so."""
+
+_Record = tuple[int, int]
+
+
+def looks_binary(content: bytes) -> bool:
+    """Tell whether a file begins with the record length of a binary header."""
+    return b"\0" in content[:4]
+
+
+@final
+class BinaryFile:
+    """An OP4 file of Fortran records: length, content, length."""
+
+    def __init__(self, content: bytes) -> None:
+        orders = [
+            (order, size)
+            for order in "<>"
+            for length, size in _HEADER_BYTES.items()
+            if content[:4] == struct.pack(f"{order}i", length)
+        ]
+        if not orders:
+            message = (
+                "it begins like a binary file, but not with an OUTPUT4 header of 24 or 48 bytes"
+            )
+            raise DamageError(message)
+        if len(content) % 4:
+            message = f"its {len(content)} bytes are no whole number of words; it was cut off"
+            raise DamageError(message)
+        self._order, self._size = orders[0]
+        self._content = content
+        self._words = np.frombuffer(content, dtype=np.uint32)
+        code = {4: "i", 8: "q"}[self._size]
+        self._marker = struct.Struct(f"{self._order}i")
+        self._start = struct.Struct(f"{self._order}3{code}")
+        self._head = struct.Struct(f"{self._order}4{code}")
+
+    def matrices(self) -> Iterator[tuple[Header, Strings]]:
+        """Walk through the matrices."""
+        place = 0
+        while place < len(self._content):
+            header = self._header(self._record(place))
+            strings, place = self._columns(header, place + 8 + 6 * self._size)
+            yield header, strings
+
+    def values(self, header: Header, strings: Strings) -> Vector:
+        """Return the values of strings one after the other."""
+        width = self._words_per_value(header)
+        kind = np.dtype(f"{self._order}f{4 * width}")
+        parts = []
+        for part in chunks(strings.count):
+            at = spread(strings.start[part], strings.count[part] * width)
+            parts.append(self._words[at].view(kind).astype(np.float64))
+        return np.concatenate([*parts, np.empty(0)])
+
+    def _words_per_value(self, header: Header) -> int:
+        """Four-byte words of a value; where integers have eight bytes, so has a single."""
+        single, parts = header.kind % 2 == 1 and self._size == 4, 1 + (header.kind > 2)
+        return parts * (1 if single else 2)
+
+    def _record(self, place: int) -> _Record:
+        """Start and end of the content of the record at a place."""
+        end = -1
+        if place + 4 <= len(self._content):
+            (length,) = self._marker.unpack_from(self._content, place)
+            end = place + 4 + length
+        if end < place + 4 or end + 4 > len(self._content) or length % 4:
+            message = f"the record at byte {place} does not end within the file; it is damaged"
+            raise DamageError(message)
+        if self._marker.unpack_from(self._content, end)[0] != length:
+            message = f"the record at byte {place} does not end with its length {length}"
+            raise DamageError(message)
+        return place + 4, end
+
+    def _header(self, record: _Record) -> Header:
+        start, end = record
+        if end - start != 6 * self._size:
+            message = f"expected the header of a matrix at byte {start - 4}"
+            raise DamageError(message)
+        columns, rows, form, kind = self._head.unpack_from(self._content, start)
+        # Two words of four letters, or with 64-bit integers of eight, filled up with blanks.
+        text = self._content[start + 4 * self._size : end].replace(b"\0", b" ")
+        name = "".join(text.decode("latin-1").split())
+        header = Header(
+            name=name,
+            rows=abs(rows),
+            columns=columns,
+            form=form,
+            kind=kind,
+            big=rows < 0 or rows >= _BIG_ROWS,
+            place=f"byte {start - 4}",
+        )
+        return checked_header(header, len(self._content))
+
+    def _columns(self, header: Header, place: int) -> tuple[Strings, int]:
+        """Walk the column records, which tell their place only one after the other."""
+        found: list[tuple[int, int, int, int]] = []
+        last = 0
+        while True:
+            start, end = self._record(place)
+            if end - start < 3 * self._size:
+                message = f"the record at byte {place} is too short for a column"
+                raise DamageError(message)
+            column, row, length = self._start.unpack_from(self._content, start)
+            if column == header.columns + 1:
+                break
+            if not last < column <= header.columns:
+                message = (
+                    f"the record at byte {place} is of column {column}; expected one from "
+                    f"{last + 1} to {header.columns + 1}"
+                )
+                raise DamageError(message)
+            if end - start != (3 + length) * self._size:
+                message = (
+                    f"the record of column {column} at byte {place} says {length} words and "
+                    f"holds {(end - start) // self._size - 3}"
+                )
+                raise DamageError(message)
+            last = column
+            found.append((column, row, (start + 3 * self._size) // 4, end // 4))
+            place = end + 4
+        table = np.array(found, dtype=np.int64).reshape(-1, 4).T
+        column, row, first, stop = table
+        return self._strings(header, column - 1, row, first, stop), end + 4
+
+    def _strings(
+        self, header: Header, column: Indices, row: Indices, first: Indices, stop: Indices
+    ) -> Strings:
+        """Divide columns into strings: a dense column is one, others say so by row 0."""
+        width = self._words_per_value(header)
+        dense = row != 0
+        if dense.any() and not dense.all():
+            message = f"matrix '{header.name}' ({header.place}) has dense and sparse columns"
+            raise DamageError(message)
+        if dense.all():
+            return Strings(
+                column=column,
+                row=row - 1,
+                count=_whole(header, stop - first, width),
+                start=first,
+            )
+        return self._sparse_strings(header, column, first, stop)
+
+    def _sparse_strings(
+        self, header: Header, column: Indices, first: Indices, stop: Indices
+    ) -> Strings:
+        """Take the next string of every column at once, until none has one left."""
+        width, step = self._words_per_value(header), self._size // 4
+        heads = (2 if header.big else 1) * step
+        parts: list[tuple[Indices, Indices, Indices, Indices]] = []
+        while len(column):
+            if (first + heads > stop).any():
+                message = f"matrix '{header.name}' ({header.place}): a string is cut off"
+                raise DamageError(message)
+            length, row = self._string_heads(header, first)
+            first = first + heads
+            words = length * step
+            if (length < 1).any() or (first + words > stop).any():
+                at = int(column[np.flatnonzero((length < 1) | (first + words > stop))[0]]) + 1
+                message = f"matrix '{header.name}': a string of column {at} overruns its record"
+                raise DamageError(message)
+            parts.append((column, row - 1, _whole(header, words, width), first))
+            first = first + words
+            more = first < stop
+            column, first, stop = column[more], first[more], stop[more]
+        joined = [np.concatenate(part) for part in zip(*parts, strict=True)]
+        order = np.argsort(joined[0], kind="stable")
+        column, row, count, start = (part[order] for part in joined)
+        return Strings(column=column, row=row, count=count, start=start)
+
+    def _string_heads(self, header: Header, first: Indices) -> tuple[Indices, Indices]:
+        """Words and first row of the strings that begin at some words of the file."""
+        one = self._integers(first)
+        if header.big:
+            return one - 1, self._integers(first + self._size // 4)
+        # Both in one word: row + 65536 (words + 1).
+        return one // _BIG_ROWS - 1, one % _BIG_ROWS
+
+    def _integers(self, at: Indices) -> Indices:
+        width = self._size // 4
+        words = spread(at, np.full(len(at), width))
+        return self._words[words].view(f"{self._order}i{self._size}").astype(np.int64)
+
+
+def _whole(header: Header, words: Indices, width: int) -> Indices:
+    if (words % width).any() or (words <= 0).any():
+        message = f"matrix '{header.name}' ({header.place}) has a string of half a value"
+        raise DamageError(message)
+    return words // width

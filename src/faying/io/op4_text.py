@@ -1,0 +1,195 @@
+"""Text OUTPUT4: integers in columns of eight, values in the columns the header announces."""
+
+import re
+from collections.abc import Iterator
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Vector
+from faying.io.nastran.fields import reals
+from faying.io.op4_values import DamageError, Header, Strings, checked_header, chunks, spread
+
+_FORMAT = re.compile(r"(?:1P,)?(\d{1,3})[ED](\d{1,3})\.\d{1,3}")
+_INTEGER = re.compile(r" *-?\d+")
+_DEFAULT_FORMAT = (5, 16)
+_BIG_ROWS = 65536
+
+
+@final
+class TextFile:
+    """An OP4 file of lines."""
+
+    def __init__(self, content: bytes) -> None:
+        if b"\t" in content or b"\0" in content:
+            message = "it is neither a binary nor a text OUTPUT4 file (it holds tabs or NUL)"
+            raise DamageError(message)
+        plain = re.sub(rb"[ \r]+\n", b"\n", content).rstrip() + b"\n"
+        self._letters = np.frombuffer(plain, dtype=np.uint8)
+        self._content = plain
+        ends = np.flatnonzero(self._letters == ord("\n"))
+        self._first = np.concatenate([[0], ends[:-1] + 1])
+        self._length = ends - self._first
+
+    def matrices(self) -> Iterator[tuple[Header, Strings]]:
+        """Walk through the matrices."""
+        line = 0
+        while line < len(self._first):
+            header = self._header(line)
+            strings, line = self._columns(header, line + 1)
+            yield header, strings
+
+    def values(self, header: Header, strings: Strings) -> Vector:
+        """Return the values of strings one after the other."""
+        per_line, width = header.layout
+        parts = []
+        for part in chunks(strings.count):
+            count = strings.count[part]
+            number = spread(np.zeros_like(count), count)
+            line = np.repeat(strings.start[part], count) + number // per_line
+            self._check_lengths(line, number % per_line, width, per_line, count)
+            at = (self._first[line] + number % per_line * width)[:, None] + np.arange(width)
+            fields = np.ascontiguousarray(self._letters[at]).view(f"S{width}").ravel()
+            values, bad = reals(fields)
+            if bad.any():
+                first = int(np.flatnonzero(bad)[0])
+                shown = fields[first].decode("latin-1").strip()
+                message = f"line {line[first] + 1}: '{shown}' is not a number"
+                raise DamageError(message)
+            parts.append(values)
+        return np.concatenate([*parts, np.empty(0)])
+
+    def _check_lengths(
+        self, line: Indices, place: Indices, width: int, per_line: int, count: Indices
+    ) -> None:
+        """Each line must end with its last value, so that nothing was inserted or lost."""
+        last = np.zeros(len(line), dtype=bool)
+        last[np.cumsum(count) - 1] = True
+        last |= place == per_line - 1
+        wrong = self._length[line[last]] != (place[last] + 1) * width
+        if wrong.any():
+            at = int(line[last][np.flatnonzero(wrong)[0]])
+            wanted = int((place[last][wrong][0] + 1) * width)
+            message = (
+                f"line {at + 1} has {self._length[at]} characters; its values take {wanted} "
+                f"({width} each)"
+            )
+            raise DamageError(message)
+
+    def _line(self, line: int) -> str:
+        if line >= len(self._first):
+            message = f"it ends after line {len(self._first)} within a matrix; it was cut off"
+            raise DamageError(message)
+        start = int(self._first[line])
+        return self._content[start : start + int(self._length[line])].decode("latin-1")
+
+    def _header(self, line: int) -> Header:
+        text = self._line(line)
+        wide = text.endswith("|I16")
+        width = 16 if wide else 8
+        text = text.removesuffix("|I16")
+        columns, rows = self._integers(line, text[: 2 * width], 2, width)
+        form, kind = self._integers(line, text[2 * width : 2 * width + 16], 2, 8)
+        rest = text[2 * width + 16 :]
+        name = "".join(rest[:8].split())
+        header = Header(
+            name=name,
+            rows=abs(rows),
+            columns=columns,
+            form=form,
+            kind=kind,
+            big=rows < 0 or rows >= _BIG_ROWS,
+            place=f"line {line + 1}",
+            layout=_layout(rest[8:].strip().upper(), line),
+        )
+        return checked_header(header, len(self._content))
+
+    def _integers(self, line: int, text: str, count: int, width: int = 8) -> list[int]:
+        """Exactly so many integers of fixed width."""
+        fields = [text[i : i + width] for i in range(0, max(len(text), 1), width)]
+        if len(fields) != count or not all(_INTEGER.fullmatch(field) for field in fields):
+            message = (
+                f"line {line + 1}: expected {count} integers of {width} columns, found "
+                f"'{text.strip()[:40]}'"
+            )
+            raise DamageError(message)
+        return [int(field) for field in fields]
+
+    def _columns(self, header: Header, line: int) -> tuple[Strings, int]:
+        """Walk the columns, whose lines tell their number only one after the other."""
+        per_line, _ = header.layout
+        found: list[tuple[int, int, int, int]] = []
+        last, dense = 0, None
+        while True:
+            column, row, length = self._integers(line, self._line(line), 3)
+            if column == header.columns + 1:
+                return self._ended(header, found, line)
+            if not last < column <= header.columns or length < 1:
+                message = (
+                    f"line {line + 1}: column {column} of {length} words; expected one of the "
+                    f"columns {last + 1} to {header.columns + 1}"
+                )
+                raise DamageError(message)
+            if dense not in (None, row != 0):
+                message = f"line {line + 1}: matrix '{header.name}' has dense and sparse columns"
+                raise DamageError(message)
+            last, dense = column, row != 0
+            line += 1
+            if dense:
+                found.append((column - 1, row - 1, length, line))
+                line += -(-length // per_line)
+            else:
+                line = self._sparse_column(header, column, length, line, found)
+
+    def _sparse_column(
+        self,
+        header: Header,
+        column: int,
+        length: int,
+        line: int,
+        found: list[tuple[int, int, int, int]],
+    ) -> int:
+        """Append the strings of a column and return the line after them."""
+        per_line, _ = header.layout
+        width = 2 if header.kind % 2 == 0 else 1
+        while length > 0:
+            if header.big:
+                words, row = self._integers(line, self._line(line), 2)
+                words, length = words - 1, length - words - 1
+            else:
+                (packed,) = self._integers(line, self._line(line), 1)
+                words, row = packed // _BIG_ROWS - 1, packed % _BIG_ROWS
+                length -= words + 1
+            if words < 1 or words % width or length < 0:
+                message = f"line {line + 1}: a string of {words} words overruns column {column}"
+                raise DamageError(message)
+            found.append((column - 1, row - 1, words // width, line + 1))
+            line += 1 - (-(words // width) // per_line)
+        return line
+
+    def _ended(
+        self, header: Header, found: list[tuple[int, int, int, int]], line: int
+    ) -> tuple[Strings, int]:
+        """Join the strings once the closing record is complete."""
+        closing = self._line(line + 1).split()
+        if len(closing) != 1:
+            message = (
+                f"line {line + 2}: matrix '{header.name}' does not close with one value after "
+                f"column {header.columns}"
+            )
+            raise DamageError(message)
+        column, row, count, start = np.array(found, dtype=np.int64).reshape(-1, 4).T
+        if len(start) and int(start[-1]) >= len(self._first):
+            self._line(int(start[-1]))
+        return Strings(column=column, row=row, count=count, start=start), line + 2
+
+
+def _layout(text: str, line: int) -> tuple[int, int]:
+    """Values per line and columns per value."""
+    if not text:
+        return _DEFAULT_FORMAT
+    found = _FORMAT.fullmatch(text)
+    if found is None or not (int(found[1]) > 0 and 1 < int(found[2]) <= 80):
+        message = f"line {line + 1}: '{text}' is no format of values such as 1P,3E23.16"
+        raise DamageError(message)
+    return int(found[1]), int(found[2])

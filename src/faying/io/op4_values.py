@@ -1,0 +1,119 @@
+"""What text and binary OUTPUT4 files have in common."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from faying._typing import Indices, Vector
+
+REAL, COMPLEX = (1, 2), (3, 4)
+"""Types of matrices, single and double."""
+
+SMALL = 1_000_000
+"""Rows or columns that any file may claim; more must be justified by its size."""
+
+CHUNK = 1 << 20
+"""Values fetched at once."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Header:
+    """What stands in front of a matrix.
+
+    Attributes
+    ----------
+    big
+        Whether strings are written in the BIGMAT form.
+    place
+        Line or byte where it stands, for messages.
+    layout
+        Values per line and columns per value of a text file.
+    """
+
+    name: str
+    rows: int
+    columns: int
+    form: int
+    kind: int
+    big: bool
+    place: str
+    layout: tuple[int, int] = (0, 0)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Strings:
+    """Runs of consecutive rows.
+
+    Attributes
+    ----------
+    column, row, count : (n_string,)
+        Column and first row from zero, and the number of values.
+    start : (n_string,)
+        Where the values begin: a word or a line of the file.
+    """
+
+    column: Indices
+    row: Indices
+    count: Indices
+    start: Indices
+
+
+class Op4File(Protocol):
+    """A file whose matrices can be found and fetched."""
+
+    def matrices(self) -> Iterator[tuple[Header, Strings]]:
+        """Walk through the matrices."""
+        ...
+
+    def values(self, header: Header, strings: Strings) -> Vector:
+        """Return the values of strings one after the other."""
+        ...
+
+
+class DamageError(ValueError):
+    """What is wrong in a file, and where; the name of the file is added on the way out."""
+
+
+def checked_header(header: Header, n_bytes: int) -> Header:
+    """Return a header of a known type whose size the file's size can justify.
+
+    Raises
+    ------
+    DamageError
+    """
+    at = f"matrix '{header.name}' ({header.place})"
+    if not (header.name and header.name.isascii() and header.name.isprintable()):
+        message = f"no matrix name at {header.place}, where a header is expected"
+        raise DamageError(message)
+    if header.kind not in (*REAL, *COMPLEX):
+        message = f"{at} has type {header.kind}; expected 1 (real single) or 2 (real double)"
+        raise DamageError(message)
+    most = max(SMALL, n_bytes)
+    if not (0 < header.rows <= most and 0 < header.columns <= most):
+        message = (
+            f"{at} claims {header.rows} rows and {header.columns} columns, which a file of "
+            f"{n_bytes} bytes does not hold"
+        )
+        raise DamageError(message)
+    return header
+
+
+def spread(starts: Indices, counts: Indices) -> Indices:
+    """Return start, start + 1, … for each of several runs, joined."""
+    ends = np.cumsum(counts)
+    offsets = np.arange(int(ends[-1]) if len(ends) else 0, dtype=np.int64)
+    runs: Indices = offsets + np.repeat(starts - (ends - counts), counts)
+    return runs
+
+
+def chunks(counts: Indices) -> Iterator[slice]:
+    """Divide strings so that each part holds about :data:`CHUNK` values."""
+    ends = np.cumsum(counts)
+    start = 0
+    while start < len(ends):
+        done = int(ends[start - 1]) if start else 0
+        stop = max(int(np.searchsorted(ends, done + CHUNK)), start + 1)
+        yield slice(start, stop)
+        start = stop
