@@ -85,7 +85,7 @@ def _interface(model: Model, name: str, preload_pressure: Vector) -> InterfaceRe
         initial_gap=interface.initial_gap,
         slice=(points.start, points.stop),
         pairs=interface.pairs,
-        pair_points=model.assembly.mesh.nodes[interface.pairs].mean(axis=1),
+        pair_points=interface.pair_points(model.assembly.mesh.nodes),
         averaging=interface.nodal_average(np.eye(interface.n_points)).T,
         faces=interface.faces,
         penalty=interface.penalty,
