@@ -3,7 +3,7 @@
 import contextlib
 import io
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from faying.exceptions import FormatError
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock, Mesh
+from faying.model.separate import separated
 from faying.model.surface import N_NODES, Facets, exterior_facets, padded, unique_rows
 
 ANY_GROUP = "default"
@@ -98,9 +99,12 @@ def read_mesh_file(
     ModelError
         If a group to separate is not there.
     """
-    from faying.model.separate import separated
-
     path = Path(path)
+    if path.suffix.lower() == ".cdb":
+        from faying.io.ansys_archive import read_archive
+
+        archive = read_archive(path, materials=materials)
+        return replace(archive, mesh=separated(archive.mesh, separate))
     found = _read(path)
     points = _points(path, found)
     groups = _groups(found)

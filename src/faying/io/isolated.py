@@ -1,0 +1,73 @@
+"""Compiled readers of other programs' files, run in a process of their own.
+
+Such a reader trusts the file; a damaged one can crash or stall the process that reads it, which
+must not be the user's.
+"""
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from faying.exceptions import FormatError
+
+SLOWEST = 1e6
+"""Bytes a second below which a read counts as stalled; a healthy one does a hundred times that."""
+
+STARTUP = 120.0
+"""Seconds that importing a reader may take on a busy machine."""
+
+_NOT_INSTALLED = 3
+
+
+def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, npt.NDArray[Any]]:
+    """Let a script read a file and return the arrays it saves.
+
+    Parameters
+    ----------
+    script
+        Python text that takes the file from ``sys.argv[1]``, calls ``numpy.savez`` on
+        ``sys.argv[2]``, and exits with status 3 where its reader is not installed.
+    what
+        What is read, for messages.
+    extra
+        The extra of faying that installs the reader.
+
+    Raises
+    ------
+    FormatError
+        If the file is not there or cannot be read, or the reader is not installed.
+    """
+    if not path.is_file():
+        message = f"{what}: '{path}' is not there; check the path"
+        raise FormatError(message)
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "arrays.npz"
+        limit = STARTUP + path.stat().st_size / SLOWEST
+        command = [sys.executable, "-c", script, str(path.resolve()), str(target)]
+        try:
+            done = subprocess.run(
+                command,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                timeout=limit,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            message = f"{what}: '{path}' could not be read in {limit:.0f} s; it is damaged"
+            raise FormatError(message) from None
+        if done.returncode == _NOT_INSTALLED:
+            message = f"{what}: reading '{path}' needs an extra; pip install 'faying[{extra}]'"
+            raise FormatError(message)
+        if done.returncode != 0 or not target.is_file():
+            said = done.stderr.strip().splitlines()
+            reason = said[-1][:200] if said else f"its reader ended with status {done.returncode}"
+            message = f"{what}: '{path}' cannot be read ({reason}); write it again"
+            raise FormatError(message)
+        with np.load(target) as file:
+            return {key: file[key] for key in file.files}

@@ -1,0 +1,94 @@
+"""Files that Ansys wrote and ansys-mapdl-reader brings along: cubes of SOLID186 and SOLID187.
+
+The archive and the matrices belong together: 40 bricks with 321 nodes.
+"""
+
+import contextlib
+import random
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faying.exceptions import FormatError
+from faying.io.ansys_archive import read_archive
+from faying.io.ansys_full import read_full
+from faying.model.assembly import Material
+from faying.model.matrices import mass_properties
+
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore")  # the package's own deprecations
+    examples = pytest.importorskip(
+        "ansys.mapdl.reader.examples", reason="ansys-mapdl-reader is not installed"
+    )
+
+STEEL = Material(name="default", youngs_modulus=2e11, poissons_ratio=0.3, density=7850.0)
+
+
+@pytest.fixture(scope="module")
+def archive():
+    return read_archive(Path(examples.hexarchivefile), materials={})
+
+
+@pytest.fixture(scope="module")
+def matrices():
+    return {name: read_full(Path(examples.fullfile), name) for name in "KM"}
+
+
+def test_archive(archive):
+    assert [(b.kind, len(b.ids)) for b in archive.mesh.blocks] == [("hex20", 40)]
+    assert len(archive.mesh.nodes) == 321
+    assert archive.materials[1].youngs_modulus == 7e10
+    assert archive.materials[1].poissons_ratio == 0.35
+    assert archive.materials[1].density == 2700.0
+    assert len(archive.mesh.node_sets["NCOMP2"]) > 0
+    assert set(archive.mesh.element_sets["ECOMP1"]) <= set(archive.mesh.element_ids)
+    # the mesh fills its box: an inverted or misread brick would not; round-off of the sums
+    volume = np.ptp(archive.mesh.nodes, axis=0).prod()
+    assert mass_properties(archive).mass == pytest.approx(2700.0 * volume, rel=1e-12)
+
+
+def test_tetrahedra():
+    found = read_archive(Path(examples.tetarchivefile), materials={"default": STEEL})
+    assert {block.kind for block in found.mesh.blocks} == {"tet4"}  # SOLID187 without mid-sides
+    volume = np.ptp(found.mesh.nodes, axis=0).prod()
+    assert mass_properties(found).mass == pytest.approx(7850.0 * volume, rel=1e-9)
+
+
+def test_matrices_are_labelled_and_symmetric(matrices):
+    K, M = matrices["K"], matrices["M"]
+    assert K.matrix.shape == M.matrix.shape == (len(K.dofs), len(K.dofs))
+    assert np.array_equal(K.dofs, M.dofs)
+    assert set(K.dofs[:, 1]) == {1, 2, 3}
+    for one in (K, M):
+        assert abs(one.matrix - one.matrix.T).max() == 0
+        assert one.matrix.diagonal().min() > 0
+
+
+def test_c_is_not_in_the_file():
+    with pytest.raises(FormatError, match=r"holds K and M only"):
+        read_full(Path(examples.fullfile), "C")
+
+
+def test_materials_must_be_given():
+    with pytest.raises(FormatError, match=r'add \[material."material 1"\]'):
+        read_archive(Path(examples.tetarchivefile), materials={})
+
+
+@pytest.mark.parametrize("name", ["full", "cdb"])
+def test_damaged_files_end_in_one_message(name, tmp_path):
+    """A few only: every one starts a process."""
+    whole = Path(examples.fullfile if name == "full" else examples.hexarchivefile).read_bytes()
+    path = tmp_path / f"damaged.{name}"
+    rng = random.Random(1)
+    for _ in range(3):
+        damaged = bytearray(whole[: rng.randrange(100, len(whole))])
+        for _ in range(200):
+            damaged[rng.randrange(len(damaged))] = rng.randrange(256)
+        path.write_bytes(damaged)
+        with contextlib.suppress(FormatError):
+            if name == "full":
+                read_full(path, "K")
+            else:
+                read_archive(path, materials={"default": STEEL})
