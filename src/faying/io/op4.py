@@ -91,8 +91,8 @@ def _chosen(names: list[str], wanted: str) -> str:
         if len(found) == 1:
             return found[0]
     message = (
-        f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name begins with "
-        f"{letter}; write {wanted} to a file of its own"
+        f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name "
+        f"begins with {letter}; write {wanted} to a file of its own"
     )
     raise DamageError(message)
 

@@ -15,6 +15,9 @@ _INTEGER = re.compile(r" *-?\d+")
 _DEFAULT_FORMAT = (5, 16)
 _BIG_ROWS = 65536
 
+_PACKED_WIDTH = 18
+"""Row and length of a string in one integer stand alone in their line, eight columns or more."""
+
 
 @final
 class TextFile:
@@ -157,7 +160,7 @@ class TextFile:
                 words, row = self._integers(line, self._line(line), 2)
                 words, length = words - 1, length - words - 1
             else:
-                (packed,) = self._integers(line, self._line(line), 1)
+                (packed,) = self._integers(line, self._line(line).strip(), 1, _PACKED_WIDTH)
                 words, row = packed // _BIG_ROWS - 1, packed % _BIG_ROWS
                 length -= words + 1
             if words < 1 or words % width or length < 0:
