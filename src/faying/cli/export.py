@@ -1,5 +1,6 @@
 """``faying export``: hand a reduced model over to another program."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -65,10 +66,13 @@ def _described(given: "HandOver") -> str:
 
 
 FEW = 8
-"""Files that are listed one by one."""
+"""Files of one folder that are listed one by one."""
 
 
-def _shown(paths: tuple[Path, ...]) -> list[str]:
-    if len(paths) <= FEW:
-        return [str(path) for path in paths]
-    return [*map(str, paths[:FEW]), f"{len(paths) - FEW} more files beside them"]
+def _shown(paths: tuple[Path, ...]) -> Iterator[str]:
+    for folder in dict.fromkeys(path.parent for path in paths):
+        inside = [path for path in paths if path.parent == folder]
+        if len(inside) > FEW:
+            yield f"{folder} ({len(inside)} files)"
+        else:
+            yield from map(str, inside)

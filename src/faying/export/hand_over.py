@@ -11,6 +11,7 @@ from typing import TypedDict
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import StudyError
+from faying.model.mesh import CellBlock
 from faying.reduction.basis import ModeKind
 from faying.reduction.portable import PortableJoint, PortableModel
 from faying.reduction.reduced_model import ReducedModel
@@ -56,6 +57,8 @@ class HandOver:
         Static equilibrium of ``model`` under its bolts alone: where a simulation starts.
     nodes : (n_node, 3) [length]
     node_ids : (n_node,)
+    blocks
+        Solid elements.
     modes : (n_mode, n_node, 3) or None
         Displacement of every node per q; None where the run kept none.
     results
@@ -74,6 +77,7 @@ class HandOver:
     preloaded: Solution
     nodes: Matrix
     node_ids: Indices
+    blocks: tuple[CellBlock, ...] = ()
     modes: Matrix | None = None
     results: Results | None = None
 
@@ -115,6 +119,7 @@ def hand_over(
         joint_modes=count,
         nodes=results.nodes,
         node_ids=results.node_ids,
+        blocks=results.blocks,
         interfaces=results.interfaces,
         modes=None if shapes is None else shapes[record.shapes],
         results=results,
@@ -162,6 +167,7 @@ def hand_over_of(rom: ReducedModel, *, title: str = "joint", method: str = "mode
         joint_modes=rom.basis.count(ModeKind.JOINT),
         nodes=model.assembly.mesh.nodes,
         node_ids=model.assembly.mesh.node_ids,
+        blocks=model.assembly.mesh.blocks,
         interfaces=interfaces,
         modes=shapes if record.shapes is not None else None,
         **_parts(joint_of(ports, interfaces, forces), record),
