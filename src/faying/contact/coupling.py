@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.arcs import corner_normals, standing_off
-from faying.contact.facets import gauss_rule, shape_functions, surface
+from faying.contact.facets import Rule, gauss_rule, shape_functions, surface
 from faying.contact.segment_points import LINEAR, FacetPoints, on_side
 from faying.contact.segments import Segments
 from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_normals
@@ -26,6 +26,17 @@ _FLATNESS = 1e-6
 
 _DEGREE = {"tri3": 1, "quad4": 2, "tri6": 2, "quad8": 3}
 """Polynomial degree of the shape functions on a parallelogram."""
+
+_RATIONAL = 8
+"""Degrees more where a facet is no parallelogram: its shape functions are then no polynomials."""
+
+_LARGEST_DEGREE = 12
+
+_AT_ONCE = 200_000
+"""Quadrature points in memory at a time."""
+
+_AFFINE = 1e-9
+"""Deviation from a parallelogram, over its size, that is rounding."""
 
 _DETERMINED = 1e-9
 """Smallest eigenvalue of a facet's scaled mass matrix that still says something about motion."""
@@ -201,15 +212,17 @@ def _operator(
         "minus": (segments.minus, segments.minus_of),
         "plus": (segments.plus, segments.plus_of),
     }[side]
-    result = sp.csr_array(shape)
+    entries, places = [], []
     for part in parts:
         own = segments.minus_of[part.rows]
         block = dual[own] @ getattr(part, side)
         found = facets.nodes[of[part.rows], : block.shape[2]]
         row = np.broadcast_to(columns[own][:, :, None], block.shape)
         column = np.broadcast_to(found[:, None, :], block.shape)
-        entries = (block.ravel(), (row.ravel(), column.ravel()))
-        result = result + sp.coo_array(entries, shape=shape).tocsr()
+        entries.append(block.ravel())
+        places.append(np.stack([row.ravel(), column.ravel()]))
+    table = (np.concatenate(entries), tuple(np.concatenate(places, axis=1)))
+    result = sp.coo_array(table, shape=shape).tocsr()
     result = sp.csr_array(sp.diags_array(1.0 / total) @ result)
     # What should vanish does to rounding, and would fill the matrix.
     result.data[np.abs(result.data) < 1e-12] = 0.0
@@ -226,8 +239,20 @@ def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
     for (one, minus_rows), (other, plus_rows) in product(kinds[0].items(), kinds[1].items()):
         chosen = np.isin(segments.minus_of, minus_rows) & np.isin(segments.plus_of, plus_rows)
         rows = np.flatnonzero(chosen)
-        if len(rows):
-            yield _of_kinds(nodes, segments, (one, other), rows, normals)
+        if not len(rows):
+            continue
+        rule = gauss_rule("tri3", _degree(nodes, segments, (one, other), rows))
+        for part in np.array_split(rows, 1 + len(rows) * len(rule.weights) // _AT_ONCE):
+            yield _of_kinds(nodes, segments, (one, other), part, rule, normals)
+
+
+def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
+    """Degree of the products to be integrated over triangles ``rows``."""
+    degree = _DEGREE[LINEAR[kinds[0]]] + max(_DEGREE[kind] for kind in kinds)
+    affine = _affine(nodes, segments.minus, segments.minus_of[rows])
+    if affine and _affine(nodes, segments.plus, segments.plus_of[rows]):
+        return degree
+    return min(degree + _RATIONAL, _LARGEST_DEGREE)
 
 
 def _of_kinds(
@@ -235,12 +260,10 @@ def _of_kinds(
     segments: Segments,
     kinds: tuple[str, str],
     rows: Indices,
+    rule: Rule,
     normals: list[Matrix | None],
 ) -> _Integrals:
-    degree = _DEGREE[LINEAR[kinds[0]]] + max(_DEGREE[kind] for kind in kinds)
-    # Shape functions of quadrilaterals that are no parallelograms are no polynomials.
-    degree += 2 * any(N_CORNERS[kind] == 4 for kind in kinds)
-    rule = gauss_rule("tri3", degree)
+    own, other = segments.minus_of[rows], segments.plus_of[rows]
     minus, plus = (
         on_side(side, kind, nodes, segments, rows, rule)
         for side, kind in zip(("minus", "plus"), kinds, strict=True)
@@ -249,8 +272,8 @@ def _of_kinds(
     size = size * np.linalg.norm(minus.area_vectors, axis=-1)
     gap = plus.heights - minus.heights
     if normals[0] is not None and normals[1] is not None:
-        gap -= _arc(minus, nodes, segments.minus, segments.minus_of[rows], normals[0])
-        gap -= _arc(plus, nodes, segments.plus, segments.plus_of[rows], normals[1])
+        gap -= _arc(minus, nodes, segments.minus, own, normals[0])
+        gap -= _arc(plus, nodes, segments.plus, other, normals[1])
     linear = minus.linear
     linear = np.pad(linear, ((0, 0), (0, 0), (0, 4 - linear.shape[2])))
     weighted = size[..., None] * linear
@@ -262,6 +285,22 @@ def _of_kinds(
         weight=weighted.sum(axis=1),
         gap=np.einsum("nqa,nq->na", weighted, gap),
     )
+
+
+def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
+    """Tell whether facets are triangles or parallelograms, with mid-side nodes half way."""
+    for kind, members in by_kind(facets.taken(np.unique(rows))).items():
+        x = nodes[facets.taken(np.unique(rows)).nodes[members, : N_NODES[kind]]]
+        corners = x[:, : N_CORNERS[kind]]
+        away = np.zeros(1)
+        if N_CORNERS[kind] == 4:
+            away = np.abs(corners[:, 0] - corners[:, 1] + corners[:, 2] - corners[:, 3])
+        if x.shape[1] > N_CORNERS[kind]:
+            middle = (corners + np.roll(corners, -1, axis=1)) / 2
+            away = np.append(away, np.abs(middle - x[:, N_CORNERS[kind] :]))
+        if away.max() > _AFFINE * np.ptp(corners, axis=1).max():
+            return False
+    return True
 
 
 def _arc(side: FacetPoints, nodes: Matrix, facets: Facets, at: Indices, normals: Matrix) -> Matrix:

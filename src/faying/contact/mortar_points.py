@@ -119,6 +119,7 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarP
         vectors = seen.area_vectors
         slope = np.linalg.norm(vectors, axis=-1)
         weights = 2 * segments.areas[rows][:, None] * rule.weights * slope
+        weights = _consistent(weights, seen.linear, own, coupling)
         normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[own])
         coordinates = nodes[segments.minus.nodes[own, : N_NODES[kind]]]
         parts.append(
@@ -132,6 +133,28 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarP
             )
         )
     return parts
+
+
+def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Coupling) -> Matrix:
+    """Correct weights (n, n_q) so that they integrate L as the coupling does.
+
+    A low rule misses a little where the shape functions are no polynomials, and a constant
+    pressure would then load the two sides differently. The factor is linear on each facet.
+    """
+    n_corner = shape.shape[2]
+    sums, masses = np.zeros((len(coupling.masses), 4)), np.zeros_like(coupling.masses)
+    weighted = weights[..., None] * shape
+    np.add.at(sums[:, :n_corner], rows, weighted.sum(axis=1))
+    np.add.at(masses[:, :n_corner, :n_corner], rows, np.einsum("nqa,nqb->nab", weighted, shape))
+    missing = coupling.masses.sum(axis=2) - sums
+    inverse = np.linalg.pinv(masses[rows], rcond=1e-9, hermitian=True)
+    factors = np.einsum("nab,nb->na", inverse, missing[rows])[:, :n_corner]
+    factor = 1.0 + np.einsum("nqa,na->nq", shape, factors)
+    # A facet so distorted that this fails keeps its own weights, which are positive.
+    least = np.ones(len(masses))
+    np.minimum.at(least, rows, factor.min(axis=1))
+    corrected: Matrix = np.where(least[rows][:, None] > 0, weights * factor, weights)
+    return corrected
 
 
 def _spread(values: Matrix, rows: Indices, coupling: Coupling) -> SparseMatrix:
