@@ -59,7 +59,7 @@ if TYPE_CHECKING:
     from faying.simulation.static import solve_static, solve_static_cases
     from faying.simulation.transient import solve_transient
     from faying.simulation.worst_case import worst_case_load
-    from faying.sources import from_matrices, lap_joint, read_mesh, read_nastran
+    from faying.sources import from_matrices, lap_joint, read_abaqus, read_mesh, read_nastran
 
 # Names are imported when first used, so that `faying --help` need not wait for SciPy.
 _HOMES = {

@@ -1,14 +1,24 @@
 """``*CONTACT PAIR`` with its ``*SURFACE INTERACTION``: interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from faying._typing import Matrix
+from faying.contact.pairing import find_interfaces
+from faying.exceptions import ModelError
 
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
+from faying.model.assembly import Assembly
+from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
+from faying.model.surface import exterior_facets
 
 MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE", "CONTACT CONTROLS")
 _FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
@@ -159,9 +169,93 @@ def interface_names(pairs: list[Pair]) -> list[str]:
     ]
 
 
-def specs(pairs: list[Pair]) -> tuple[InterfaceSpec, ...]:
-    """Return the pairs as interfaces."""
-    return tuple(
-        InterfaceSpec(name=name, minus=pair.slave.name, plus=pair.master.name, penalty=pair.penalty)
-        for name, pair in zip(interface_names(pairs), pairs, strict=True)
-    )
+def with_mixed_sides(mesh: Mesh, pairs: list[Pair]) -> Mesh:
+    """Name sides of triangles and quadrilaterals as node sets, for a face set has one kind.
+
+    Raises
+    ------
+    FormatError
+        If other facets lie between the nodes of such a surface too.
+    """
+    for pair in pairs:
+        for side in (pair.slave, pair.master):
+            if len(side.facets) < 2:
+                continue
+            exterior = exterior_facets(mesh)
+            inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
+            inside[side.nodes] = inside[-1] = True
+            count = int(inside[exterior.nodes].all(axis=1).sum())
+            if side.name in mesh.node_sets or count != sum(map(len, side.facets.values())):
+                message = (
+                    f"surface '{side.name}' mixes triangles and quadrilaterals and cannot be told "
+                    "by its nodes; make one surface, and one contact pair, of each kind"
+                )
+                raise side.keyword.error(message)
+            mesh = mesh.with_node_set(side.name, side.nodes)
+    return mesh
+
+
+def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[InterfaceSpec, ...]:
+    """Return the pairs as interfaces; those whose meshes do not match are so marked."""
+    found = []
+    for name, pair in zip(interface_names(pairs), pairs, strict=True):
+        spec = InterfaceSpec(
+            name=name, minus=pair.slave.name, plus=pair.master.name, penalty=pair.penalty
+        )
+        if pair.adjusted:
+            ignored.append(f"ADJUST of contact pair {name}: no node is moved, gaps are as meshed")
+        try:
+            find_interfaces(assembly, spec)
+        except ModelError:
+            # Whatever else is wrong, the mortar interface will say when the model is built.
+            spec = replace(spec, meshes="non-matching")
+            ignored.append(f"meshes of contact pair {name} do not match: coupled by projection")
+        found.append(spec)
+    return tuple(found)
+
+
+def clearances(
+    deck: Deck, assembly: Assembly, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
+) -> dict[str, float]:
+    """Read *CLEARANCE with one VALUE: name of the interface to the gap it starts with.
+
+    Raises
+    ------
+    FormatError
+        If the sides belong to no pair, do not coincide, or the clearance is not one value.
+    """
+    found = {}
+    for keyword in deck.of("CLEARANCE"):
+        keyword.allow("MASTER", "SLAVE", "VALUE")
+        if keyword.data:
+            message = "it must be one VALUE; give other gaps as initial_gap in the study"
+            raise keyword.error(message)
+        value = real(keyword, None, keyword.required("VALUE"), "VALUE")
+        wanted = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
+        matching = [
+            (pair, spec)
+            for pair, spec in zip(pairs, interfaces, strict=True)
+            if [pair.slave.name.upper(), pair.master.name.upper()] == wanted
+        ]
+        if not matching:
+            message = "no *CONTACT PAIR has these surfaces as slave and master"
+            raise keyword.error(message)
+        pair, spec = matching[0]
+        if spec.meshes != "matching" or not _coincide(assembly.mesh.nodes, pair):
+            message = (
+                "a clearance replaces the gap of the geometry, and this pair has one; remove it "
+                "and give the study's interface an initial_gap"
+            )
+            raise keyword.error(message)
+        found[spec.name] = value
+    return found
+
+
+def _coincide(nodes: Matrix, pair: Pair) -> bool:
+    """Whether paired nodes lie on one another, to a millionth of the size of the slave."""
+    distance, _ = cKDTree(nodes[pair.master.nodes]).query(nodes[pair.slave.nodes])
+    size = float(np.ptp(nodes[pair.slave.nodes], axis=0).max(initial=0.0))
+    facets = np.concatenate([part[:, :2] for part in pair.slave.facets.values()])
+    edge = float(np.linalg.norm(nodes[facets[:, 1]] - nodes[facets[:, 0]], axis=1).min())
+    paired = distance[distance < 0.1 * edge]
+    return bool(paired.max(initial=0.0) <= 1e-6 * size)

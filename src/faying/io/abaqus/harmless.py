@@ -31,7 +31,6 @@ REMEDIES: Mapping[str, str] = {
     "MEMBRANE SECTION": "mesh with solids",
     "TEMPERATURE": "remove it; thermal strain is not supported",
     "INITIAL CONDITIONS": "remove it; initial stress, strain or temperature is not supported",
-    "CLEARANCE": "give initial_gap to the interface in the study",
     "CONTACT INTERFERENCE": "give initial_gap (negative) to the interface in the study",
     "CYCLIC SYMMETRY MODEL": "model the whole structure",
     "GAP": "use *CONTACT PAIR",

@@ -1,25 +1,30 @@
 """All families of keywords together: a deck as an assembly, and what belongs to it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from faying._typing import Indices
-from faying.io.abaqus import contact, materials, pretension
+from faying.io.abaqus import contact, couplings, materials, pretension
+from faying.io.abaqus.beams import read_beams
+from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
+from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import read_dofs
-from faying.io.abaqus.elements import read_elements
+from faying.io.abaqus.distributed_loads import read_distributed
+from faying.io.abaqus.dofs import Dofs, read_dofs
+from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations, read_mpcs
 from faying.io.abaqus.harmless import HARMLESS, REMEDIES
 from faying.io.abaqus.loads import nodal_forces, read_concentrated
+from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.nodes import Nodes, read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.solid_sections import formulation, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
-from faying.io.abaqus.surfaces import DeckSurface, read_surfaces
+from faying.io.abaqus.surfaces import DeckSurface, find_surface, read_surfaces
 from faying.model.assembly import Assembly, FaceSet, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
@@ -28,19 +33,15 @@ _READ = frozenset(
     (
         *("NODE", "SYSTEM", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SOLID SECTION"),
         *("SPRING", "TRANSFORM", "BOUNDARY", "CLOAD", "EQUATION", "MPC", "RIGID BODY"),
-        *("CONTACT PAIR", "SURFACE INTERACTION", "PRE-TENSION SECTION"),
+        *("CONTACT PAIR", "SURFACE INTERACTION", "PRE-TENSION SECTION", "COUPLING", "DLOAD"),
+        "CLEARANCE",
+        *("DSLOAD", "DISTRIBUTING COUPLING", "MASS", "ROTARY INERTIA", "BEAM SECTION"),
+        *("BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS"),
+        *couplings.MEMBERS,
         *contact.MEMBERS,
         *materials.MEMBERS,
     )
 )
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Geometry:
-    """Mesh, sets and surfaces."""
-
-    mesh: Mesh
-    surfaces: Mapping[str, DeckSurface]
 
 
 def description(deck: Deck, ignored: list[str]) -> JointDescription:
@@ -56,9 +57,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     elements = read_elements(deck, nodes)
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
-    solids, used = read_solid_sections(
-        deck, elements, by_element, materials.read_materials(deck, ignored)
-    )
+    named = materials.read_materials(deck, ignored)
+    solids, used = read_solid_sections(deck, elements, by_element, named)
     mesh = Mesh(
         nodes=nodes.coordinates,
         node_ids=nodes.ids,
@@ -66,35 +66,101 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         node_sets=_node_sets(by_node, nodes),
         element_sets={by_element.names[key]: ids for key, ids in by_element.ids.items()},
     )
-    surfaces = read_surfaces(deck, mesh, by_element, by_node)
     dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
     sections = pretension.read_sections(deck, dofs, elements, by_element)
-    apart = frozenset(section.node for section in sections)
+    mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, ignored)
+    surfaces = read_surfaces(deck, mesh, by_element, by_node)
     forces = read_concentrated(deck, dofs, ignored)
-    equations = list(read_equations(deck, dofs))
-    more, rigid = read_mpcs(deck, dofs, len(equations) + 1)
-    bodies = read_rigid_bodies(deck, dofs, elements, by_element, len(rigid) + len(equations) + 1)
     pairs = contact.read_pairs(deck, surfaces, ignored)
     assembly = Assembly(
         mesh=mesh,
         materials=used,
         element=formulation(elements.solids, ignored),
+        beams=tuple(read_beams(deck, elements, by_element, named, ignored)),
         springs=tuple(read_springs(deck, elements, by_element, nodes.coordinates)),
-        rigid_couplings=(*rigid, *bodies),
-        equations=(*equations, *more),
-        supports=read_supports(deck, dofs, apart),
+        masses=tuple(read_masses(deck, elements, by_element)),
+        supports=read_supports(deck, dofs, frozenset(section.node for section in sections)),
         face_sets=_face_sets(surfaces),
-        loads=_loads(
-            deck, nodal_forces({p: f for p, f in forces.items() if p[0] not in apart}, dofs)
-        ),
         name=deck.path.stem,
-        ignored=tuple(ignored),
     )
+    apart = {section.node for section in sections}
+    applied = nodal_forces({place: f for place, f in forces.items() if place[0] not in apart}, dofs)
+    distributed = read_distributed(deck, assembly, by_element, surfaces, ignored)
+    distributed[: len(applied)] += applied
+    assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces)
+    assembly = close_cuts(assembly, cuts)
+    closing = assembly.springs[len(assembly.springs) - len(cuts) :]
+    bolts = pretension.bolts(sections, [spring.id for spring in closing])
+    assembly = replace(
+        assembly,
+        mesh=contact.with_mixed_sides(assembly.mesh, pairs),
+        loads=_loads(deck, distributed),
+    )
+    specs = contact.specs(assembly, pairs, ignored)
     return JointDescription(
-        assembly=assembly,
-        interfaces=contact.specs(pairs),
-        bolts=pretension.bolts(sections),
+        assembly=replace(assembly, ignored=tuple(ignored)),
+        interfaces=specs,
+        bolts=bolts,
         preloads=pretension.preloads(sections, forces),
+        initial_gaps=contact.clearances(deck, assembly, pairs, specs),
+    )
+
+
+def _cut(
+    deck: Deck,
+    mesh: Mesh,
+    sections: list[pretension.Section],
+    by_element: NamedSets,
+    by_node: NamedSets,
+    ignored: list[str],
+) -> tuple[Mesh, list[Cut]]:
+    """Cut the solids at pretension sections; surfaces are read again on the result."""
+    through_solids = [section for section in sections if section.element is None]
+    cuts = []
+    for section in through_solids:
+        surfaces = read_surfaces(deck, mesh, by_element, by_node)
+        surface = find_surface(surfaces, section.keyword, section.surface, None)
+        if not surface.facets:
+            message = f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
+            raise section.keyword.error(message)
+        mesh, cut = cut_mesh(mesh, section, surface)
+        cuts.append(cut)
+    if cuts:
+        ignored.append(
+            "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, for minus = "
+            '"auto" would find the cuts too'
+        )
+    return mesh, cuts
+
+
+def _tied(
+    deck: Deck,
+    assembly: Assembly,
+    dofs: Dofs,
+    elements: Elements,
+    by_element: NamedSets,
+    surfaces: Mapping[str, DeckSurface],
+) -> Assembly:
+    """Add couplings and equations."""
+    equations = list(read_equations(deck, dofs))
+    more, links = read_mpcs(deck, dofs, len(equations) + 1)
+    first = len(equations) + len(more) + len(links) + 1
+    bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
+    kinematic, average = read_couplings(deck, dofs, surfaces, first + len(bodies))
+    first += len(bodies) + len(kinematic) + len(average)
+    average += read_distributing(deck, dofs, elements, by_element, first)
+    rigid = [*links, *bodies, *kinematic]
+    rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
+    rotating[[coupling.reference for coupling in rigid]] = True
+    rotating[[coupling.reference for coupling in average]] = True
+    rotating[[node for beam in assembly.beams for node in beam.nodes]] = True
+    rotating[[node for s in assembly.springs for node, component in s.ends if component > 2]] = True
+    rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
+    return replace(
+        assembly,
+        equations=(*equations, *more),
+        rigid_couplings=with_real_rotations(rigid, rotating),
+        average_couplings=tuple(average),
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
 from faying.io.abaqus.elements import Elements
-from faying.io.abaqus.fields import is_integer
+from faying.io.abaqus.fields import is_integer, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Forces
 from faying.io.abaqus.sets import NamedSets
@@ -24,6 +24,8 @@ class Section:
         Id of the beam it cuts; None for a cut through solids.
     surface
         Name of the surface it cuts solids at; empty for a beam.
+    direction : (3,)
+        Normal given on the data line, if any.
     """
 
     keyword: Keyword
@@ -31,6 +33,7 @@ class Section:
     node: int
     element: int | None
     surface: str
+    direction: tuple[float, ...] | None = None
 
 
 def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -> list[Section]:
@@ -53,7 +56,14 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
         label = keyword.value("NODE")
         plain = surface or (f"bolt {element}" if is_integer(label) else label)
         found.append(
-            Section(keyword=keyword, name=plain, node=node, element=element, surface=surface)
+            Section(
+                keyword=keyword,
+                name=plain,
+                node=node,
+                element=element,
+                surface=surface,
+                direction=_direction(keyword),
+            )
         )
         if any(other.name == plain for other in found[:-1]):
             message = (
@@ -61,6 +71,16 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
             )
             raise keyword.error(message)
     return found
+
+
+def _direction(keyword: Keyword) -> tuple[float, ...] | None:
+    rows = keyword.rows()
+    if not rows:
+        return None
+    if len(rows) > 1 or len(rows[0]) != 3:
+        message = "expected at most one data line with the direction of the section: three numbers"
+        raise keyword.error(message, 0)
+    return tuple(real(keyword, 0, text, "a direction") for text in rows[0])
 
 
 def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
@@ -73,12 +93,15 @@ def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
     return int(members[0])
 
 
-def bolts(sections: list[Section]) -> tuple[BoltSpec, ...]:
-    """Return the bolts that are beams."""
+def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
+    """Return all bolts; ``springs`` are the ids of the springs that close cuts, in order."""
+    closing = iter(springs)
     return tuple(
-        BoltSpec(name=section.name, elements=(section.element,))
+        BoltSpec(
+            name=section.name,
+            elements=(next(closing) if section.element is None else section.element,),
+        )
         for section in sections
-        if section.element is not None
     )
 
 

@@ -12,7 +12,7 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import exterior_facets
+from faying.model.surface import N_NODES, exterior_facets
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -113,29 +113,14 @@ def _of_elements(keyword: Keyword, name: str, mesh: Mesh, by_element: NamedSets)
     if whole.any():
         exterior = exterior_facets(mesh)
         chosen = exterior.taken(np.isin(exterior.elements, ids[whole]))
-        for kind, part in chosen.by_kind().items():
-            facets.setdefault(kind, []).append(part.nodes[:, : (part.nodes[0] >= 0).sum()])
+        for kind, exposed in chosen.by_kind().items():
+            facets.setdefault(kind, []).append(exposed.nodes[:, : N_NODES[kind]])
         owners.append(chosen.elements)
         _check_all_solid(keyword, mesh, ids[whole], rows[whole])
     ids, faces, rows = ids[~whole], faces[~whole], rows[~whole]
-    _check_all_solid(keyword, mesh, ids, rows)
-    for block in mesh.blocks:
-        order = np.argsort(block.ids, kind="stable")
-        place = np.minimum(np.searchsorted(block.ids[order], ids), len(order) - 1)
-        cell = order[place]
-        here = np.flatnonzero(block.ids[cell] == ids)
-        table_of_faces = SOLIDS[block.kind].faces
-        over = here[faces[here] > len(table_of_faces)]
-        if over.size:
-            bad = int(over[0])
-            message = f"element {ids[bad]} ({block.kind}) has no face S{faces[bad]}"
-            raise keyword.error(message, int(rows[bad]))
-        for number, (kind, local) in enumerate(table_of_faces, start=1):
-            of_face = here[faces[here] == number]
-            if of_face.size:
-                corners = block.nodes[cell[of_face]][:, list(local)]
-                facets.setdefault(kind, []).append(corners)
-        owners.append(ids[here])
+    owners.append(ids)
+    for kind, part in facets_of_faces(keyword, mesh, ids, faces, rows).items():
+        facets.setdefault(kind, []).append(part)
     joined = {kind: np.concatenate(parts) for kind, parts in facets.items()}
     all_nodes = [np.empty(0, dtype=np.int64), *(part.ravel() for part in joined.values())]
     return DeckSurface(
@@ -145,6 +130,36 @@ def _of_elements(keyword: Keyword, name: str, mesh: Mesh, by_element: NamedSets)
         nodes=np.unique(np.concatenate(all_nodes)),
         elements=np.unique(np.concatenate(owners)),
     )
+
+
+def facets_of_faces(
+    keyword: Keyword, mesh: Mesh, ids: Indices, faces: Indices, rows: Indices
+) -> dict[str, Indices]:
+    """Return facet kind to nodes (n_facet, n_node_per_facet) of faces 1 … 6 of solids.
+
+    Raises
+    ------
+    FormatError
+        If an element is no solid or has no such face; ``rows`` are the data lines.
+    """
+    _check_all_solid(keyword, mesh, ids, rows)
+    facets: dict[str, list[Indices]] = {}
+    for block in mesh.blocks:
+        order = np.argsort(block.ids, kind="stable")
+        cell = order[np.minimum(np.searchsorted(block.ids[order], ids), len(order) - 1)]
+        here = np.flatnonzero(block.ids[cell] == ids)
+        table_of_faces = SOLIDS[block.kind].faces
+        over = here[(faces[here] > len(table_of_faces)) | (faces[here] < 1)]
+        if over.size:
+            bad = int(over[0])
+            message = f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}"
+            raise keyword.error(message, int(rows[bad]))
+        for number, (kind, local) in enumerate(table_of_faces, start=1):
+            of_face = here[faces[here] == number]
+            if of_face.size:
+                corners = block.nodes[cell[of_face]][:, list(local)]
+                facets.setdefault(kind, []).append(corners)
+    return {kind: np.concatenate(parts) for kind, parts in facets.items()}
 
 
 def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, Indices]:

@@ -1,0 +1,229 @@
+"""``*BEAM SECTION`` and ``*BEAM GENERAL SECTION``: beams of both programs as exact beams."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from faying.exceptions import ModelError
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.elements import ElementBlock, Elements
+from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.solid_sections import find_material
+from faying.model.assembly import Beam, BeamSection, Material
+
+TYPES = ("B31", "B31R", "B33", "B32", "B32R")
+
+Direction = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Section:
+    number: int
+    section: BeamSection
+    material: Material
+    first_axis: Direction
+    keyword: Keyword
+
+
+def read_beams(
+    deck: Deck,
+    elements: Elements,
+    sets: NamedSets,
+    materials: Mapping[str, Material],
+    ignored: list[str],
+) -> Iterator[Beam]:
+    """Read beams: two-node ones as they are, three-node ones as two beams.
+
+    The second half of a three-node beam gets the id of the beam, the first half a new one.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a beam without section, or a section that is not supported.
+    """
+    blocks = elements.of(*TYPES)
+    if not blocks:
+        return
+    sections = _sections(deck, sets, materials)
+    ignored += [
+        f"{name}: taken as beams exact for end loads, not as the element's own"
+        for name in sorted({block.type for block in blocks} - {"B33"})
+    ]
+    halves = max((int(block.ids.max(initial=0)) for block in elements.blocks), default=0) + 1
+    for block in blocks:
+        for i, element_id in enumerate(block.ids.tolist()):
+            if element_id not in sections:
+                message = f"beam {element_id} has no *BEAM SECTION; give its set one"
+                raise block.keyword.error(message, int(block.rows[i]))
+            ends = block.nodes[i].tolist()
+            for start, end in pairwise(ends):
+                last = end == ends[-1]
+                yield _beam(block, i, element_id if last else halves, (start, end), sections)
+                halves += not last
+
+
+def _beam(
+    block: ElementBlock, i: int, number: int, ends: tuple[int, int], sections: dict[int, _Section]
+) -> Beam:
+    section = sections[int(block.ids[i])]
+    used = section.section
+    if block.type == "B33":
+        used = replace(used, shear_factor_y=np.inf, shear_factor_z=np.inf)
+    return Beam(
+        id=number,
+        nodes=ends,
+        section=used,
+        material=section.material,
+        orientation=section.first_axis,
+        property=section.number,
+    )
+
+
+def _sections(
+    deck: Deck, sets: NamedSets, materials: Mapping[str, Material]
+) -> dict[int, _Section]:
+    found: dict[int, _Section] = {}
+    first = len(deck.of("SOLID SECTION")) + 1
+    named = ("BEAM SECTION", "BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS")
+    for number, keyword in enumerate(deck.of(*named), start=first):
+        if keyword.name == "TRANSVERSE SHEAR STIFFNESS":
+            message = "it is not supported; leave it out, and take B33 for beams rigid in shear"
+            raise keyword.error(message)
+        rows = keyword.rows()
+        if keyword.name == "BEAM SECTION":
+            keyword.allow("ELSET", "MATERIAL", "SECTION", "POISSON", "TEMPERATURE")
+            material = find_material(materials, keyword)
+            section = _profile(keyword, rows, material.poissons_ratio)
+        else:
+            keyword.allow("ELSET", "SECTION", "DENSITY", "POISSON")
+            section, material = _general(keyword, rows)
+        axis = _direction(keyword, rows)
+        for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
+            if element_id in found:
+                message = f"beam {element_id} has two sections; give it one"
+                raise keyword.error(message)
+            found[element_id] = _Section(
+                number=number, section=section, material=material, first_axis=axis, keyword=keyword
+            )
+    return found
+
+
+def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) -> list[float]:
+    if not rows or len(rows[0]) not in counts:
+        shown = " or ".join(map(str, counts))
+        message = f"expected {shown} measures of the section on the first data line"
+        raise keyword.error(message, 0 if rows else None)
+    values = [real(keyword, 0, text, "a length") for text in rows[0]]
+    if min(values) <= 0:
+        message = f"a measure is {min(values):g}; it must be positive"
+        raise keyword.error(message, 0)
+    return values
+
+
+def _profile(keyword: Keyword, rows: list[list[str]], poisson: float) -> BeamSection:
+    """Section of a circle, pipe or rectangle; the first local axis n1 is our y."""
+    kind = keyword.required("SECTION").upper()
+    # Shear factors: G. R. Cowper, "The shear coefficient in Timoshenko's beam theory", J. Appl.
+    # Mech. 33 (1966) 335-340.
+    if kind == "CIRC":
+        values = _measures(keyword, rows, (1, 2))
+        radius = values[0]
+        if len(values) == 2 and values[1] != radius:
+            message = "an elliptic section is not supported; give one radius"
+            raise keyword.error(message, 0)
+        inertia = np.pi * radius**4 / 4
+        shear = 6 * (1 + poisson) / (7 + 6 * poisson)
+        return _round(np.pi * radius**2, inertia, shear)
+    if kind == "PIPE":
+        radius, thickness = _measures(keyword, rows, (2,))
+        if thickness >= radius:
+            message = f"the wall {thickness:g} is not thinner than the radius {radius:g}"
+            raise keyword.error(message, 0)
+        inner = radius - thickness
+        ratio = (inner / radius) ** 2
+        shear = (
+            6 * (1 + poisson) * (1 + ratio) ** 2
+            / ((7 + 6 * poisson) * (1 + ratio) ** 2 + (20 + 12 * poisson) * ratio)
+        )  # fmt: skip
+        area = np.pi * (radius**2 - inner**2)
+        return _round(area, np.pi * (radius**4 - inner**4) / 4, shear)
+    if kind == "RECT":
+        width, height = _measures(keyword, rows, (2,))
+        shear = 10 * (1 + poisson) / (12 + 11 * poisson)
+        return BeamSection(
+            area=width * height,
+            inertia_y=width * height**3 / 12,
+            inertia_z=height * width**3 / 12,
+            torsion=_rectangle_torsion(width, height),
+            shear_factor_y=shear,
+            shear_factor_z=shear,
+        )
+    message = f"SECTION={kind} is not supported; give CIRC, PIPE, RECT, or *BEAM GENERAL SECTION"
+    raise keyword.error(message)
+
+
+def _round(area: float, inertia: float, shear: float) -> BeamSection:
+    return BeamSection(
+        area=area,
+        inertia_y=inertia,
+        inertia_z=inertia,
+        torsion=2 * inertia,
+        shear_factor_y=shear,
+        shear_factor_z=shear,
+    )
+
+
+def _rectangle_torsion(width: float, height: float) -> float:
+    """Torsion constant of a rectangle: S. Timoshenko, J. Goodier, "Theory of Elasticity", §109.
+
+    Three terms of the series leave 1e-6.
+    """
+    long, short = max(width, height), min(width, height)
+    odd = np.arange(1, 12, 2)
+    series = np.sum(np.tanh(odd * np.pi * long / (2 * short)) / odd**5)
+    return float(long * short**3 / 3 * (1 - 192 / np.pi**5 * short / long * series))
+
+
+def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Material]:
+    """Area, I11, I12, I22, J; axis; Young's and shear modulus."""
+    if keyword.choice("SECTION", "GENERAL") != "GENERAL":
+        message = f"SECTION={keyword.choice('SECTION')} is not supported; give GENERAL"
+        raise keyword.error(message)
+    if len(rows) != 3 or len(rows[0]) != 5 or not 2 <= len(rows[2]) <= 4:
+        message = (
+            "expected three data lines: area, I11, I12, I22, J; direction of the first axis; "
+            "Young's modulus, shear modulus"
+        )
+        raise keyword.error(message)
+    area, i11, i12, i22, torsion = (real(keyword, 0, text, "a constant") for text in rows[0])
+    modulus, shear = (real(keyword, 2, text, "a modulus") for text in rows[2][:2])
+    density = real(keyword, None, keyword.value("DENSITY", "0."), "DENSITY")
+    if i12 != 0.0:
+        message = "I12 is not zero; give the section in its principal axes"
+        raise keyword.error(message, 0)
+    if not min(area, i11, i22, torsion) > 0 or not shear > 0:
+        message = "areas, inertias and moduli must be positive"
+        raise keyword.error(message, 0)
+    try:
+        material = Material(
+            youngs_modulus=modulus, poissons_ratio=modulus / (2 * shear) - 1, density=density
+        )
+    except ModelError as error:
+        raise keyword.error(str(error), 2) from None
+    return BeamSection(area=area, inertia_y=i11, inertia_z=i22, torsion=torsion), material
+
+
+def _direction(keyword: Keyword, rows: list[list[str]]) -> Direction:
+    """Direction of the first local axis n1; both programs default to (0, 0, -1)."""
+    if len(rows) < 2:
+        return (0.0, 0.0, -1.0)
+    if len(rows[1]) != 3:
+        message = "expected the direction of the first local axis: three numbers"
+        raise keyword.error(message, 1)
+    x, y, z = (optional_real(keyword, 1, rows[1], i, 0.0, "a direction") for i in range(3))
+    turned = keyword.scope.rotation @ np.array([x, y, z])
+    return (float(turned[0]), float(turned[1]), float(turned[2]))

@@ -1,0 +1,164 @@
+"""``*COUPLING`` and ``*DISTRIBUTING COUPLING``: nodes tied rigidly or on average."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.facets import gauss_rule, surface
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.fields import real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
+from faying.model.assembly import AverageCoupling, RigidCoupling
+
+MEMBERS = ("KINEMATIC", "DISTRIBUTING")
+_ALL = tuple(range(6))
+
+
+def read_couplings(
+    deck: Deck, dofs: Dofs, surfaces: Surfaces, first_id: int
+) -> tuple[list[RigidCoupling], list[AverageCoupling]]:
+    """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
+
+    Distributing couplings weight nodes by their share of the surface's area.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a missing node or surface, or an option that is not supported.
+    """
+    rigid: list[RigidCoupling] = []
+    average: list[AverageCoupling] = []
+    for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
+        head.allow("CONSTRAINT NAME", "REF NODE", "SURFACE")
+        if len(members) != 1:
+            message = "expected one *KINEMATIC or *DISTRIBUTING below it"
+            raise head.error(message)
+        (member,) = members
+        reference = dofs.one(head, None, head.required("REF NODE"), "the reference node")
+        found = find_surface(surfaces, head, head.required("SURFACE"), None)
+        nodes = found.nodes[found.nodes != reference]
+        components = _components(member)
+        if member.name == "KINEMATIC":
+            member.allow()
+            rigid.append(
+                RigidCoupling(id=number, reference=reference, nodes=nodes, components=components)
+            )
+            continue
+        member.allow("COUPLING", "WEIGHTING METHOD")
+        _check_distributing(member)
+        average.append(
+            AverageCoupling(
+                id=number,
+                reference=reference,
+                nodes=nodes,
+                weights=_areas(found, dofs.nodes.coordinates)[found.nodes != reference],
+                reference_components=tuple(sorted({0, 1, 2, *components})),
+            )
+        )
+    return rigid, average
+
+
+def _check_distributing(member: Keyword) -> None:
+    wished = member.choice("COUPLING", "CONTINUUM"), member.choice("WEIGHTING METHOD", "UNIFORM")
+    if wished != ("CONTINUUM", "UNIFORM"):
+        message = "only COUPLING=CONTINUUM with WEIGHTING METHOD=UNIFORM is supported"
+        raise member.error(message)
+
+
+def _components(member: Keyword) -> tuple[int, ...]:
+    found: set[int] = set()
+    for row, fields in enumerate(member.rows()):
+        if not 1 <= len(fields) <= 2:
+            message = "expected the first and the last degree of freedom"
+            raise member.error(message, row)
+        first = component(member, row, fields[0])
+        last = component(member, row, fields[1]) if len(fields) > 1 and fields[1] else first
+        if last < first:
+            message = f"the last degree of freedom {last + 1} is below the first {first + 1}"
+            raise member.error(message, row)
+        found.update(range(first, last + 1))
+    return tuple(sorted(found)) or _ALL
+
+
+def _areas(found: DeckSurface, coordinates: Matrix) -> Vector:
+    """Share of the area of each node; facets share theirs equally among their nodes."""
+    shares = np.zeros(len(coordinates))
+    for kind, facets in found.facets.items():
+        areas = surface(kind, coordinates[facets], gauss_rule(kind)).areas.sum(axis=1)
+        share = np.repeat(areas / facets.shape[1], facets.shape[1])
+        shares += np.bincount(facets.ravel(), share, minlength=len(coordinates))
+    if not found.facets:
+        shares[found.nodes] = 1.0
+    weights: Vector = shares[found.nodes]
+    return weights
+
+
+def read_distributing(
+    deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets, first_id: int
+) -> list[AverageCoupling]:
+    """Read all *DISTRIBUTING COUPLING: one DCOUP3D element, then nodes or sets and weights.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a missing element or node, or a weight that is not positive.
+    """
+    found = []
+    reference_of = {
+        int(i): int(node)
+        for block in elements.of("DCOUP3D")
+        for i, node in zip(block.ids, block.nodes[:, 0], strict=True)
+    }
+    for number, keyword in enumerate(deck.of("DISTRIBUTING COUPLING"), start=first_id):
+        keyword.allow("ELSET")
+        members = sets.find(keyword, keyword.required("ELSET")).tolist()
+        if len(members) != 1 or members[0] not in reference_of:
+            message = f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element"
+            raise keyword.error(message)
+        weights: dict[int, float] = {}
+        for row, fields in enumerate(keyword.rows()):
+            if len(fields) != 2:
+                message = f"found {len(fields)} fields, expected node or node set and weight"
+                raise keyword.error(message, row)
+            weight = real(keyword, row, fields[1], "a weight")
+            if not weight > 0:
+                message = f"the weight is {weight:g}; it must be positive"
+                raise keyword.error(message, row)
+            weights.update(dict.fromkeys(dofs.find(keyword, row, fields[0]).tolist(), weight))
+        reference = reference_of[members[0]]
+        weights.pop(reference, None)
+        found.append(
+            AverageCoupling(
+                id=number,
+                reference=reference,
+                nodes=np.array(list(weights), dtype=np.int64),
+                weights=np.array(list(weights.values())),
+            )
+        )
+    return found
+
+
+def with_real_rotations(
+    couplings: Sequence[RigidCoupling], rotating: Mask
+) -> tuple[RigidCoupling, ...]:
+    """Leave out the rotations of nodes that have none (those of solids)."""
+    result = []
+    for coupling in couplings:
+        turning = rotating[coupling.nodes]
+        translations = tuple(c for c in coupling.components if c < 3)
+        parts: list[tuple[Indices, tuple[int, ...]]] = [
+            (coupling.nodes[turning], coupling.components),
+            (coupling.nodes[~turning], translations),
+        ]
+        result += [
+            replace(coupling, nodes=nodes, components=components)
+            for nodes, components in parts
+            if len(nodes) and components
+        ]
+    return tuple(result)

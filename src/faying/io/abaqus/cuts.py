@@ -1,0 +1,218 @@
+"""Pretension sections through solids: the mesh is cut and a stiff spring closes the cut.
+
+Both programs double the nodes of the section and let the two sides move apart along its normal by
+one common distance, which the pretension force drives and which is locked afterwards. Here this
+distance is the elongation of a spring in the bolt, far stiffer than the solids beside it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices, Vector
+from faying.contact.facets import area_vectors, gauss_rule
+from faying.io.abaqus.pretension import Section
+from faying.io.abaqus.surfaces import DeckSurface
+from faying.model.assembly import Assembly, Equation, Spring, Support
+from faying.model.elements import SOLIDS
+from faying.model.mesh import Mesh
+from faying.model.surface import padded, unique_rows
+
+STIFFNESS_FACTOR = 1e4
+"""Spring of a cut over E A / h of the layer of elements beside it: one part in ten thousand of one
+layer is added to the bolt's compliance, and K loses no more than four digits."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cut:
+    """A section through solids, cut open.
+
+    Attributes
+    ----------
+    kept, copies : (n,)
+        Nodes of the section, and the new ones of the elements beyond it, in the same order.
+    normal : (3,)
+        Unit vector from the side that owns the surface to the side beyond.
+    area : [length²]
+    ends
+        Two new nodes whose first components move apart as the sides do.
+    owner
+        Id of one element beside the section.
+    """
+
+    section: Section
+    kept: Indices
+    copies: Indices
+    normal: Vector
+    area: float
+    ends: tuple[int, int]
+    owner: int
+
+
+def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, Cut]:
+    """Give the elements beyond a section nodes of their own.
+
+    Raises
+    ------
+    FormatError
+        If the surface does not cut the body in two.
+    """
+    beyond = _beyond(mesh, section, surface)
+    n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
+    kept = surface.nodes
+    copy_of = np.arange(n_node)
+    copy_of[kept] = n_node + np.arange(len(kept))
+    ends = (n_node + len(kept), n_node + len(kept) + 1)
+    blocks = []
+    for block in mesh.blocks:
+        far = np.isin(block.ids, beyond)
+        blocks.append(
+            replace(block, nodes=np.where(far[:, None], copy_of[block.nodes], block.nodes))
+        )
+    vector = np.zeros(3)
+    for kind, facets in surface.facets.items():
+        rule = gauss_rule(kind)
+        vectors = area_vectors(kind, mesh.nodes[facets], rule.points)
+        vector += np.einsum("fqd,q->d", vectors, rule.weights)
+    area = float(np.linalg.norm(vector))
+    if not area > 0:
+        message = f"surface '{surface.name}' has no area as a whole; a section is nearly flat"
+        raise section.keyword.error(message)
+    centre = mesh.nodes[kept].mean(axis=0)
+    changed = replace(
+        mesh,
+        nodes=np.vstack([mesh.nodes, mesh.nodes[kept], centre, centre]),
+        node_ids=np.concatenate([mesh.node_ids, first_id + np.arange(len(kept) + 2)]),
+        blocks=tuple(blocks),
+    )
+    return changed, Cut(
+        section=section,
+        kept=kept,
+        copies=copy_of[kept],
+        normal=_direction(section, vector / area),
+        area=area,
+        ends=ends,
+        owner=int(surface.elements[0]),
+    )
+
+
+def _direction(section: Section, normal: Vector) -> Vector:
+    """Return the direction given on the data line, turned to the mean normal; else the latter."""
+    if section.direction is None:
+        return normal
+    given = np.array(section.direction)
+    length = float(np.linalg.norm(given))
+    cosine = float(given @ normal) / length if length > 0 else 0.0
+    if not abs(cosine) > 0.5:
+        message = "the direction is zero or lies in the section; give the axis of the bolt"
+        raise section.keyword.error(message, 0)
+    unit: Vector = given / length * np.sign(cosine)
+    return unit
+
+
+def _beyond(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:
+    """Ids of the elements at the section on the side that does not own the surface."""
+    faces, ids = _faces_at(mesh, surface.nodes)
+    cut = np.concatenate([np.sort(_corners(part), axis=1) for part in surface.facets.values()])
+    keys = np.concatenate([cut, np.sort(_corners(faces), axis=1)])
+    _, group, _ = unique_rows(keys)
+    is_cut = np.isin(group[len(cut) :], group[: len(cut)])
+    elements, position = np.unique(ids, return_inverse=True)
+    joins = sp.csr_array(
+        (np.ones(int((~is_cut).sum())), (position[~is_cut], group[len(cut) :][~is_cut])),
+        shape=(len(elements), int(group.max()) + 1),
+    )
+    count, part = connected_components(joins @ joins.T, directed=False)
+    owners = np.unique(part[np.isin(elements, surface.elements)])
+    across = elements[np.setdiff1d(position[is_cut], np.flatnonzero(np.isin(part, owners)))]
+    if not len(across) or np.intersect1d(part[np.isin(elements, across)], owners).size:
+        message = (
+            f"surface '{surface.name}' does not cut the solids it lies in from rim to rim; take "
+            "all element faces of one cross-section of the shank, seen from one side"
+        )
+        raise section.keyword.error(message)
+    others = np.setdiff1d(np.arange(count), [*owners, *part[np.isin(elements, across)]])
+    if others.size:
+        message = (
+            f"element {elements[part == others[0]][0]} touches the section '{surface.name}' only "
+            "at an edge or a corner, so its side is not clear; place the section elsewhere"
+        )
+        raise section.keyword.error(message)
+    return elements[~np.isin(part, owners)]
+
+
+def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
+    """Faces (n_face, 8) of all elements that touch nodes, and the id of each."""
+    tables, ids = [], []
+    for block in mesh.blocks:
+        near = np.isin(block.nodes, nodes).any(axis=1)
+        for _, local in SOLIDS[block.kind].faces:
+            tables.append(padded(block.nodes[near][:, list(local)]))
+            ids.append(block.ids[near])
+    return np.concatenate(tables), np.concatenate(ids)
+
+
+def _corners(faces: Indices) -> Indices:
+    """Corner nodes (n_face, 4); -1 fills triangles."""
+    corners = padded(faces)[:, :4].copy() if faces.shape[1] < 8 else faces[:, :4].copy()
+    count = (faces >= 0).sum(axis=1)
+    corners[np.isin(count, (3, 6)), 3] = -1
+    return corners
+
+
+def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
+    """Tie the two sides of every cut and put its spring between them."""
+    equations: list[Equation] = []
+    springs: list[Spring] = []
+    supports: list[Support] = []
+    number = max((equation.id for equation in assembly.equations), default=0)
+    spring_id = _largest_id(assembly)
+    for cut in cuts:
+        fixed, moving = cut.ends
+        for kept, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
+            for c in range(3):
+                number += 1
+                terms = ((copy, c, 1.0), (kept, c, -1.0), (moving, 0, -float(cut.normal[c])))
+                equations.append(
+                    Equation(id=number, terms=tuple(term for term in terms if term[2] != 0.0))
+                )
+        spring_id += 1
+        springs.append(
+            Spring(
+                id=spring_id,
+                ends=((fixed, 0), (moving, 0)),
+                stiffness=STIFFNESS_FACTOR * _layer_stiffness(assembly, cut),
+            )
+        )
+        supports.append(
+            Support(
+                id=len(assembly.supports) + len(supports) + 1,
+                nodes=np.array([fixed]),
+                components=(0,),
+            )
+        )
+    return replace(
+        assembly,
+        equations=(*assembly.equations, *equations),
+        springs=(*assembly.springs, *springs),
+        supports=(*assembly.supports, *supports),
+    )
+
+
+def _largest_id(assembly: Assembly) -> int:
+    groups = (assembly.beams, assembly.springs, assembly.masses)
+    others = [one.id for group in groups for one in group]
+    return max([*others, int(assembly.mesh.element_ids.max(initial=0))], default=0)
+
+
+def _layer_stiffness(assembly: Assembly, cut: Cut) -> float:
+    """E A / h of the layer of elements beside a cut, h along its normal."""
+    for block in assembly.mesh.blocks:
+        row = np.flatnonzero(block.ids == cut.owner)
+        if row.size:
+            heights = assembly.mesh.nodes[block.nodes[row[0]]] @ cut.normal
+            material = assembly.materials[int(block.properties[row[0]])]
+            return material.youngs_modulus * cut.area / float(np.ptp(heights))
+    raise KeyError(cut.owner)

@@ -1,0 +1,132 @@
+"""``*DLOAD`` and ``*DSLOAD``: pressures and gravity as consistent nodal forces."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.contact.facets import area_vectors, gauss_rule, shape_functions
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import integer, real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.loads import note_amplitude, operation
+from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
+from faying.model.assembly import Assembly
+from faying.model.matrices import assemble_matrices
+
+Key = tuple[str, str]
+
+
+def read_distributed(
+    deck: Deck, assembly: Assembly, sets: NamedSets, surfaces: Surfaces, ignored: list[str]
+) -> Matrix:
+    """Return the forces (n_node, 6) of all distributed loads in force.
+
+    A later step replaces loads of the same kind on the same set or surface; OP=NEW removes all
+    that earlier steps left.
+
+    Parameters
+    ----------
+    assembly
+        With all elements, whose mass gravity acts on.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a load that is not a pressure on a face or gravity.
+    """
+    result: dict[Key, Matrix] = {}
+    for step in range(deck.n_step + 1):
+        here: dict[Key, Matrix] = {}
+        cleared: set[str] = set()
+        for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
+            keyword.allow("OP", "AMPLITUDE", "CONSTANT RESULTANT")
+            note_amplitude(keyword, ignored)
+            if operation(keyword) and keyword.name not in cleared:
+                result = {k: v for k, v in result.items() if not k[0].startswith(keyword.name)}
+                cleared.add(keyword.name)
+            for key, forces in _lines(keyword, assembly, sets, surfaces):
+                here[key] = here.get(key, 0.0) + forces
+        result.update(here)
+    return sum(result.values(), np.zeros((len(assembly.mesh.nodes), 6)))
+
+
+def _lines(
+    keyword: Keyword, assembly: Assembly, sets: NamedSets, surfaces: Surfaces
+) -> Iterator[tuple[Key, Matrix]]:
+    for row, fields in enumerate(keyword.rows()):
+        if len(fields) < 3:
+            message = f"found {len(fields)} fields, expected a set, a kind of load and its value"
+            raise keyword.error(message, row)
+        kind = fields[1].upper()
+        key = (f"{keyword.name} {fields[0].upper()}", kind)
+        if keyword.name == "DSLOAD":
+            if kind != "P" or len(fields) != 3:
+                message = f"load {kind} is not supported; P (pressure) is"
+                raise keyword.error(message, row)
+            found = find_surface(surfaces, keyword, fields[0], row)
+            if not found.facets:
+                message = f"surface '{fields[0]}' has no facets for a pressure"
+                raise keyword.error(message, row)
+            value = real(keyword, row, fields[2], "a pressure")
+            yield key, _pressure(assembly, found.facets, value)
+        elif kind == "GRAV":
+            yield key, _gravity(keyword, row, fields, assembly, sets)
+        elif len(kind) == 2 and kind[0] == "P" and len(fields) == 3:
+            face = integer(keyword, row, kind[1], "a face P1 … P6")
+            ids = sets.members(keyword, fields[0], row)
+            facets = facets_of_faces(
+                keyword, assembly.mesh, ids, np.full(len(ids), face), np.full(len(ids), row)
+            )
+            yield key, _pressure(assembly, facets, real(keyword, row, fields[2], "a pressure"))
+        else:
+            message = f"load {kind} is not supported; P1 … P6 (pressure) and GRAV are"
+            raise keyword.error(message, row)
+
+
+def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -> Matrix:
+    """Return forces -p ∫ N n dA; pressure pushes against the outward normal."""
+    nodes = assembly.mesh.nodes
+    forces = np.zeros((len(nodes), 6))
+    for kind, corners in facets.items():
+        rule = gauss_rule(kind)
+        share = shape_functions(kind, rule.points) * rule.weights[:, None]
+        vectors = area_vectors(kind, nodes[corners], rule.points)
+        np.add.at(forces[:, :3], corners, -value * np.einsum("qa,fqd->fad", share, vectors))
+    return forces
+
+
+def _gravity(
+    keyword: Keyword, row: int, fields: list[str], assembly: Assembly, sets: NamedSets
+) -> Matrix:
+    """Return forces M a of a uniform acceleration, consistent with the mass of every element."""
+    if len(fields) != 6:
+        message = f"found {len(fields)} fields, expected set, GRAV, acceleration, x, y, z"
+        raise keyword.error(message, row)
+    size, x, y, z = (real(keyword, row, text, "a number") for text in fields[2:])
+    direction = np.array([x, y, z])
+    length = float(np.linalg.norm(direction))
+    if not length > 0:
+        message = "the direction of gravity is zero"
+        raise keyword.error(message, row)
+    chosen = assembly
+    if fields[0]:
+        ids = sets.members(keyword, fields[0], row)
+        blocks = tuple(
+            replace(b, nodes=b.nodes[k], ids=b.ids[k], properties=b.properties[k])
+            for b in assembly.mesh.blocks
+            for k in [np.isin(b.ids, ids)]
+        )
+        known = set(ids.tolist())
+        chosen = replace(
+            assembly,
+            mesh=replace(assembly.mesh, blocks=tuple(b for b in blocks if len(b.ids))),
+            beams=tuple(beam for beam in assembly.beams if beam.id in known),
+            masses=tuple(mass for mass in assembly.masses if mass.id in known),
+        )
+    motion = np.zeros((len(assembly.mesh.nodes), 6))
+    motion[:, :3] = size * direction / length
+    forces: Matrix = (assemble_matrices(chosen).M @ motion.ravel()).reshape(-1, 6)
+    return forces

@@ -1,0 +1,72 @@
+"""``*MASS`` and ``*ROTARY INERTIA``: concentrated masses."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+from faying.model.assembly import PointMass
+
+Tensor = tuple[tuple[float, float, float], ...]
+
+
+def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[PointMass]:
+    """Read MASS and ROTARYI elements.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a mass that is not isotropic or negative, or an element without mass.
+    """
+    values: dict[int, float] = {}
+    inertias: dict[int, Tensor] = {}
+    for keyword in deck.of("MASS", "ROTARY INERTIA"):
+        ids = sets.find(keyword, keyword.required("ELSET")).tolist()
+        if keyword.name == "MASS":
+            values.update(dict.fromkeys(ids, _mass(keyword)))
+        else:
+            inertias.update(dict.fromkeys(ids, _inertia(keyword)))
+    for block in elements.of("MASS", "ROTARYI"):
+        for i, (number, node) in enumerate(zip(block.ids.tolist(), block.nodes[:, 0], strict=True)):
+            if number not in (values if block.type == "MASS" else inertias):
+                message = f"element {number} has no *MASS or *ROTARY INERTIA; give its set one"
+                raise block.keyword.error(message, int(block.rows[i]))
+            if block.type == "MASS":
+                yield PointMass(id=number, node=int(node), mass=values[number])
+            else:
+                yield PointMass(id=number, node=int(node), mass=0.0, inertia=inertias[number])
+
+
+def _mass(keyword: Keyword) -> float:
+    keyword.allow("ELSET", "TYPE")
+    rows = keyword.rows()
+    if keyword.choice("TYPE", "ISOTROPIC") != "ISOTROPIC" or len(rows) != 1 or len(rows[0]) != 1:
+        message = "expected one data line with one mass; anisotropic masses are not supported"
+        raise keyword.error(message)
+    value = real(keyword, 0, rows[0][0], "a mass")
+    if value < 0:
+        message = f"the mass is {value:g}; it must not be negative"
+        raise keyword.error(message, 0)
+    return value
+
+
+def _inertia(keyword: Keyword) -> Tensor:
+    keyword.allow("ELSET")
+    rows = keyword.rows()
+    if len(rows) != 1 or not 3 <= len(rows[0]) <= 6:
+        message = "expected one data line with I11, I22, I33, I12, I13, I23"
+        raise keyword.error(message)
+    xx, yy, zz, xy, xz, yz = (
+        optional_real(keyword, 0, rows[0], i, 0.0, "an inertia") for i in range(6)
+    )
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    turned = keyword.scope.rotation @ tensor @ keyword.scope.rotation.T
+    if np.linalg.eigvalsh(tensor).min() < 0:
+        message = "the inertia has a negative principal value; check its signs"
+        raise keyword.error(message, 0)
+    first, second, third = ((float(a), float(b), float(c)) for a, b, c in turned)
+    return (first, second, third)
