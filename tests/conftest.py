@@ -33,3 +33,18 @@ def fine_joint():
 def classic(joint):
     """Craig-Bampton basis of ``joint``."""
     return fy.craig_bampton(joint, normal_modes=10)
+
+
+@pytest.fixture(scope="session")
+def quick_demo(tmp_path_factory):
+    """Folder that ``faying demo --quick`` leaves; read only, for exports and interop."""
+    from faying.study.run import run
+    from faying.study.schema import read_study
+
+    out = tmp_path_factory.mktemp("quick-demo")
+    demo = Path(fy.__file__).parent / "study" / "demo-quick.toml"
+    study = read_study(demo)
+    assert run(
+        study.model_copy(update={"output": study.output.model_copy(update={"report": False})}), out
+    ).converged
+    return out

@@ -104,11 +104,11 @@ def export(
         message = f"nothing says where to write the {to} file; give out="
         raise StudyError(message)
     folder = Path() if isinstance(source, HandOver) else Path(source)
-    path = _named(folder / default_name(given, to) if out is None else Path(out), chosen)
-    if path.is_dir() and chosen.suffix:
-        message = f"{path} is a folder; name a file, such as {path / default_name(given, to)}"
+    target = folder / default_name(given, to) if out is None else Path(out)
+    if target.is_dir() and chosen.suffix:
+        message = f"{target} is a folder; name a file, such as {target / default_name(given, to)}"
         raise FormatError(message)
-    return _write(given, to, chosen, path)
+    return _write(given, to, chosen, _named(target, chosen))
 
 
 def format_named(name: str) -> Format:

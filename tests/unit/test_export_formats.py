@@ -1,0 +1,230 @@
+"""Every format writes its files whole, over existing ones too; the command says what it wrote."""
+
+import sys
+from importlib.util import find_spec
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from faying import cli
+from faying.exceptions import FormatError, StudyError
+from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, export
+from faying.export.hand_over import hand_over
+from faying.study.recover import results_of
+
+
+@pytest.fixture(scope="module")
+def given(quick_demo):
+    return hand_over(results_of(quick_demo))
+
+
+@pytest.fixture
+def format_module(monkeypatch):
+    """A format whose module the test provides."""
+
+    def install(write):
+        module = ModuleType("faying.export.npz_stand_in")
+        module.write = write
+        monkeypatch.setitem(sys.modules, FORMATS["npz"].module, module)
+
+    return install
+
+
+def usable(name):
+    """Return a format, or skip where its extra is not installed."""
+    chosen = FORMATS[name]
+    if find_spec(chosen.module) is None:
+        pytest.skip(f"{chosen.module} is not written yet")
+    if chosen.extra:
+        pytest.importorskip(chosen.extra, reason=f"the extra {chosen.extra} is not installed")
+    return chosen
+
+
+def call(monkeypatch, capsys, *arguments):
+    monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
+    monkeypatch.setenv("COLUMNS", "200")
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    return ended.value.code or 0, *capsys.readouterr()
+
+
+def contents(folder):
+    return {path.relative_to(folder): path for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_format_writes_its_files(given, tmp_path, name):
+    chosen = usable(name)
+    target = tmp_path / f"joint{chosen.suffix}"
+    paths = export(given, name, out=target)
+    assert paths
+    assert len(set(paths)) == len(paths)
+    assert set(contents(tmp_path).values()) == set(paths)  # all of them returned, nothing left over
+    assert all(path.stat().st_size > 0 for path in paths)
+    assert paths[0] == target or target in paths[0].parents or paths[0].stem == target.stem
+    assert export(given, name, out=target) == paths
+    assert set(contents(tmp_path).values()) == set(paths)
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_format_needs_no_run(joint, classic, tmp_path, name):
+    """A model made in Python has no load cases, and that is all it lacks."""
+    import faying as fy
+    from faying.export.hand_over import hand_over_of
+
+    chosen = usable(name)
+    own = hand_over_of(fy.reduce(joint, classic, compliance=True), title="mine")
+    assert export(own, name, out=tmp_path / f"joint{chosen.suffix}")
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_every_format_has_its_class_and_meaning(name):
+    assert FORMATS[name].kind in MEANINGS
+    assert FORMATS[name].module.startswith("faying.export.")
+    assert (FORMATS[name].kind == LINEAR) == (name == "nastran")
+
+
+def test_failure_leaves_what_was_there(given, tmp_path, format_module):
+    target = tmp_path / "joint.npz"
+    target.write_bytes(b"old")
+
+    def write(_, path):
+        path.write_bytes(b"half")
+        raise OSError(28, "No space left on device")
+
+    format_module(write)
+    with pytest.raises(FormatError, match="No space left"):
+        export(given, "npz", out=target)
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_files_keep_their_places_beside_the_first(given, tmp_path, format_module):
+    def write(_, path):
+        inner = path.parent / "parts" / "one.bin"
+        inner.parent.mkdir()
+        for file in (path, inner):
+            file.write_bytes(b"whole")
+        return path, inner
+
+    format_module(write)
+    paths = export(given, "npz", out=tmp_path / "new" / "joint")
+    assert paths == (tmp_path / "new" / "joint.npz", tmp_path / "new" / "parts" / "one.bin")
+    assert (paths[1].stat().st_mode & 0o777) == 0o644
+
+
+def test_missing_extra_is_named(given, tmp_path, format_module):
+    def write(*_):
+        import a_package_nobody_has  # noqa: F401
+
+    format_module(write)
+    with pytest.raises(StudyError, match=r"npz needs 'a_package_nobody_has'.* pip install"):
+        export(given, "npz", out=tmp_path / "joint.npz")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--to", "nastrn"], "did you mean 'nastran'"),
+        (["--to", "npz", "--method", "jim"], "no reduced model 'jim'"),
+        (["--to", "npz", "--method", "jim-b", "--joint-modes", "7"], "with 7 joint modes"),
+    ],
+)
+def test_wrong_wishes_are_one_message(monkeypatch, capsys, quick_demo, arguments, message):
+    status, out, err = call(monkeypatch, capsys, "export", quick_demo, *arguments)
+    assert status == 2
+    assert out == ""
+    assert message in err
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_wrong_places_are_one_message(monkeypatch, capsys, quick_demo, tmp_path):
+    status, _, err = call(monkeypatch, capsys, "export", tmp_path, "--to", "npz")
+    assert status == 2
+    assert "no results.h5" in err
+    for target in (tmp_path, quick_demo / "results.h5" / "joint.npz"):
+        status, _, err = call(
+            monkeypatch, capsys, "export", quick_demo, "--to", "npz", "--out", target
+        )
+        assert status == 2
+        assert str(target) in err
+
+
+def test_command_says_what_it_wrote(monkeypatch, capsys, quick_demo, tmp_path):
+    target = tmp_path / "pictures"
+    status, out, _ = call(
+        monkeypatch,
+        capsys,
+        "export",
+        quick_demo,
+        "--to",
+        "vtk",
+        "--method",
+        "jim-b",
+        "--out",
+        target,
+    )
+    assert status == 0
+    for expected in [
+        "Pictures: to look at",
+        "jim-b with 20 joint modes, ",
+        "Units: mm, t, s, N, MPa",
+        f"Wrote {target / 'structure.vtu'}",
+        f"Wrote {target / 'interface_joint_LC2-step'} (",
+    ]:
+        assert expected in out
+
+
+def test_class_of_a_hand_over_is_said_first(
+    monkeypatch, capsys, quick_demo, format_module, tmp_path
+):
+    def write(_, path):
+        path.write_bytes(b"whole")
+        return (path,)
+
+    format_module(write)
+    target = tmp_path / "joint.npz"
+    status, out, _ = call(monkeypatch, capsys, "export", quick_demo, "--to", "npz", "--out", target)
+    assert status == 0
+    assert out.lower().startswith(CONTACT)
+    assert out.rstrip().endswith(f"Wrote {target}")
+
+
+def test_shapes_move_the_boundary_as_its_coordinates_say(given):
+    """Constraint modes: a unit of a boundary coordinate moves its node by one, others by none."""
+    node = {int(number): place for place, number in enumerate(given.node_ids)}
+    for name, boundary in given.model.boundaries.items():
+        for dof, number, component in zip(
+            boundary.dofs, boundary.nodes, boundary.components, strict=True
+        ):
+            if component < 3:
+                column = given.modes[:, node[int(number)], component]
+                expected = np.zeros(len(column))
+                expected[dof] = 1.0
+                np.testing.assert_allclose(column, expected, atol=1e-9, err_msg=name)
+
+
+def test_shapes_are_stored_once(given):
+    """craig-bampton and compliance share theirs, jim adds its own."""
+    results = given.results
+    assert given.modes.shape == (len(given.model.K), len(results.nodes), 3)
+    distinct = {tuple(record.shapes) for record in results.reduced["compliance"].values()}
+    assert distinct == {
+        tuple(record.shapes) for record in results.reduced["craig-bampton"].values()
+    }
+    assert len(results.shapes) < sum(
+        len(record.kinds) for sizes in results.reduced.values() for record in sizes.values()
+    )
+
+
+def test_shapes_give_the_static_displacements(given):
+    """Σ q shape is the displacement field the run stored of the same model."""
+    from faying.simulation.load import Load
+    from faying.simulation.static import solve_static
+
+    solution = solve_static(given.model, Load({"tip.Fz": -500.0, "tip.Mx": 20e3}))
+    field = np.tensordot(solution.states, given.modes, axes=1)
+    stored = given.results.cases["LC2"].methods["compliance"][0].response.nodal_displacement
+    # The same model restored from the file: round-off of the residual compliance.
+    np.testing.assert_allclose(field, stored, atol=1e-7 * np.abs(stored).max())
