@@ -20,6 +20,8 @@ READERS: Mapping[str, str] = {
     ".mtx": "faying.io.matrix_files:read_market",
     ".mat": "faying.io.matrix_files:read_matlab",
     ".op4": "faying.io.op4:read_op4",
+    ".pch": "faying.io.dmig:read_dmig",
+    ".dmig": "faying.io.dmig:read_dmig",
     ".full": "faying.io.ansys_full:read_full",
 }
 """Suffix to module:function (path, name) → :class:`LabelledMatrix`; imported when needed."""

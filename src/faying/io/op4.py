@@ -18,17 +18,15 @@ import scipy.sparse as sp
 from faying._typing import SparseMatrix
 from faying.exceptions import FormatError
 from faying.io.matrix_files import LabelledMatrix
+from faying.io.named_matrices import DamageError, chosen_name
 from faying.io.op4_binary import BinaryFile, looks_binary
 from faying.io.op4_text import TextFile
-from faying.io.op4_values import COMPLEX, DamageError, Header, Op4File, Strings, spread
+from faying.io.op4_values import COMPLEX, Header, Op4File, Strings, spread
 
 FORMS = {1: "square", 2: "rectangular", 6: "symmetric"}
 """Matrix forms that store every entry; diagonal, triangular and other forms are refused."""
 
 SYMMETRIC = 6
-
-_LETTERS = {"M": "M", "K": "K", "C": "B"}
-"""First letter of Nastran's names (KGG, MAA, BXX) per matrix."""
 
 
 def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:
@@ -77,24 +75,11 @@ def _read(path: Path, wanted: str | None) -> dict[str, SparseMatrix]:
         file: Op4File = BinaryFile(content) if looks_binary(content) else TextFile(content)
         held = list(file.matrices())
         names = [header.name for header, _ in held]
-        chosen = names if wanted is None else [_chosen(names, wanted)]
+        chosen = names if wanted is None else [chosen_name(names, wanted)]
         return {name: _assembled(file, *held[_only(names, name)]) for name in dict.fromkeys(chosen)}
     except DamageError as error:
         message = f"OP4 file '{path}': {error}"
         raise FormatError(message) from error
-
-
-def _chosen(names: list[str], wanted: str) -> str:
-    exact = [name for name in names if name.upper() == wanted.upper()]
-    letter = _LETTERS.get(wanted, wanted)
-    for found in (exact, names, [name for name in names if name.upper().startswith(letter)]):
-        if len(found) == 1:
-            return found[0]
-    message = (
-        f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name "
-        f"begins with {letter}; write {wanted} to a file of its own"
-    )
-    raise DamageError(message)
 
 
 def _only(names: list[str], name: str) -> int:

@@ -7,7 +7,8 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.op4_values import DamageError, Header, Strings, checked_header, chunks, spread
+from faying.io.named_matrices import DamageError
+from faying.io.op4_values import Header, Strings, checked_header, chunks, spread
 
 _HEADER_BYTES = {24: 4, 48: 8}
 """Length of the header record to bytes per integer."""

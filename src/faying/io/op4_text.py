@@ -7,8 +7,9 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Vector
+from faying.io.named_matrices import DamageError
 from faying.io.nastran.fields import reals
-from faying.io.op4_values import DamageError, Header, Strings, checked_header, chunks, spread
+from faying.io.op4_values import Header, Strings, checked_header, chunks, spread
 
 _FORMAT = re.compile(r"(?:1P,)?(\d{1,3})[ED](\d{1,3})\.\d{1,3}")
 _INTEGER = re.compile(r" *-?\d+")

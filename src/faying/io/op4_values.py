@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Vector
+from faying.io.named_matrices import DamageError
 
 REAL, COMPLEX = (1, 2), (3, 4)
 """Types of matrices, single and double."""
@@ -70,10 +71,6 @@ class Op4File(Protocol):
     def values(self, header: Header, strings: Strings) -> Vector:
         """Return the values of strings one after the other."""
         ...
-
-
-class DamageError(ValueError):
-    """What is wrong in a file, and where; the name of the file is added on the way out."""
 
 
 def checked_header(header: Header, n_bytes: int) -> Header:

@@ -1,0 +1,223 @@
+"""Nastran DMIG cards, as punched or as written by hand: matrices with labelled rows and columns.
+
+A matrix is a header card, which says its form, and one card for every column: grid and component of
+the column, then grid, component and value of every row. Scalar points have component 0; they become
+component 1 here.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Vector
+from faying.exceptions import FormatError
+from faying.io.matrix_files import LabelledMatrix
+from faying.io.named_matrices import DamageError, chosen_name
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Cards
+from faying.io.nastran.source import Lines
+from faying.io.nastran.tokenizer import read_cards
+
+SQUARE, SYMMETRIC = 1, 6
+REAL = (1, 2)
+_FORMS = {1: "square", 2: "rectangular", 6: "symmetric", 9: "rectangular"}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Entries:
+    """Entries of one matrix; positions are fields of the bulk data."""
+
+    column: Indices
+    row: Indices
+    value: Vector
+    place: Indices
+
+
+def read_dmig_matrices(path: str | PathLike[str]) -> dict[str, LabelledMatrix]:
+    """Read all DMIG matrices of a file; other cards are passed over.
+
+    Returns
+    -------
+    dict
+        Name to matrix, rows and columns labelled alike, in ascending order of grid and component.
+        Of a symmetric matrix (form 6) both triangles are filled in.
+
+    Raises
+    ------
+    FormatError
+        With file and line: a missing file, a malformed field, a matrix that is complex or
+        rectangular, an entry or header given twice, a column without header.
+
+    Notes
+    -----
+    Card: DMIG in any Nastran's quick reference guide. A value has ten digits in a punch file
+    (sixteen columns); OP4 keeps them all.
+    """
+    cards, headers = _cards(Path(path))
+    return {name: _matrix(cards, name, headers) for name in headers}
+
+
+def read_dmig(path: Path, name: str) -> LabelledMatrix:
+    """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of a file with DMIG cards.
+
+    It is chosen by its name, see :func:`faying.io.named_matrices.chosen_name`.
+
+    Raises
+    ------
+    FormatError
+        If there is none, or several; and as :func:`read_dmig_matrices`.
+    """
+    cards, headers = _cards(path)
+    try:
+        return _matrix(cards, chosen_name(list(headers), name), headers)
+    except DamageError as error:
+        message = f"DMIG file '{path}': {error}"
+        raise FormatError(message) from error
+
+
+def _cards(path: Path) -> tuple[Cards, dict[str, int]]:
+    """Return the DMIG cards of a file and the header of each matrix."""
+    try:
+        text = path.read_bytes().upper().splitlines()
+    except OSError as error:
+        message = f"DMIG file '{path}' cannot be read ({error.strerror}); check the path"
+        raise FormatError(message) from error
+    lines = Lines(
+        text=text,
+        number=np.arange(1, len(text) + 1, dtype=np.int64),
+        file=np.zeros(len(text), dtype=np.int64),
+        files=(str(path),),
+    )
+    cards = read_cards(lines).cards().get("DMIG")
+    if cards is None:
+        message = f"'{path}' holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so"
+        raise FormatError(message)
+    return cards, _headers(cards)
+
+
+def _headers(cards: Cards) -> dict[str, int]:
+    grid, names = cards.integers(1), cards.words(0)
+    headers: dict[str, int] = {}
+    for card in np.flatnonzero(grid == 0).tolist():
+        if names[card] in headers:
+            message = f"matrix {names[card]} has two headers; keep one"
+            raise cards.error(card, message)
+        headers[names[card]] = card
+    for card in np.flatnonzero(grid != 0).tolist():
+        if names[card] not in headers:
+            message = (
+                f"a column of matrix '{names[card]}', which has no header (DMIG,{names[card]},0)"
+            )
+            raise cards.error(card, message)
+    return headers
+
+
+def _matrix(cards: Cards, name: str, headers: Mapping[str, int]) -> LabelledMatrix:
+    head = cards.take(np.array([headers[name]]))
+    form, kind = int(head.integers(2)[0]), int(head.integers(3)[0])
+    if kind not in REAL:
+        what = "is complex" if kind in (3, 4) else f"has type {kind}"
+        message = f"matrix {name} {what}; expected type 1 or 2 (real): write its real part"
+        raise head.error(0, message)
+    if form not in (SQUARE, SYMMETRIC):
+        message = (
+            f"matrix {name} has form {form} ({_FORMS.get(form, 'unknown')}); expected 1 (square) "
+            "or 6 (symmetric)"
+        )
+        raise head.error(0, message)
+    mine = np.array(cards.words(0)) == name
+    mine[headers[name]] = False
+    entries = _entries(cards.take(mine))
+    _check_twice(cards, name, entries, form)
+    labels, place = np.unique(np.append(entries.column, entries.row), return_inverse=True)
+    column, row = place[: len(entries.column)], place[len(entries.column) :]
+    value = entries.value
+    if form == SYMMETRIC:
+        other = row != column
+        row, column = np.append(row, column[other]), np.append(column, row[: len(other)][other])
+        value = np.append(value, value[other])
+    matrix = sp.csr_array((value, (row, column)), shape=(len(labels), len(labels)))
+    return LabelledMatrix(matrix=matrix, dofs=np.stack([labels // 10, labels % 10], axis=1))
+
+
+def _entries(cards: Cards) -> _Entries:
+    """Take the groups of four fields (grid, component, real, imaginary) behind the first."""
+    if not len(cards):
+        empty = np.empty(0, dtype=np.int64)
+        return _Entries(column=empty, row=empty, value=np.empty(0), place=empty)
+    column = _dof(cards, cards.integers(1), cards.integers(2, 0), 2)
+    groups = np.maximum(cards.count // 4 - 1, 0)
+    card = np.repeat(np.arange(len(cards)), groups)
+    group = np.arange(len(card)) - np.repeat(np.cumsum(groups) - groups, groups) + 1
+    place = cards.start[card] + 4 * group
+    fields = cards.bulk.fields
+    given = np.flatnonzero(
+        ~np.logical_and.reduce([numbers.is_blank(fields[place + i]) for i in range(4)])
+    )
+    card, group, place = card[given], group[given], place[given]
+    grid = _numbers(cards, card, group, 0, "a grid")
+    component = _numbers(cards, card, group, 1, "a component", blank=0)
+    row = _dof(cards, grid, component, 1, card, group)
+    value, bad = numbers.reals(fields[place + 2])
+    imaginary, wrong = numbers.reals(fields[place + 3])
+    wrong = (wrong & ~numbers.is_blank(fields[place + 3])) | (imaginary != 0)
+    for mask, field, what in ((bad, 2, "a real number"), (wrong, 3, "nothing (it is real)")):
+        if mask.any():
+            at = int(np.flatnonzero(mask)[0])
+            text = fields[place[at] + field].decode("latin-1")
+            raise cards.malformed(int(card[at]), int(4 * group[at]) + field, text, what)
+    return _Entries(column=column[card], row=row, value=value, place=place)
+
+
+def _numbers(
+    cards: Cards, card: Indices, group: Indices, field: int, what: str, blank: int | None = None
+) -> Indices:
+    """Return a whole number of every group; blank is ``blank`` or, without one, an error."""
+    raw = cards.bulk.fields[cards.start[card] + 4 * group + field]
+    values, bad = numbers.integers(raw)
+    faulty = bad if blank is None else bad & ~numbers.is_blank(raw)
+    if faulty.any():
+        at = int(np.flatnonzero(faulty)[0])
+        text = raw[at].decode("latin-1")
+        raise cards.malformed(int(card[at]), int(4 * group[at]) + field, text, what)
+    return np.where(bad, blank or 0, values)
+
+
+def _dof(
+    cards: Cards,
+    grid: Indices,
+    component: Indices,
+    field: int,
+    card: Indices | None = None,
+    group: Indices | None = None,
+) -> Indices:
+    """Grid and component in one number; scalar points have component 0 and become 1."""
+    wrong = (grid < 1) | (grid > 10**9) | (component < 0) | (component > 6)
+    if wrong.any():
+        at = int(np.flatnonzero(wrong)[0])
+        message = f"grid {grid[at]} component {component[at]}; components are 1 to 6, or 0"
+        offset = 0 if group is None else 4 * int(group[at])
+        raise cards.error(at if card is None else int(card[at]), message, offset + field)
+    return np.asarray(10 * grid + np.where(component == 0, 1, component))
+
+
+def _check_twice(cards: Cards, name: str, entries: _Entries, form: int) -> None:
+    """Refuse an entry given twice, and both of a symmetric pair."""
+    row, column = entries.row, entries.column
+    if form == SYMMETRIC:
+        row, column = np.maximum(row, column), np.minimum(row, column)
+    order = np.lexsort((row, column))
+    again = (np.diff(row[order]) == 0) & (np.diff(column[order]) == 0)
+    if again.any():
+        at = int(order[1:][again].min())
+        both = " (or its mirror image)" if form == SYMMETRIC else ""
+        where = cards.bulk.where(int(entries.place[at]))
+        message = (
+            f"{where}: DMIG: matrix {name}: row {row[at] // 10}-{row[at] % 10} of column "
+            f"{column[at] // 10}-{column[at] % 10}{both} is given twice"
+        )
+        raise FormatError(message)

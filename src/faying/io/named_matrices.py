@@ -1,0 +1,33 @@
+"""Which of several named matrices in a Nastran file is M, C or K."""
+
+from collections.abc import Sequence
+
+LETTERS = {"M": "M", "K": "K", "C": "B"}
+"""First letter of Nastran's names (KGG, MAA, BXX) per matrix."""
+
+
+class DamageError(ValueError):
+    """What is wrong in a file, and where; the name of the file is added on the way out."""
+
+
+def chosen_name(names: Sequence[str], wanted: str) -> str:
+    """Return the name of the matrix ``"M"``, ``"C"`` or ``"K"``.
+
+    It is that very name; else the only one; else the only one that begins with the letter Nastran
+    uses (M, B for damping, K).
+
+    Raises
+    ------
+    DamageError
+        If there is none, or several.
+    """
+    exact = [name for name in names if name.upper() == wanted.upper()]
+    letter = LETTERS.get(wanted, wanted)
+    for found in (exact, names, [name for name in names if name.upper().startswith(letter)]):
+        if len(found) == 1:
+            return found[0]
+    message = (
+        f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name "
+        f"begins with {letter}; write {wanted} to a file of its own"
+    )
+    raise DamageError(message)
