@@ -1,0 +1,328 @@
+"""Write a joint as an input deck that CalculiX runs, contact and bolts included."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.io.abaqus.written_bolts import WrittenBeam, written_beam
+from faying.io.abaqus.written_contact import contact_lines
+from faying.io.abaqus.written_nodes import (
+    Term,
+    WrittenNodes,
+    equation_terms,
+    held,
+    rotation_coordinates,
+    written_equations,
+    written_nodes,
+)
+from faying.io.abaqus.written_steps import step_lines
+from faying.model.assembly import Assembly, NodalLoads
+from faying.model.deck_bolt import bolt_axis_element
+from faying.model.description import JointDescription
+from faying.model.mesh import CellBlock
+
+_TYPES = {
+    "hex8": "C3D8",
+    "hex20": "C3D20",
+    "tet4": "C3D4",
+    "tet10": "C3D10",
+    "wedge6": "C3D6",
+    "wedge15": "C3D15",
+}
+# Mid-side nodes: ours bottom, upright, top; theirs bottom, top, upright.
+_ORDERS = {
+    "hex20": (*range(12), *range(16, 20), *range(12, 16)),
+    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
+}
+
+
+def write_deck(
+    description: JointDescription,
+    path: str | PathLike[str],
+    *,
+    loads: Mapping[str, NodalLoads] | None = None,
+    modes: int | None = None,
+    title: str = "",
+) -> None:
+    """Write an input deck for CalculiX: structure, contact pairs, bolts and steps.
+
+    The first step tightens the bolts to their ``preloads``; each load set is a step after it, with
+    the bolts locked. Every step is one increment, in which CalculiX's contact keeps displacements
+    small. Couplings, equations and inclined supports become ``*EQUATION``; rotations of a node are
+    the translations of a second one; beams become springs, tightened ones with a cut that
+    ``*PRE-TENSION SECTION`` pulls together.
+
+    Parameters
+    ----------
+    description
+        Without given matrices. Preloads name bolts that are beams along coordinate axes.
+    loads
+        Name to nodal loads, in the order of the steps; those of the assembly by default.
+    modes
+        Write a ``*FREQUENCY`` step for this many modes instead, without contact.
+    title
+        The heading; the assembly's name by default.
+
+    Raises
+    ------
+    FormatError
+        If the joint cannot be said in such a deck (matrices, non-matching interfaces, beams or
+        moments on nodes without rotations as named), or the file cannot be written.
+    ModelError
+        If an interface or bolt does not exist.
+
+    Notes
+    -----
+    Numbers have thirteen digits. Initial gaps become ``*CLEARANCE``. The mass of a beam goes to
+    its ends in halves; point masses keep no inertia.
+    """
+    assembly = description.assembly
+    if assembly.matrices is not None:
+        message = (
+            "the assembly holds matrices from another program, which an input deck cannot "
+            "express; export the reduced model instead"
+        )
+        raise FormatError(message)
+    wanted = assembly.loads if loads is None else loads
+    lines = _lines(description, wanted, modes, title or assembly.name)
+    path = Path(path)
+    try:
+        temporary = path.with_name(f".{path.name}.part")
+        temporary.write_text("\n".join(lines) + "\n", encoding="ascii", errors="replace")
+        temporary.replace(path)
+    except OSError as error:
+        message = f"'{path}' cannot be written: {error.strerror}"
+        raise FormatError(message) from error
+
+
+def _lines(
+    description: JointDescription,
+    loads: Mapping[str, NodalLoads],
+    modes: int | None,
+    title: str,
+) -> Iterator[str]:
+    assembly = description.assembly
+    rows, fixed = written_equations(assembly)
+    nodes = written_nodes(assembly, rows)
+    bolts = {} if modes is not None else _tightened(description)
+    beams = list(_beams(assembly, nodes, set(bolts.values())))
+    controls = {
+        name: beams[[b.id for b in assembly.beams].index(beam)].control
+        for name, beam in bolts.items()
+    }
+    yield from ("*HEADING", " ".join(title.split())[:72] or "faying")
+    yield from _nodes(assembly, nodes, beams)
+    yield from _solids(assembly)
+    yield from _sets(assembly)
+    yield from _materials(assembly)
+    yield from _line_elements(assembly, nodes, beams)
+    equations = [*equation_terms(rows, nodes, fixed), *(e for b in beams for e in b.equations)]
+    yield from _equations([terms for terms in equations if len(terms) > 1])
+    yield from _boundary([*held(nodes, fixed), *_grounded(equations)])
+    if modes is not None:
+        yield from ("*STEP", "*FREQUENCY", str(modes), "*NODE FILE", "U", "*END STEP")
+        return
+    yield from contact_lines(description)
+    forces = {name: force for name, force in description.preloads.items() if name in controls}
+    yield from step_lines(
+        nodes, loads, {controls[n]: f for n, f in forces.items()}, bool(description.interfaces)
+    )
+
+
+def _tightened(description: JointDescription) -> dict[str, int]:
+    """Return the beam of each bolt that has a preload."""
+    found = {}
+    known = {beam.id for beam in description.assembly.beams}
+    for bolt in description.bolts:
+        if bolt.name in description.preloads:
+            element = bolt_axis_element(description.assembly, bolt)
+            if element.id not in known:
+                message = f"bolt '{bolt.name}' is a spring; only beams can be written as bolts"
+                raise FormatError(message)
+            found[bolt.name] = element.id
+    missing = [name for name in description.preloads if name not in found]
+    if missing:
+        message = f"there is no bolt '{missing[0]}' to preload; add it to the description's bolts"
+        raise FormatError(message)
+    return found
+
+
+def _beams(assembly: Assembly, nodes: WrittenNodes, tightened: set[int]) -> Iterator[WrittenBeam]:
+    for i, beam in enumerate(assembly.beams):
+        first = nodes.largest + 1 + 4 * i
+        yield written_beam(assembly, beam, nodes, first, tightened=beam.id in tightened)
+
+
+def _nodes(assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]) -> Iterator[str]:
+    yield "*NODE,NSET=NALL"
+    for number, place in zip(nodes.ids.tolist(), assembly.mesh.nodes.tolist(), strict=True):
+        yield f"{number},{_reals(place)}"
+    added = [*rotation_coordinates(assembly, nodes), *(n for beam in beams for n in beam.nodes)]
+    if added:
+        yield "** nodes whose translations are rotations, and the insides of bolts"
+        yield "*NODE,NSET=NAUXILIARY"
+        yield from (f"{number},{_reals(place.tolist())}" for number, place in added)
+
+
+def _solids(assembly: Assembly) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    for block in assembly.mesh.blocks:
+        for number in np.unique(block.properties).tolist():
+            yield f"*ELEMENT,TYPE={_type(block, assembly)},ELSET={_property(number)}"
+            chosen = block.properties == number
+            cells = ids[block.nodes[chosen][:, list(_ORDERS.get(block.kind, ()))]]
+            if block.kind not in _ORDERS:
+                cells = ids[block.nodes[chosen]]
+            for element, row in zip(block.ids[chosen].tolist(), cells.tolist(), strict=True):
+                yield from _wrapped([element, *row])
+
+
+def _type(block: CellBlock, assembly: Assembly) -> str:
+    incompatible = block.kind == "hex8" and assembly.element == "incompatible"
+    return "C3D8I" if incompatible else _TYPES[block.kind]
+
+
+def _property(number: int) -> str:
+    return f"PROPERTY{number}"
+
+
+def _sets(assembly: Assembly) -> Iterator[str]:
+    ids = assembly.mesh.node_ids
+    taken: set[str] = set()
+    for kind, sets in (
+        ("NSET", {name: ids[nodes] for name, nodes in assembly.mesh.node_sets.items()}),
+        ("ELSET", assembly.mesh.element_sets),
+    ):
+        for name, members in sets.items():
+            if len(members):
+                label = _label(name, taken)
+                yield f"*{kind},{kind}={label}"
+                yield from _wrapped(np.asarray(members).tolist())
+
+
+def _label(name: str, taken: set[str]) -> str:
+    """Name a set in the letters both programs take, each name once."""
+    label = re.sub(r"[^A-Z0-9_-]", "_", name.upper())[:60]
+    label = label if label[:1].isalpha() else f"S{label}"
+    while label in taken or label == "NALL" or label.startswith("PROPERTY"):
+        label += "_"
+    taken.add(label)
+    return label
+
+
+def _materials(assembly: Assembly) -> Iterator[str]:
+    used = [n for block in assembly.mesh.blocks for n in np.unique(block.properties).tolist()]
+    taken: set[str] = set()
+    names = {}
+    for number in dict.fromkeys(used):
+        if number not in assembly.materials:
+            message = f"property {number} has no material; add it to Assembly.materials"
+            raise FormatError(message)
+        material = assembly.materials[number]
+        if material not in names:
+            names[material] = _label(material.name or f"MATERIAL{number}", taken)
+            yield f"*MATERIAL,NAME={names[material]}"
+            yield from ("*ELASTIC", _reals([material.youngs_modulus, material.poissons_ratio]))
+            yield from ("*DENSITY", _reals([material.density]))
+        yield f"*SOLID SECTION,ELSET={_property(number)},MATERIAL={names[material]}"
+
+
+def _line_elements(
+    assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]
+) -> Iterator[str]:
+    """Springs, point masses, and the cuts of bolts; with ids above all others."""
+    number = assembly.largest_id
+    springs = [spring for beam in beams for spring in beam.springs]
+    springs_to_ground = []
+    for spring in assembly.springs:
+        ends = [nodes.place(6 * node + component) for node, component in spring.ends]
+        if len(ends) == 1:
+            springs_to_ground.append((ends[0], spring.stiffness))
+        else:
+            springs.append((ends[0], ends[1], spring.stiffness))
+    for (first, a), (second, b), stiffness in springs:
+        number += 1
+        yield f"*ELEMENT,TYPE=SPRING2,ELSET=SPRING{number}"
+        yield f"{number},{first},{second}"
+        yield from (f"*SPRING,ELSET=SPRING{number}", f"{a},{b}", _reals([stiffness]))
+    for (node, direction), stiffness in springs_to_ground:
+        number += 1
+        yield f"*ELEMENT,TYPE=SPRING1,ELSET=SPRING{number}"
+        yield f"{number},{node}"
+        yield from (f"*SPRING,ELSET=SPRING{number}", f"{direction}", _reals([stiffness]))
+    for node, mass in _masses(assembly):
+        number += 1
+        yield f"*ELEMENT,TYPE=MASS,ELSET=MASS{number}"
+        yield f"{number},{nodes.ids[node]}"
+        yield from (f"*MASS,ELSET=MASS{number}", _reals([mass]))
+    for beam in beams:
+        if beam.cut is not None:
+            number += 1
+            yield from _cut(number, beam, beam.cut)
+
+
+def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str]:
+    """Write the beam element of a cut, its section, and the pretension section."""
+    yield f"*ELEMENT,TYPE=B31,ELSET=CUT{number}"
+    yield f"{number},{nodes[0]},{nodes[1]}"
+    yield f"*MATERIAL,NAME=CUT{number}"
+    yield from ("*ELASTIC", _reals([beam.youngs_modulus, beam.poissons_ratio]))
+    yield f"*BEAM SECTION,ELSET=CUT{number},MATERIAL=CUT{number},SECTION=CIRC"
+    yield from (_reals([beam.radius]), _reals(beam.across))
+    yield f"*PRE-TENSION SECTION,ELEMENT={number},NODE={beam.control}"
+    # Only its axial stiffness counts.
+    yield from ("*BOUNDARY", f"{nodes[0]},4,6")
+
+
+def _masses(assembly: Assembly) -> Iterator[tuple[int, float]]:
+    for point in assembly.masses:
+        if any(value != 0 for row in point.inertia for value in row):
+            message = f"point mass {point.id} has inertia, which *MASS cannot say; leave it out"
+            raise FormatError(message)
+        yield point.node, point.mass
+    for beam in assembly.beams:
+        length = np.linalg.norm(np.diff(assembly.mesh.nodes[list(beam.nodes)], axis=0))
+        mass = float(beam.material.density * beam.section.area * length)
+        if mass > 0:
+            yield from ((node, mass / 2) for node in beam.nodes)
+
+
+def _equations(equations: Sequence[Sequence[Term]]) -> Iterator[str]:
+    for terms in equations:
+        yield from ("*EQUATION", str(len(terms)))
+        for i in range(0, len(terms), 3):
+            part = terms[i : i + 3]
+            yield ",".join(f"{node},{dof},{_reals([value])}" for node, dof, value in part)
+
+
+def _grounded(equations: Sequence[Sequence[Term]]) -> list[tuple[int, list[int]]]:
+    """Return dependent degrees of freedom that all others leave alone: held as well."""
+    return [(terms[0][0], [terms[0][1]]) for terms in equations if len(terms) == 1]
+
+
+def _boundary(supports: Iterable[tuple[int, list[int]]]) -> Iterator[str]:
+    lines = [
+        f"{node},{direction},{direction}"
+        for node, directions in supports
+        for direction in directions
+    ]
+    if lines:
+        yield "*BOUNDARY"
+        yield from lines
+
+
+def _wrapped(numbers: Sequence[int] | Indices) -> Iterator[str]:
+    """Lines of at most ten numbers; a comma at the end continues."""
+    for i in range(0, len(numbers), 10):
+        part = ",".join(map(str, numbers[i : i + 10]))
+        yield part + ("," if i + 10 < len(numbers) else "")
+
+
+def _reals(values: Iterable[float]) -> str:
+    """Numbers of at most twenty columns, the width CalculiX reads."""
+    return ",".join(f"{value:.13g}" for value in values)

@@ -1,0 +1,79 @@
+"""Interfaces as surfaces and contact pairs."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.contact.interface import FacePairs
+from faying.contact.pairing import find_interfaces
+from faying.contact.penalty import automatic_penalty
+from faying.exceptions import FormatError
+from faying.model.assembly import Assembly
+from faying.model.description import JointDescription
+from faying.model.elements import SOLIDS
+from faying.model.specs import InterfaceSpec
+
+# Corners of S1, S2, … counted from zero.
+_FACES = {
+    "hex": ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
+    "tet": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
+    "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
+}
+
+
+def contact_lines(description: JointDescription) -> Iterator[str]:
+    """Yield surfaces, behaviour and contact pair of each interface; minus sides are slaves.
+
+    Raises
+    ------
+    FormatError
+        If an interface is non-matching.
+    """
+    number = 0
+    for spec in description.interfaces:
+        if spec.meshes != "matching":
+            message = f"interface '{spec.name}' is {spec.meshes}; only matching ones are written"
+            raise FormatError(message)
+        for name, faces in find_interfaces(description.assembly, spec).items():
+            number += 1
+            for side in ("minus", "plus"):
+                yield f"*SURFACE,NAME={side.upper()}{number},TYPE=ELEMENT"
+                for entry in faces:
+                    yield from _facets(description.assembly, getattr(entry, side))
+            yield f"*SURFACE INTERACTION,NAME={_label(name)}"
+            yield from _behaviour(spec, description.assembly, faces)
+            yield f"*CONTACT PAIR,INTERACTION={_label(name)},TYPE=SURFACE TO SURFACE"
+            yield f"MINUS{number},PLUS{number}"
+            gap = description.initial_gaps.get(name, 0.0)
+            if gap:
+                yield f"*CLEARANCE,SLAVE=MINUS{number},MASTER=PLUS{number},VALUE={gap:.13g}"
+
+
+def _label(name: str) -> str:
+    return "".join(c if c.isalnum() and c.isascii() else "_" for c in name)[:60]
+
+
+def _behaviour(
+    spec: InterfaceSpec, assembly: Assembly, faces: tuple[FacePairs, ...]
+) -> Iterator[str]:
+    if spec.penalty == "hard":
+        yield "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=HARD"
+        return
+    automatic = spec.penalty == "auto"
+    slope = automatic_penalty(assembly, faces) if automatic else float(spec.penalty)
+    yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", f"{slope:.13g}")
+
+
+def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
+    """Element and face number of facets (n_facet, n_node), given by node indices."""
+    n_corner = 3 if facets.shape[1] in (3, 6) else 4
+    wanted = {tuple(row): None for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
+    for block in assembly.mesh.blocks:
+        family = next(name for name in _FACES if SOLIDS[block.kind].kind.startswith(name))
+        for face, corners in enumerate(_FACES[family]):
+            if len(corners) == n_corner:
+                rows = np.sort(block.nodes[:, list(corners)], axis=1).tolist()
+                for element, row in zip(block.ids.tolist(), rows, strict=True):
+                    if tuple(row) in wanted:
+                        yield f"{element},S{face + 1}"

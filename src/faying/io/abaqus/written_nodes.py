@@ -1,0 +1,132 @@
+"""Degrees of freedom of an assembly in a deck that knows three translations a node.
+
+Nodes of CalculiX have no rotations of their own. A node whose rotations the structure uses gets a
+second node, whose translations 1, 2, 3 are these rotations; couplings become equations.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Vector
+from faying.exceptions import FormatError
+from faying.model.assembly import Assembly
+from faying.model.couplings.average import average_rows
+from faying.model.couplings.equation import equation_rows
+from faying.model.couplings.rigid import rigid_rows
+from faying.model.couplings.rows import Rows, stacked
+from faying.model.couplings.support import fixed_components, inclined_rows
+from faying.model.matrices import used_components
+
+Term = tuple[int, int, float]
+"""Node id of the deck, degree of freedom 1, 2 or 3, coefficient."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WrittenNodes:
+    """Where each degree of freedom of an assembly is in the deck.
+
+    Attributes
+    ----------
+    ids : (n_node,)
+        Node ids of translations.
+    rotations : (n_node,)
+        Node ids of rotations; 0 where the structure uses none.
+    """
+
+    ids: Indices
+    rotations: Indices
+
+    @property
+    def largest(self) -> int:
+        """Largest node id in use."""
+        return int(max(self.ids.max(initial=0), self.rotations.max(initial=0)))
+
+    def place(self, dof: int) -> tuple[int, int]:
+        """Return node id and degree of freedom of 6 · node index + component.
+
+        Raises
+        ------
+        FormatError
+            If it is a rotation nothing resists.
+        """
+        node, component = divmod(dof, 6)
+        if component < 3:
+            return int(self.ids[node]), component + 1
+        if not self.rotations[node]:
+            message = (
+                f"node {self.ids[node]} has no rotations, but a load or spring acts on one; "
+                "move it to a node that a coupling or beam holds"
+            )
+            raise FormatError(message)
+        return int(self.rotations[node]), component - 2
+
+
+def written_equations(assembly: Assembly) -> tuple[Rows, Mask]:
+    """Return all couplings, equations and inclined supports, and what is plainly held.
+
+    Returns
+    -------
+    Rows
+        As :func:`faying.model.constraints.constrain` eliminates them.
+    ndarray of bool (6 n_node,)
+        Degrees of freedom held at zero.
+    """
+    fixed = fixed_components(assembly)
+    rigid, equations = rigid_rows(assembly), equation_rows(assembly)
+    existing = used_components(assembly).copy()
+    for part in (rigid, equations):
+        existing[part.dependent] = True
+        existing[part.matrix.indices] = True
+    rows = stacked([rigid, average_rows(assembly, existing), equations])
+    blocked = fixed.copy()
+    blocked[rows.dependent] = True
+    return stacked([rows, inclined_rows(assembly, fixed=fixed, blocked=blocked)]), fixed
+
+
+def written_nodes(assembly: Assembly, rows: Rows) -> WrittenNodes:
+    """Give each node whose rotations are used a node for them, with ids above all others."""
+    n_node = len(assembly.mesh.nodes)
+    rotating = used_components(assembly).copy()
+    rotating[rows.dependent] = True
+    rotating[rows.matrix.indices[rows.matrix.data != 0]] = True
+    which = np.flatnonzero(rotating.reshape(n_node, 6)[:, 3:].any(axis=1))
+    ids = assembly.mesh.node_ids
+    rotations = np.zeros(n_node, dtype=np.int64)
+    rotations[which] = ids.max(initial=0) + 1 + np.arange(len(which))
+    return WrittenNodes(ids=ids, rotations=rotations)
+
+
+def equation_terms(rows: Rows, nodes: WrittenNodes, fixed: Mask) -> Iterator[list[Term]]:
+    """Yield the terms of each equation, the dependent one first.
+
+    Held degrees of freedom drop out; what depends on nothing else is held itself.
+    """
+    matrix = rows.matrix.tocsr()
+    for row, dependent in enumerate(rows.dependent.tolist()):
+        part = slice(matrix.indptr[row], matrix.indptr[row + 1])
+        terms: list[Term] = [(*nodes.place(dependent), 1.0)]
+        for dof, value in zip(
+            matrix.indices[part].tolist(), matrix.data[part].tolist(), strict=True
+        ):
+            if value != 0 and not fixed[dof]:
+                terms.append((*nodes.place(dof), -value))
+        yield terms
+
+
+def held(nodes: WrittenNodes, fixed: Mask) -> list[tuple[int, list[int]]]:
+    """Return the held degrees of freedom of each node of the deck; rotations of solids drop out."""
+    found: dict[int, list[int]] = {}
+    for dof in np.flatnonzero(fixed).tolist():
+        node, component = divmod(dof, 6)
+        if component < 3 or nodes.rotations[node]:
+            number, direction = nodes.place(dof)
+            found.setdefault(number, []).append(direction)
+    return sorted(found.items())
+
+
+def rotation_coordinates(assembly: Assembly, nodes: WrittenNodes) -> list[tuple[int, Vector]]:
+    """Return id and place of the nodes added for rotations."""
+    which = np.flatnonzero(nodes.rotations)
+    return [(int(nodes.rotations[i]), assembly.mesh.nodes[i]) for i in which.tolist()]
