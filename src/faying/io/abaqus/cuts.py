@@ -32,7 +32,8 @@ class Cut:
     Attributes
     ----------
     kept, copies : (n,)
-        Nodes of the section, and the new ones of the elements beyond it, in the same order.
+        Nodes of the section, which the elements beyond it keep, and the new ones of the elements
+        that own the surface, in the same order (as in CalculiX).
     normal : (3,)
         Unit vector from the side that owns the surface to the side beyond.
     area : [length²]
@@ -52,14 +53,14 @@ class Cut:
 
 
 def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, Cut]:
-    """Give the elements beyond a section nodes of their own.
+    """Give the elements that own the surface of a section nodes of their own.
 
     Raises
     ------
     FormatError
         If the surface does not cut the body in two.
     """
-    beyond = _beyond(mesh, section, surface)
+    owners = _owning_side(mesh, section, surface)
     n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
     kept = surface.nodes
     copy_of = np.arange(n_node)
@@ -67,9 +68,9 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
     ends = (n_node + len(kept), n_node + len(kept) + 1)
     blocks = []
     for block in mesh.blocks:
-        far = np.isin(block.ids, beyond)
+        near = np.isin(block.ids, owners)
         blocks.append(
-            replace(block, nodes=np.where(far[:, None], copy_of[block.nodes], block.nodes))
+            replace(block, nodes=np.where(near[:, None], copy_of[block.nodes], block.nodes))
         )
     vector = np.zeros(3)
     for kind, facets in surface.facets.items():
@@ -112,8 +113,8 @@ def _direction(section: Section, normal: Vector) -> Vector:
     return unit
 
 
-def _beyond(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:
-    """Ids of the elements at the section on the side that does not own the surface."""
+def _owning_side(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:
+    """Ids of the elements at the section on the side that owns the surface."""
     faces, ids = _faces_at(mesh, surface.nodes)
     cut = np.concatenate([np.sort(_corners(part), axis=1) for part in surface.facets.values()])
     keys = np.concatenate([cut, np.sort(_corners(faces), axis=1)])
@@ -140,7 +141,7 @@ def _beyond(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:
             "at an edge or a corner, so its side is not clear; place the section elsewhere"
         )
         raise section.keyword.error(message)
-    return elements[~np.isin(part, owners)]
+    return elements[np.isin(part, owners)]
 
 
 def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
@@ -174,7 +175,7 @@ def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
         for kept, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
             for c in range(3):
                 number += 1
-                terms = ((copy, c, 1.0), (kept, c, -1.0), (moving, 0, -float(cut.normal[c])))
+                terms = ((copy, c, 1.0), (kept, c, -1.0), (moving, 0, float(cut.normal[c])))
                 equations.append(
                     Equation(id=number, terms=tuple(term for term in terms if term[2] != 0.0))
                 )
