@@ -245,7 +245,7 @@ def test_history(refused, deck, tmp_path, command, text, parts):
             ["element 1 (hex8)", "negative volume", "correct the order of its nodes"],
         ),
         ("SPC1    1 ", "SPC1    2 ", ["SPC = 1", "sets are 2"]),
-        (f"CBEAM*  {BOLT}", "CBEAM*  990", [f"bolt 'M6': element {BOLT} is no beam", "name the b"]),
+        (f"CBAR*   {BOLT}", "CBAR*   990", [f"bolt 'M6': element {BOLT} is no beam", "name the b"]),
     ],
     ids=["density", "negative volume", "no such SPC", "no such bolt"],
 )

@@ -47,6 +47,8 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
 
     Ends are followed through beams, springs, couplings and equations up to the first solids, but
     not through the cut element and what joins the same two nodes (its shear and bending springs).
+    Where such springs have nodes of their own (CalculiX's rotation nodes), a way around the cut
+    remains and the links do not tell head from nut; nothing is returned then.
     """
     first, second = cut.nodes if isinstance(cut, Beam) else (node for node, _ in cut.ends)
     links = _links(assembly, (first, second))
@@ -54,14 +56,20 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
     of_node, through = links.tocsc(), links[:, np.flatnonzero(~solid)]
     _, group = connected_components(through @ through.T, directed=False)
 
+    def groups(node: int) -> Indices:
+        at_node = of_node.indices[of_node.indptr[node] : of_node.indptr[node + 1]]
+        return np.unique(group[at_node])
+
     def reached(node: int) -> Indices:
         if solid[node]:
             return np.array([node])
-        at_node = of_node.indices[of_node.indptr[node] : of_node.indptr[node + 1]]
-        nodes = np.unique(links[np.flatnonzero(np.isin(group, group[at_node]))].indices)
+        nodes = np.unique(links[np.flatnonzero(np.isin(group, groups(node)))].indices)
         found: Indices = nodes[solid[nodes]]
         return found
 
+    if not solid[[first, second]].any() and np.isin(groups(first), groups(second)).any():
+        nothing = np.empty(0, dtype=np.int64)
+        return nothing, nothing
     return reached(first), reached(second)
 
 
