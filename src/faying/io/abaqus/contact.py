@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from faying._typing import Matrix
 from faying.contact.pairing import find_interfaces
 from faying.exceptions import ModelError
-
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
@@ -49,7 +48,8 @@ def read_pairs(deck: Deck, surfaces: Surfaces, ignored: list[str]) -> list[Pair]
     behaviours = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
-        behaviours[head.required("NAME").upper()] = _behaviour(head, members, ignored)
+        name = head.required("NAME")
+        behaviours[name.upper()] = name, _behaviour(head, members, ignored)
     pairs = []
     for keyword in deck.of("CONTACT PAIR"):
         pairs += _pairs(keyword, surfaces, behaviours, ignored)
@@ -59,7 +59,7 @@ def read_pairs(deck: Deck, surfaces: Surfaces, ignored: list[str]) -> list[Pair]
 def _pairs(
     keyword: Keyword,
     surfaces: Surfaces,
-    behaviours: Mapping[str, float | Literal["hard"]],
+    behaviours: Mapping[str, tuple[str, float | Literal["hard"]]],
     ignored: list[str],
 ) -> list[Pair]:
     keyword.allow("INTERACTION", "TYPE", "SMALL SLIDING", "ADJUST", "EXTENSION ZONE", "CPSET",
@@ -69,6 +69,7 @@ def _pairs(
     if name.upper() not in behaviours:
         message = f"there is no *SURFACE INTERACTION '{name}'; define it or correct the name"
         raise keyword.error(message)
+    interaction, penalty = behaviours[name.upper()]
     note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
     if note not in ignored:
         ignored.append(note)
@@ -91,9 +92,9 @@ def _pairs(
                 row=row,
                 slave=slave,
                 master=master,
-                penalty=behaviours[name.upper()],
+                penalty=penalty,
                 adjusted=keyword.has("ADJUST"),
-                interaction=name,
+                interaction=interaction,
             )
         )
     return pairs

@@ -89,6 +89,9 @@ def _block(keyword: Keyword, nodes: Nodes) -> ElementBlock:
         message = f"elements of TYPE={kind} are not supported; {remedy}"
         raise keyword.error(message)
     width = len(order) + 1
+    if not keyword.data:
+        message = "it has no data lines; give element ids and nodes, or remove it"
+        raise keyword.error(message)
     texts, rows = table(keyword).records(width, f"an id and {len(order)} nodes for each {kind}")
     flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
     values = flat.reshape(-1, width)

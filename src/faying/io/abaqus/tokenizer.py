@@ -36,7 +36,7 @@ def read_keywords(lines: Lines) -> list[Keyword]:
             "such as *HEADING or *NODE"
         )
         raise FormatError(message)
-    ends = [*starts[1:], len(content)]
+    ends = [*starts[1:], len(content)][: len(starts)]
     return [_keyword(lines, content[start:end]) for start, end in zip(starts, ends, strict=True)]
 
 
