@@ -45,8 +45,9 @@ def test_any_start_ends_at_the_same_forces(seed):
     cold = bare.solve()
     for start in (np.zeros(n, bool), np.ones(n, bool), rng.random(n) < 0.5, cold.active):
         warm = bare.solve(active=start)
-        # The same active set, hence the same linear system.
-        np.testing.assert_array_equal(warm.forces, cold.forces)
+        np.testing.assert_array_equal(warm.active, cold.active)
+        # The same linear system, solved from another factorization: round-off times condition 1e3.
+        np.testing.assert_allclose(warm.forces, cold.forces, rtol=0, atol=1e-12 * cold.forces.max())
     assert bare.solve(active=cold.active).iterations == 1
 
 

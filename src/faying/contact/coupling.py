@@ -227,6 +227,7 @@ def _operator(
     # What should vanish does to rounding, and would fill the matrix.
     result.data[np.abs(result.data) < 1e-12] = 0.0
     result.eliminate_zeros()
+    result.sort_indices()
     return result
 
 

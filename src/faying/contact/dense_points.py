@@ -1,6 +1,7 @@
 """The flexibility between contact points as one dense matrix: best for small interfaces."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -8,16 +9,17 @@ import scipy.linalg as la
 from scipy.linalg import lapack
 
 from faying._typing import Mask, Matrix, Vector
+from faying.contact.bordered_factor import SINGULAR_PIVOT, BorderedFactor
 from faying.contact.pivoting import ROUND_OFF
 
-SINGULAR_PIVOT = 1e-7
-"""Smallest over largest Cholesky pivot (condition 1e14) below which H counts as singular."""
+UNCLOSED = 1e-12
+"""Gap left at active points over the largest |g_free| above which a block is factorized anew."""
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DensePoints:
-    """H (n_point, n_point) [length/force]; one Cholesky factorization per active set."""
+    """H (n_point, n_point) [length/force]; its active blocks are factorized, or bordered."""
 
     H: Matrix
     noise: float = ROUND_OFF
@@ -27,23 +29,20 @@ class DensePoints:
         """Diagonal of H."""
         return np.diag(self.H)
 
+    @cached_property
+    def _blocks(self) -> BorderedFactor:
+        return BorderedFactor(self.H)
+
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
         """Return the forces that close the active gaps, and the slack of all points."""
-        index = np.flatnonzero(active)
-        forces = np.zeros_like(g_free)
-        if len(index) == 0:
-            return forces, g_free.copy()
-        # H is symmetric, so the transpose is the same block in the column order LAPACK works on.
-        block = self.H[np.ix_(index, index)].T
-        factor, failed = lapack.dpotrf(block, lower=1, overwrite_a=1, clean=0)
-        pivots = np.diag(factor)
-        if failed or pivots.min() < SINGULAR_PIVOT * pivots.max():
-            message = "singular active block"
-            raise la.LinAlgError(message)
-        forces[index] = lapack.dpotrs(factor, -g_free[index], lower=1)[0]
+        forces = self._blocks.solve(-g_free, active)
         # A product with all of H beats gathering its active columns.
         slack = self.H @ forces + g_free
-        slack[index] = 0.0
+        left = np.abs(slack[active]).max(initial=0.0)
+        if left > UNCLOSED * np.abs(g_free).max(initial=0.0):
+            forces = self._blocks.solve_anew(-g_free, active)
+            slack = self.H @ forces + g_free
+        slack[active] = 0.0
         return forces, slack
 
     def solve(self, right: Matrix, active: Mask) -> Matrix:

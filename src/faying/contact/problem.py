@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Mask, Matrix, Vector, frozen
-from faying.contact.dense_points import SINGULAR_PIVOT, DensePoints
+from faying.contact.bordered_factor import SINGULAR_PIVOT
+from faying.contact.dense_points import DensePoints
 from faying.contact.pivoting import ContactForces, solve_complementarity
 from faying.exceptions import ModelError
 
