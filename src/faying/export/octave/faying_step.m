@@ -1,0 +1,36 @@
+function state = faying_step(joint, state, F, h, N0)
+% One step of implicit Euler with contact at its end.
+%
+%   joint  load('compliance.mat')
+%   state  of faying_static or of the step before
+%   F      forces and moments at the boundary at the end of the step
+%   h      time step; the factorization is kept in state.step as long as h stays the same
+%   N0     initial forces of the bolts; joint.N0 unless given
+%
+%   (M/h^2 + C/h + K) q1 = f + G' lambda + M (q/h^2 + v/h) + C q/h
+  if nargin < 5
+    N0 = joint.N0;
+  end
+  if ~isfield(state, 'step') || state.step.h ~= h
+    A = joint.M / h^2 + joint.C / h + joint.K;
+    state.step.h = h;
+    state.step.U = chol((A + A') / 2);
+    answers = state.step.U' \ joint.P';
+    state.step.S = answers' * answers + joint.R;
+  end
+  U = state.step.U;
+  b = -joint.E' * N0(:);
+  b(joint.boundary) = b(joint.boundary) + F(:);
+  b = b + joint.M * (state.q / h^2 + state.v / h) + joint.C * (state.q / h);
+  d = 1 ./ (joint.cn .* joint.w);
+  gfree = joint.g0 + joint.G * (U \ (U' \ b));
+  [lambda, slack, active] = faying_complementarity(state.step.S, joint.N, d, gfree, state.active);
+  q = U \ (U' \ (b + joint.G' * lambda));
+  v = (q - state.q) / h;
+  state.a = (v - state.v) / h;
+  state.v = v;
+  state.q = q;
+  state.lambda = lambda;
+  state.gap = slack - d .* lambda;
+  state.active = active;
+end

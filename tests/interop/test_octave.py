@@ -1,0 +1,187 @@
+"""The .mat hand-over in Octave: static cases, a transient, recovery and the jacobian."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+from programs import MissingProgramError, or_skip
+
+import faying as fy
+from faying.export.formats import export
+from faying.export.hand_over import HandOver, hand_over_of
+from faying.simulation.recovery import recover_reduced
+from faying.simulation.solution import Solution
+
+LOADS = np.array([[0.0, 0.0, -500.0, 0.0, 0.0, 0.0], [200.0, 50.0, 900.0, 2e3, -1e3, 3e3]])
+NAMES = tuple(f"tip.{name}" for name in ("Fx", "Fy", "Fz", "Mx", "My", "Mz"))
+STEP, COUNT = 2e-5, 40
+
+SAME = 1e-9
+"""Round-off: both programs take the same steps in double precision, with condition numbers of 1e5
+or so of the effective matrices."""
+
+HARD = 1e-7
+"""For hard contact on Gauss points: their forces are not unique, and those of a very stiff law are
+picked through matrices of condition 1e7 (the proximal term)."""
+
+
+def octave() -> str:
+    found = shutil.which("octave-cli") or shutil.which("octave")
+    if found is None:
+        message = "Octave is not installed: there is no 'octave-cli' on the path"
+        raise MissingProgramError(message)
+    return found
+
+
+@pytest.fixture(scope="module")
+def program() -> str:
+    return or_skip(octave)
+
+
+def run_octave(program: str, folder: Path, script: str) -> dict[str, np.ndarray]:
+    """Run a script that fills variables and return them."""
+    text = f"{script}\nclear joint state; save('-v7', 'out.mat');\n"
+    (folder / "script.m").write_text(text)
+    done = subprocess.run(
+        [program, "--no-init-file", "--quiet", "script.m"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        env={"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin", "HOME": str(folder)},
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "warning" not in done.stderr.lower(), done.stderr
+    return {k: v for k, v in scipy.io.loadmat(folder / "out.mat").items() if k[0] != "_"}
+
+
+def model_of(joint: fy.Model, kind: str) -> fy.ReducedModel:
+    """Reduced models with penalty and hard contact, with and without residual compliance."""
+    if kind == "hard":
+        joint = joint.with_penalty(np.inf)
+    basis = fy.craig_bampton(joint, normal_modes=10)
+    return fy.reduce(joint, basis, compliance=kind != "plain")
+
+
+@pytest.fixture(scope="module", params=["penalty", "hard", "plain"])
+def rom(request, joint) -> fy.ReducedModel:
+    return model_of(joint, request.param)
+
+
+@pytest.fixture(scope="module")
+def given(rom) -> HandOver:
+    return hand_over_of(rom)
+
+
+def close(found: np.ndarray, wanted: np.ndarray, tolerance: float = SAME) -> None:
+    scale = np.abs(wanted).max()
+    assert scale > 0
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=tolerance * scale)
+
+
+SCRIPT = """
+joint = load('joint.mat');
+state = faying_static(joint);
+q0 = state.q; lambda0 = state.lambda;
+loads = {loads};
+for k = 1:2
+  state = faying_static(joint, loads(k, :));
+  statics(:, k) = state.q; forces(:, k) = state.lambda; gaps(:, k) = state.gap;
+end
+state = faying_static(joint);
+for k = 1:{count}
+  state = faying_step(joint, state, loads(1, :), {step});
+  q(:, k) = state.q; v(:, k) = state.v; lambda(:, k) = state.lambda;
+  [pressure(:, k), gap, ~, ends(:, k)] = faying_recover(joint, state.v, state.a, loads(1, :));
+end
+"""
+
+
+def transient(system: fy.ReducedModel) -> Solution:
+    load = fy.Load(dict(zip(NAMES, LOADS[0], strict=True)))
+    return fy.solve_transient(system, load, step=STEP, duration=COUNT * STEP)
+
+
+def test_same_solutions(
+    program: str, given: HandOver, rom: fy.ReducedModel, tmp_path: Path
+) -> None:
+    export(given, "mat", out=tmp_path / "joint.mat")
+    points = HARD if np.isinf(rom.contact.penalty).any() else SAME
+    script = SCRIPT.format(
+        loads=np.array2string(LOADS, separator=",").replace("],", "];"), count=COUNT, step=STEP
+    )
+    found = run_octave(program, tmp_path, script)
+    close(found["q0"][:, 0], given.preloaded.states)
+    close(found["lambda0"][:, 0], given.preloaded.contact_forces, points)
+    for case, forces in enumerate(LOADS):
+        wanted = fy.solve_static(rom, fy.Load(dict(zip(NAMES, forces, strict=True))))
+        close(found["statics"][:, case], wanted.states)
+        close(found["forces"][:, case], wanted.contact_forces, points)
+        close(found["gaps"][:, case], wanted.gap)
+    history = transient(rom)
+    close(found["q"], history.states[1:].T)
+    close(found["lambda"], history.contact_forces[1:].T, points)
+    recovered = recover_reduced(given.recovery, transient(given.model))
+    close(found["pressure"], recovered.pressure[1:].T, points)
+    close(found["ends"], recovered.displacement("tip")[1:].T)
+
+
+JACOBIAN = """
+joint = load('joint.mat');
+state = faying_static(joint, [0; 0; -300; 0; 0; 0]);
+[f, J, lambda, gap] = faying_contact(joint, state.q);
+balance = joint.K * state.q + joint.E' * joint.N0 - f;
+applied = balance(joint.boundary);
+direction = sin((1:numel(f))') .* abs(state.q);
+h = 1e-7;
+up = faying_contact(joint, state.q + h * direction);
+down = faying_contact(joint, state.q - h * direction);
+slope = (up - down) / (2 * h);
+tangent = J * direction;
+asymmetry = norm(J - J');
+forces = state.lambda;
+"""
+
+
+def test_force_and_jacobian_of_a_state(program: str, joint: fy.Model, tmp_path: Path) -> None:
+    export(hand_over_of(model_of(joint, "penalty")), "mat", out=tmp_path / "joint.mat")
+    found = run_octave(program, tmp_path, JACOBIAN)
+    # The contact forces of a state are a difference of displacements times the penalty.
+    np.testing.assert_allclose(
+        found["lambda"], found["forces"], rtol=0, atol=1e-6 * found["forces"].max()
+    )
+    np.testing.assert_allclose(found["applied"][:, 0], [0, 0, -300, 0, 0, 0], atol=1e-3)
+    # Piecewise linear: the difference quotient is exact but for cancellation.
+    scale = np.abs(found["tangent"]).max()
+    np.testing.assert_allclose(found["slope"], found["tangent"], rtol=0, atol=1e-5 * scale)
+    assert found["asymmetry"] == 0.0
+
+
+def test_hard_contact_without_compliance_is_refused(
+    program: str, joint: fy.Model, tmp_path: Path
+) -> None:
+    hard = joint.with_penalty(np.inf)
+    rom = fy.reduce(hard, fy.craig_bampton(hard, normal_modes=10))
+    export(hand_over_of(rom), "mat", out=tmp_path / "joint.mat")
+    script = (
+        "joint = load('joint.mat'); "
+        "try, faying_contact(joint, joint.q0); catch e, text = e.message; end"
+    )
+    found = run_octave(program, tmp_path, script)
+    assert "no force for a given q" in str(found["text"])
+
+
+def test_every_variable_is_in_the_table(given: HandOver, tmp_path: Path) -> None:
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "export_to_numpy.md"
+    export(given, "mat", out=tmp_path / "joint.mat")
+    export(given, "npz", out=tmp_path / "joint.npz")
+    text = page.read_text()
+    mat = {name for name in scipy.io.loadmat(tmp_path / "joint.mat") if name[0] != "_"}
+    npz = set(np.load(tmp_path / "joint.npz").files)
+    assert mat - npz == {"N"}
+    for name in mat | npz:
+        assert f"`{name}`" in text, name
