@@ -1,0 +1,174 @@
+"""The FMU files: description, sources, binary, resources and documentation in one archive each."""
+
+import re
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from dataclasses import replace
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from faying.export.fmu.description import (
+    Description,
+    build_description,
+    fmi2_description,
+    fmi3_description,
+)
+from faying.export.fmu.library import compile_library, platform_folder, suffix
+from faying.export.fmu.quantities import fmu_units, seconds
+from faying.export.fmu.resources import joint_file, read_me, recovery_file
+from faying.export.fmu.variables import Defaults, Variable, scalars, with_arrays
+from faying.export.hand_over import HandOver
+from faying.export.linearized import linearized
+
+SOURCES = Path(__file__).parent / "sources"
+SHARED = ("linalg.c", "joint.c", "contact.c", "motion.c", "variables.c")
+
+STEPS_PER_PERIOD = 100
+"""Of the lowest mode of the closed joint, where the run has no time step."""
+
+EPOCH = (1980, 1, 1, 0, 0, 0)
+"""Date of all members: equal joints give equal archives."""
+
+
+def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+    """Write an FMI 2.0 FMU, and beside it one of FMI 3.0, with the contact of the joint inside.
+
+    Parameters
+    ----------
+    path
+        Of the FMI 2.0 FMU; the other one is called ``NAME_fmi3.fmu``.
+
+    Returns
+    -------
+    tuple of Path
+        Both files.
+
+    Raises
+    ------
+    ModelError
+        If two variables would have the same name.
+    StudyError
+        If the interfaces are too large.
+
+    Notes
+    -----
+    Sources always; a binary for this system if it has a C compiler, which takes some seconds.
+    """
+    defaults = Defaults(step_size=_step_size(hand_over))
+    joint, token = joint_file(hand_over, defaults)
+    common = Description(
+        title=hand_over.title,
+        text=f"bolted joint with contact, reduced by {hand_over.method}",
+        identifier=_identifier(path.stem),
+        token=token,
+        variables=scalars(hand_over, defaults),
+        units=fmu_units(hand_over.units),
+        step_size=defaults.step_size,
+    )
+    arrays = replace(common, variables=with_arrays(hand_over, defaults))
+    resources = {
+        "resources/joint.bin": joint,
+        "resources/recovery.npz": recovery_file(hand_over),
+        "resources/README.txt": read_me().encode(),
+    }
+    second = path.with_name(f"{path.stem}_fmi3{path.suffix}")
+    _pack(path, _fmi2(common) | resources)
+    _pack(second, _fmi3(arrays) | resources)
+    return path, second
+
+
+def _fmi2(given: Description) -> dict[str, bytes]:
+    sources = _sources("fmi2.c")
+    # A source distribution must name its functions after the model.
+    prefix = f"#define FMI2_FUNCTION_PREFIX {given.identifier}_\n"
+    sources["sources/identifier.h"] = prefix.encode()
+    return {
+        "modelDescription.xml": fmi2_description(given),
+        "documentation/index.html": _page(given, 2),
+        **sources,
+        **_binary(given, sources, 2),
+    }
+
+
+def _fmi3(given: Description) -> dict[str, bytes]:
+    sources = _sources("fmi3.c")
+    return {
+        "modelDescription.xml": fmi3_description(given),
+        "documentation/index.html": _page(given, 3),
+        "sources/buildDescription.xml": build_description(given),
+        **sources,
+        **_binary(given, sources, 3),
+    }
+
+
+def _sources(main: str) -> dict[str, bytes]:
+    return {f"sources/{name}": (SOURCES / name).read_bytes() for name in (*SHARED, main)}
+
+
+def _binary(given: Description, sources: Mapping[str, bytes], version: int) -> dict[str, bytes]:
+    """Return the shared library, nothing where it could not be compiled."""
+    name = f"{given.identifier}{suffix()}"
+    with tempfile.TemporaryDirectory() as folder:
+        for source, text in sources.items():
+            (Path(folder) / Path(source).name).write_bytes(text)
+        library = Path(folder) / name
+        if not compile_library(Path(folder) / f"fmi{version}.c", library):
+            return {}
+        return {f"binaries/{platform_folder(version)}/{name}": library.read_bytes()}
+
+
+def _pack(path: Path, members: Mapping[str, bytes]) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in members.items():
+            entry = zipfile.ZipInfo(name, date_time=EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content)
+
+
+def _identifier(stem: str) -> str:
+    """Return a C identifier."""
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", stem)
+    return plain if re.match(r"[A-Za-z]", plain) else f"joint_{plain}"
+
+
+def _step_size(given: HandOver) -> float:
+    """Return the time step of the run's first transient, or a hundredth of the lowest period [s]."""
+    cases = () if given.results is None else given.results.cases.values()
+    for case in cases:
+        if case.times is not None and len(case.times) > 1:
+            return float(case.times[1] - case.times[0]) * seconds(given.units)
+    lowest = float(linearized(given).frequencies(1)[0]) / seconds(given.units)
+    return float(np.format_float_scientific(1 / (STEPS_PER_PERIOD * lowest), precision=0))
+
+
+def _page(given: Description, version: int) -> bytes:
+    """Return the documentation page: variables, and how to compile."""
+    rows = "\n".join(_row(variable, given) for variable in given.variables)
+    override = " -DFMI2_OVERRIDE_FUNCTION_PREFIX" if version == 2 else ""
+    text = f"""<!DOCTYPE html>
+<html lang="en"><meta charset="utf-8"><title>{escape(given.title)}</title>
+<h1>{escape(given.title)}</h1>
+<p>{escape(given.text)}. Inputs are held over a communication step, which is divided into equal
+internal steps no longer than <code>step_size</code>.</p>
+<p>To compile for another system, in the folder <code>sources</code>:</p>
+<pre>cc -std=c99 -O3 -fPIC -shared{override} fmi{version}.c -o {given.identifier}.so -lm</pre>
+<p>and put the library into <code>binaries/PLATFORM</code>.</p>
+<table border="1">
+<tr><th>variable<th>causality<th>unit<th>start<th>meaning</tr>
+{rows}
+</table>
+</html>
+"""
+    return text.encode()
+
+
+def _row(variable: Variable, given: Description) -> str:
+    unit = given.units[variable.quantity].name if variable.quantity else ""
+    start = "" if variable.start is None else f"{variable.start:g}"
+    size = "" if variable.size is None else f" [{variable.size}]"
+    cells = (variable.name + size, variable.causality, unit, start, variable.description)
+    return "<tr>" + "".join(f"<td>{escape(cell)}" for cell in cells) + "</tr>"

@@ -1,0 +1,207 @@
+"""What FMI 2.0 and FMI 3.0 model descriptions have in common, and each as XML."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import faying
+from faying.export.fmu.quantities import Unit
+from faying.export.fmu.variables import Kind, Variable
+
+TYPES_2 = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
+TYPES_3 = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
+LOG_CATEGORY = ("logStatusError", "what went wrong; always logged")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Description:
+    """What a model description says.
+
+    Attributes
+    ----------
+    identifier
+        Name of the shared library, and prefix of functions in source code.
+    token
+        GUID of FMI 2.0, instantiation token of FMI 3.0.
+    units
+        Quantity to unit.
+    step_size : [s]
+        Suggested communication step.
+    """
+
+    title: str
+    text: str
+    identifier: str
+    token: str
+    variables: Sequence[Variable]
+    units: dict[str, Unit]
+    step_size: float
+
+
+def fmi2_description(given: Description) -> bytes:
+    """Return ``modelDescription.xml`` of FMI 2.0."""
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        guid=given.token,
+        numberOfEventIndicators="0",
+        **_common(given),
+    )
+    kind = ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=given.identifier,
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="true",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+    )
+    ET.SubElement(ET.SubElement(kind, "SourceFiles"), "File", name="fmi2.c")
+    _add_units(root, given)
+    _add_log(root)
+    _add_experiment(root, given)
+    variables = ET.SubElement(root, "ModelVariables")
+    for variable in given.variables:
+        entry = ET.SubElement(
+            variables,
+            "ScalarVariable",
+            name=variable.name,
+            valueReference=str(variable.reference),
+            **_meaning(variable),
+        )
+        ET.SubElement(entry, TYPES_2[variable.type], **_value(variable, given))
+    structure = ET.SubElement(root, "ModelStructure")
+    for name in ("Outputs", "InitialUnknowns"):
+        section = ET.SubElement(structure, name)
+        for number, variable in enumerate(given.variables, start=1):
+            if variable.causality == "output":
+                ET.SubElement(section, "Unknown", index=str(number))
+    return _text(root)
+
+
+def fmi3_description(given: Description) -> bytes:
+    """Return ``modelDescription.xml`` of FMI 3.0."""
+    root = ET.Element(
+        "fmiModelDescription",
+        fmiVersion="3.0",
+        instantiationToken=given.token,
+        **_common(given),
+    )
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=given.identifier,
+        canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUState="true",
+        canSerializeFMUState="true",
+    )
+    _add_units(root, given)
+    _add_log(root)
+    _add_experiment(root, given)
+    variables = ET.SubElement(root, "ModelVariables")
+    ET.SubElement(
+        variables,
+        "Float64",
+        name="time",
+        valueReference=str(int(Kind.TIME)),
+        causality="independent",
+        variability="continuous",
+        unit="s",
+        description="simulation time",
+    )
+    for variable in given.variables:
+        entry = ET.SubElement(
+            variables,
+            TYPES_3[variable.type],
+            name=variable.name,
+            valueReference=str(variable.reference),
+            **_meaning(variable),
+            **_value(variable, given),
+        )
+        if variable.size is not None:
+            ET.SubElement(entry, "Dimension", start=str(variable.size))
+    structure = ET.SubElement(root, "ModelStructure")
+    for name in ("Output", "InitialUnknown"):
+        for variable in given.variables:
+            if variable.causality == "output":
+                ET.SubElement(structure, name, valueReference=str(variable.reference))
+    return _text(root)
+
+
+def build_description(given: Description) -> bytes:
+    """Return ``sources/buildDescription.xml`` of FMI 3.0."""
+    root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
+    build = ET.SubElement(root, "BuildConfiguration", modelIdentifier=given.identifier)
+    files = ET.SubElement(build, "SourceFileSet", language="C99")
+    ET.SubElement(files, "SourceFile", name="fmi3.c")
+    ET.SubElement(build, "Library", name="m")
+    return _text(root)
+
+
+def _common(given: Description) -> dict[str, str]:
+    return {
+        "modelName": given.title,
+        "description": given.text,
+        "generationTool": f"faying {faying.__version__}",
+        "variableNamingConvention": "flat",
+    }
+
+
+def _meaning(variable: Variable) -> dict[str, str]:
+    meaning = {
+        "causality": variable.causality,
+        "variability": variable.variability,
+        "description": variable.description,
+    }
+    # Inputs start exactly at their value, which FMI forbids to say.
+    if variable.causality != "input":
+        meaning["initial"] = "exact" if variable.start is not None else "calculated"
+    return meaning
+
+
+def _value(variable: Variable, given: Description) -> dict[str, str]:
+    value: dict[str, str] = {}
+    if variable.quantity:
+        value["unit"] = given.units[variable.quantity].name
+    for name, limit in zip(("min", "max"), variable.limits, strict=True):
+        if limit is not None:
+            value[name] = _number(variable, limit)
+    if variable.start is not None:
+        value["start"] = _number(variable, variable.start)
+    return value
+
+
+def _number(variable: Variable, value: float) -> str:
+    if variable.type == "boolean":
+        return "true" if value else "false"
+    return str(int(value)) if variable.type == "integer" else repr(float(value))
+
+
+def _add_units(root: ET.Element, given: Description) -> None:
+    section = ET.SubElement(root, "UnitDefinitions")
+    used = {variable.quantity for variable in given.variables if variable.quantity} | {"time"}
+    named = {given.units[quantity].name: given.units[quantity] for quantity in sorted(used)}
+    for unit in named.values():
+        entry = ET.SubElement(section, "Unit", name=unit.name)
+        if unit.factor is not None:
+            powers = zip(("kg", "m", "s", "rad"), unit.exponents, strict=True)
+            base: dict[str, Any] = {name: str(power) for name, power in powers if power}
+            ET.SubElement(entry, "BaseUnit", **base, factor=repr(unit.factor))
+
+
+def _add_log(root: ET.Element) -> None:
+    name, text = LOG_CATEGORY
+    section = ET.SubElement(root, "LogCategories")
+    ET.SubElement(section, "Category", name=name, description=text)
+
+
+def _add_experiment(root: ET.Element, given: Description) -> None:
+    ET.SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(given.step_size))
+
+
+def _text(root: ET.Element) -> bytes:
+    ET.indent(root)
+    text: bytes = ET.tostring(root, encoding="UTF-8", xml_declaration=True)
+    return text

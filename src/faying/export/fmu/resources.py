@@ -1,0 +1,132 @@
+"""What lies in the resources of an FMU: the matrices of the joint, and those of recovery."""
+
+import hashlib
+import io
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Vector
+from faying.exceptions import StudyError
+from faying.export.fmu.quantities import seconds
+from faying.export.fmu.variables import Defaults
+from faying.export.hand_over import HandOver
+from faying.model.system import boundary_dofs, elongations
+
+MAGIC = int.from_bytes(b"FYJOINT1", "little")
+TOKEN_LENGTH = 64
+N_HEADER = 16
+
+
+def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
+    """Return ``joint.bin`` and the instantiation token that it holds.
+
+    Raises
+    ------
+    StudyError
+        If the residual compliance of the model is not a dense matrix.
+
+    Notes
+    -----
+    Layout: see ``sources/joint.c``. The token is a hash of everything else, so equal joints give
+    equal files.
+    """
+    contact, model = given.model.contact, given.model
+    residual = contact.residual_compliance
+    if residual is not None and not isinstance(residual, np.ndarray):
+        message = "the interface is too large for an FMU: its compliance is compressed"
+        raise StudyError(message)
+    rows = sp.csr_array(contact.interpolation)
+    relative = np.asarray(contact.relative_operator)
+    time = seconds(given.units)
+    bolts = list(model.bolts.values())
+    slices = list(contact.slices.values())
+    boundary = boundary_dofs(model.boundaries)
+    numbers: list[Vector] = [
+        model.M * time**2,
+        model.C * time,
+        model.K,
+        relative,
+        elongations(model.bolts, len(model.K)),
+        np.array([bolt.stiffness for bolt in bolts]),
+        np.array([bolt.initial_force for bolt in bolts]),
+        contact.initial_gap,
+        contact.weights,
+        np.array([contact.penalty[one][0] if one.stop > one.start else 1.0 for one in slices]),
+        np.array(
+            [
+                defaults.step_size,
+                defaults.rho_infinity,
+                defaults.integrator,
+                float(defaults.start_loaded),
+            ]
+        ),
+        rows.data,
+        np.empty(0) if residual is None else residual,
+    ]
+    indices = [boundary, [0, *(one.stop for one in slices)], rows.indptr, rows.indices]
+    payload = b"".join(
+        [
+            *(np.ascontiguousarray(array, dtype="<f8").tobytes() for array in numbers),
+            *(np.ascontiguousarray(array, dtype="<u8").tobytes() for array in indices),
+        ]
+    )
+    counts = (
+        len(model.K),
+        len(boundary),
+        len(bolts),
+        len(slices),
+        contact.n_points,
+        relative.shape[0],
+        len(rows.data),
+        int(residual is not None),
+    )
+    header = np.zeros(N_HEADER, dtype="<u8")
+    header[0], header[1 : 1 + len(counts)], header[-1] = MAGIC, counts, _checksum(payload)
+    token = _token(header.tobytes() + payload)
+    return header.tobytes() + token.encode().ljust(TOKEN_LENGTH, b"\0") + payload, token
+
+
+def recovery_file(given: HandOver) -> bytes:
+    """Return ``recovery.npz``: what gives pressures of the full model from a history of q."""
+    contact, ports = given.joint.contact, given.recovery.ports
+    rows = sp.csr_array(contact.interpolation)
+    time = seconds(given.units)
+    file = io.BytesIO()
+    np.savez_compressed(
+        file,
+        inertia=given.recovery.inertia * time**2,
+        damping=given.recovery.damping * time,
+        relative_compliance=np.asarray(ports.relative),
+        contact_columns=ports.contact_columns,
+        input_rows=ports.input_rows,
+        interpolation_values=rows.data,
+        interpolation_columns=rows.indices,
+        interpolation_row_starts=rows.indptr,
+        initial_gap=contact.initial_gap,
+        weights=contact.weights,
+        penalty=contact.penalty,
+        points=np.concatenate([one.points for one in given.interfaces.values()]),
+        interface_names=np.array(list(contact.slices)),
+        interface_stops=np.array([one.stop for one in contact.slices.values()]),
+    )
+    return file.getvalue()
+
+
+def read_me() -> str:
+    """Return the text that explains the resources."""
+    return (Path(__file__).parent / "resources.txt").read_text(encoding="utf-8")
+
+
+def _token(content: bytes) -> str:
+    digest = hashlib.sha256(content).hexdigest()
+    parts = (digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])
+    return "{" + "-".join(parts) + "}"
+
+
+def _checksum(payload: bytes) -> int:
+    """Sum of words times odd numbers, modulo 2⁶⁴: no change of a single word leaves it as it was."""
+    words = np.frombuffer(payload, dtype="<u8").astype(np.uint64)
+    factors = 2 * np.arange(len(words), dtype=np.uint64) + 1
+    return int(np.sum(words * factors, dtype=np.uint64))

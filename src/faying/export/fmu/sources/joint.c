@@ -1,0 +1,161 @@
+/* The reduced joint: matrices as the exporter wrote them to resources/joint.bin.
+ *
+ * The file is a header of 8-byte words, the instantiation token, and the arrays in the order of
+ * struct joint: first all numbers (IEEE double), then all indices (unsigned, 8 bytes), in the byte
+ * order of the machine that wrote it, which a mark tells. */
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define JOINT_MAGIC UINT64_C(0x31544e494f4a5946) /* "FYJOINT1", lowest byte first */
+#define TOKEN_LENGTH 64
+#define N_HEADER 16
+/* Larger counts than any joint has; keeps sums and products of damaged headers below 2^64. */
+#define MOST (UINT64_C(1) << 20)
+
+struct joint {
+    char token[TOKEN_LENGTH];
+    size_t n_mode, n_boundary, n_bolt, n_interface, n_point, n_relative, n_entry, has_residual;
+    double *payload;
+
+    const double *M, *C, *K;         /* (n_mode, n_mode) */
+    const double *relative;          /* (n_relative, n_mode) relative displacements of the pairs */
+    const double *elongations;       /* (n_bolt, n_mode) */
+    const double *bolt_stiffness;    /* (n_bolt) */
+    const double *initial_forces;    /* (n_bolt) */
+    const double *initial_gap;       /* (n_point) */
+    const double *weights;           /* (n_point) */
+    const double *penalty;           /* (n_interface) infinite where contact is hard */
+    const double *defaults;          /* step size, rho at infinity, integrator, start loaded */
+    const double *interpolation;     /* (n_entry) gaps at points from relative displacements */
+    const double *residual;          /* (n_relative, n_relative) or nothing */
+    const uint64_t *boundary;        /* (n_boundary) coordinate of each boundary displacement */
+    const uint64_t *interface_start; /* (n_interface + 1) points of each interface */
+    const uint64_t *row_start;       /* (n_point + 1) entries of each row of the interpolation */
+    const uint64_t *column;          /* (n_entry) */
+};
+
+enum { N_DEFAULT = 4 };
+
+/* Words times odd numbers: no change of a single word leaves the sum as it was. */
+static uint64_t checksum(const uint64_t *words, size_t n)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += words[i] * (2 * (uint64_t)i + 1);
+    return sum;
+}
+
+static const double *take(const double **place, size_t n)
+{
+    const double *here = *place;
+    *place += n;
+    return here;
+}
+
+/* Lay the arrays out over the payload. */
+static void lay_out(struct joint *j)
+{
+    const size_t m = j->n_mode, r = j->n_relative;
+    const double *place = j->payload;
+    j->M = take(&place, m * m);
+    j->C = take(&place, m * m);
+    j->K = take(&place, m * m);
+    j->relative = take(&place, r * m);
+    j->elongations = take(&place, j->n_bolt * m);
+    j->bolt_stiffness = take(&place, j->n_bolt);
+    j->initial_forces = take(&place, j->n_bolt);
+    j->initial_gap = take(&place, j->n_point);
+    j->weights = take(&place, j->n_point);
+    j->penalty = take(&place, j->n_interface);
+    j->defaults = take(&place, N_DEFAULT);
+    j->interpolation = take(&place, j->n_entry);
+    j->residual = take(&place, j->has_residual ? r * r : 0);
+    /* Indices and numbers are both read as they stand in the file. */
+    j->boundary = (const uint64_t *)(const void *)take(&place, j->n_boundary);
+    j->interface_start = (const uint64_t *)(const void *)take(&place, j->n_interface + 1);
+    j->row_start = (const uint64_t *)(const void *)take(&place, j->n_point + 1);
+    j->column = (const uint64_t *)(const void *)take(&place, j->n_entry);
+}
+
+static size_t payload_length(const struct joint *j)
+{
+    const size_t m = j->n_mode, r = j->n_relative;
+    return 3 * m * m + r * m + j->n_bolt * (m + 2) + 2 * j->n_point + j->n_interface + N_DEFAULT
+           + j->n_entry + (j->has_residual ? r * r : 0) + j->n_boundary + (j->n_interface + 1)
+           + (j->n_point + 1) + j->n_entry;
+}
+
+/* Whether all indices stay inside the arrays they point into. */
+static int indices_fit(const struct joint *j)
+{
+    for (size_t i = 0; i < j->n_boundary; i++)
+        if (j->boundary[i] >= j->n_mode)
+            return 0;
+    for (size_t i = 0; i < j->n_entry; i++)
+        if (j->column[i] >= j->n_relative)
+            return 0;
+    for (size_t i = 0; i < j->n_point; i++)
+        if (j->row_start[i] > j->row_start[i + 1])
+            return 0;
+    for (size_t i = 0; i < j->n_interface; i++)
+        if (j->interface_start[i] > j->interface_start[i + 1])
+            return 0;
+    return j->row_start[0] == 0 && j->row_start[j->n_point] == j->n_entry
+           && j->interface_start[0] == 0 && j->interface_start[j->n_interface] == j->n_point;
+}
+
+static const char *read_counts(struct joint *j, const uint64_t header[N_HEADER])
+{
+    size_t *counts[] = {&j->n_mode,  &j->n_boundary, &j->n_bolt,  &j->n_interface,
+                        &j->n_point, &j->n_relative, &j->n_entry, &j->has_residual};
+    if (header[0] != JOINT_MAGIC)
+        return "is no joint of faying, or of a machine with another byte order";
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        if (header[i + 1] >= MOST * (i == 6 ? 64 : 1))
+            return "has a damaged header";
+        *counts[i] = (size_t)header[i + 1];
+    }
+    return j->n_mode == 0 ? "has a damaged header" : NULL;
+}
+
+static const char *read_stream(struct joint *j, FILE *file)
+{
+    uint64_t header[N_HEADER];
+    if (fread(header, sizeof header, 1, file) != 1 || fread(j->token, TOKEN_LENGTH, 1, file) != 1)
+        return "ends too early";
+    const char *problem = read_counts(j, header);
+    if (problem)
+        return problem;
+    j->token[TOKEN_LENGTH - 1] = '\0';
+    const size_t length = payload_length(j);
+    j->payload = malloc(length * sizeof(double));
+    if (!j->payload)
+        return "needs more memory than there is";
+    if (fread(j->payload, sizeof(double), length, file) != length)
+        return "ends too early";
+    if (checksum((const uint64_t *)(const void *)j->payload, length) != header[N_HEADER - 1])
+        return "is damaged: its checksum is wrong";
+    lay_out(j);
+    return indices_fit(j) ? NULL : "is damaged: an index is out of range";
+}
+
+/* Read a joint; returns NULL or what is wrong with the file. */
+static const char *read_joint(struct joint *j, const char *path)
+{
+    memset(j, 0, sizeof *j);
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return "cannot be opened";
+    const char *problem = read_stream(j, file);
+    fclose(file);
+    return problem;
+}
+
+static void free_joint(struct joint *j)
+{
+    free(j->payload);
+    j->payload = NULL;
+}

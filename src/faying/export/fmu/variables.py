@@ -1,0 +1,329 @@
+"""The variables of an FMU: names, value references and what they mean.
+
+References are 2²⁰ times a kind plus an index, as ``sources/variables.c`` reads them.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from faying.exceptions import ModelError
+from faying.export.fmu import quantities
+from faying.export.hand_over import HandOver
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
+
+INDEX_BITS = 20
+WHOLE = 2**INDEX_BITS - 1
+"""Index that means all of an array."""
+
+VELOCITY_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+class Kind(IntEnum):
+    """As in ``sources/variables.c``."""
+
+    TIME = 0
+    STEP_SIZE = 1
+    RHO = 2
+    PENALTY = 3
+    INTEGRATOR = 4
+    START_LOADED = 5
+    FORCE = 6
+    INITIAL_FORCE = 7
+    DISPLACEMENT = 8
+    VELOCITY = 9
+    BOLT_FORCE = 10
+    CONTACT_FORCE = 11
+    MAX_PRESSURE = 12
+    OPEN_FRACTION = 13
+    Q = 14
+    Q_VELOCITY = 15
+    Q_ACCELERATION = 16
+    PRESSURE = 17
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variable:
+    """One variable of a model description.
+
+    Attributes
+    ----------
+    type
+        ``"real"``, ``"integer"`` or ``"boolean"``.
+    causality
+        ``"parameter"``, ``"input"``, ``"output"`` or ``"local"``.
+    quantity
+        Of :mod:`faying.export.fmu.quantities`; empty for a number.
+    start
+        None where the FMU computes it.
+    size
+        Elements of an array; None for a scalar.
+    limits
+        Least and largest value of a parameter.
+    """
+
+    name: str
+    kind: Kind
+    index: int
+    causality: str
+    description: str
+    type: str = "real"
+    quantity: str = quantities.NONE
+    start: float | None = None
+    size: int | None = None
+    limits: tuple[float | None, float | None] = (None, None)
+
+    @property
+    def reference(self) -> int:
+        """Value reference."""
+        return (int(self.kind) << INDEX_BITS) + self.index
+
+    @property
+    def variability(self) -> str:
+        """What FMI demands of its causality."""
+        return "fixed" if self.causality == "parameter" else "continuous"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Defaults:
+    """Start values of the parameters that are not the joint's.
+
+    Attributes
+    ----------
+    step_size : [s]
+    """
+
+    step_size: float
+    rho_infinity: float = 0.8
+    integrator: int = 0
+    start_loaded: bool = True
+
+
+def scalars(given: HandOver, defaults: Defaults) -> tuple[Variable, ...]:
+    """Return all variables without arrays, which FMI 2.0 does not have.
+
+    Raises
+    ------
+    ModelError
+        If two of them have the same name.
+    """
+    found = (
+        *_parameters(given, defaults),
+        *_ports(given),
+        *_of_interfaces(given),
+        *_motion(given, arrays=False),
+    )
+    return _distinct(found)
+
+
+def with_arrays(given: HandOver, defaults: Defaults) -> tuple[Variable, ...]:
+    """Return all variables, pressures and motion as arrays.
+
+    Raises
+    ------
+    ModelError
+        If two of them have the same name.
+    """
+    found = (
+        *_parameters(given, defaults),
+        *_ports(given),
+        *_of_interfaces(given),
+        *_pressures(given),
+        *_motion(given, arrays=True),
+    )
+    return _distinct(found)
+
+
+def _distinct(found: Sequence[Variable]) -> tuple[Variable, ...]:
+    names = set()
+    for variable in found:
+        if variable.name in names:
+            message = (
+                f"two variables of the FMU are both called '{variable.name}'; give boundaries, "
+                "bolts and interfaces different names"
+            )
+            raise ModelError(message)
+        names.add(variable.name)
+    return tuple(found)
+
+
+def _parameters(given: HandOver, defaults: Defaults) -> Iterator[Variable]:
+    yield Variable(
+        name="step_size",
+        kind=Kind.STEP_SIZE,
+        index=0,
+        causality="parameter",
+        quantity=quantities.TIME,
+        start=defaults.step_size,
+        limits=(0.0, None),
+        description="longest internal time step; communication steps are divided equally",
+    )
+    yield Variable(
+        name="integrator",
+        kind=Kind.INTEGRATOR,
+        index=0,
+        causality="parameter",
+        type="integer",
+        start=defaults.integrator,
+        limits=(0, 1),
+        description="0 implicit Euler, 1 generalized-alpha",
+    )
+    yield Variable(
+        name="rho_infinity",
+        kind=Kind.RHO,
+        index=0,
+        causality="parameter",
+        start=defaults.rho_infinity,
+        limits=(0.0, 1.0),
+        description="spectral radius of generalized-alpha at infinite frequency",
+    )
+    yield Variable(
+        name="start_loaded",
+        kind=Kind.START_LOADED,
+        index=0,
+        causality="parameter",
+        type="boolean",
+        start=float(defaults.start_loaded),
+        description="start in equilibrium with the boundary forces at initialization (true), or "
+        "under the bolts alone, with those forces applied at once (false)",
+    )
+    for index, (name, points) in enumerate(given.model.contact.slices.items()):
+        penalty = given.model.contact.penalty[points]
+        if len(penalty) and np.isfinite(penalty[0]):
+            yield Variable(
+                name=f"{name}.penalty",
+                kind=Kind.PENALTY,
+                index=index,
+                causality="parameter",
+                quantity=quantities.STIFFNESS,
+                start=float(penalty[0]),
+                limits=(0.0, None),
+                description=f"contact stiffness of interface {name}",
+            )
+
+
+def _ports(given: HandOver) -> Iterator[Variable]:
+    turning = (False, False, False, True, True, True)
+    families = (
+        (Kind.FORCE, FORCE_NAMES, "input", quantities.FORCE, quantities.MOMENT, "force on"),
+        (
+            Kind.DISPLACEMENT,
+            DISPLACEMENT_NAMES,
+            "output",
+            quantities.LENGTH,
+            quantities.ANGLE,
+            "displacement, from the unloaded joint, of",
+        ),
+        (
+            Kind.VELOCITY,
+            VELOCITY_NAMES,
+            "output",
+            quantities.VELOCITY,
+            quantities.SPIN,
+            "velocity of",
+        ),
+    )
+    for kind, names, causality, straight, turned, text in families:
+        for index, (place, component) in enumerate(_places(given.model.boundaries.values())):
+            yield Variable(
+                name=f"{place}.{names[component]}",
+                kind=kind,
+                index=index,
+                causality=causality,
+                quantity=turned if turning[component] else straight,
+                start=0.0 if causality == "input" else None,
+                description=f"{text} {place}",
+            )
+        if kind == Kind.FORCE:
+            yield from _initial_forces(given)
+    for index, name in enumerate(given.model.bolts):
+        yield Variable(
+            name=f"{name}.force",
+            kind=Kind.BOLT_FORCE,
+            index=index,
+            causality="output",
+            quantity=quantities.FORCE,
+            description=f"axial force of bolt {name}, tension positive",
+        )
+
+
+def _initial_forces(given: HandOver) -> Iterator[Variable]:
+    for index, (name, bolt) in enumerate(given.model.bolts.items()):
+        yield Variable(
+            name=f"{name}.initial_force",
+            kind=Kind.INITIAL_FORCE,
+            index=index,
+            causality="input",
+            quantity=quantities.FORCE,
+            start=float(bolt.initial_force),
+            description=f"force that bolt {name} would have at zero elongation; what tightening "
+            "set, not the force it ends with",
+        )
+
+
+def _places(boundaries: Iterable[Boundary]) -> Iterator[tuple[str, int]]:
+    """Name each boundary degree of freedom; by node where a boundary has several."""
+    for boundary in boundaries:
+        several = len(np.unique(boundary.nodes)) > 1
+        for node, component in zip(
+            boundary.nodes.tolist(), boundary.components.tolist(), strict=True
+        ):
+            yield (f"{boundary.name}.{node}" if several else boundary.name), component
+
+
+def _of_interfaces(given: HandOver) -> Iterator[Variable]:
+    families = (
+        (Kind.CONTACT_FORCE, "contact_force", quantities.FORCE, "normal force through"),
+        (Kind.MAX_PRESSURE, "max_pressure", quantities.PRESSURE, "largest contact pressure in"),
+        (
+            Kind.OPEN_FRACTION,
+            "open_fraction",
+            quantities.NONE,
+            "part of the area without pressure of",
+        ),
+    )
+    for kind, label, quantity, text in families:
+        for index, name in enumerate(given.model.contact.slices):
+            yield Variable(
+                name=f"{name}.{label}",
+                kind=kind,
+                index=index,
+                causality="output",
+                quantity=quantity,
+                description=f"{text} interface {name}",
+            )
+
+
+def _pressures(given: HandOver) -> Iterator[Variable]:
+    for index, (name, points) in enumerate(given.model.contact.slices.items()):
+        if points.stop > points.start:
+            yield Variable(
+                name=f"{name}.pressure",
+                kind=Kind.PRESSURE,
+                index=index,
+                causality="output",
+                quantity=quantities.PRESSURE,
+                size=points.stop - points.start,
+                description=f"contact pressure at the points of interface {name}",
+            )
+
+
+def _motion(given: HandOver, *, arrays: bool) -> Iterator[Variable]:
+    count = len(given.model.K)
+    families = (
+        (Kind.Q, "q", "generalized coordinates"),
+        (Kind.Q_VELOCITY, "v", "their velocities, per second"),
+        (Kind.Q_ACCELERATION, "a", "their accelerations, per second squared"),
+    )
+    for kind, label, text in families:
+        for index in [WHOLE] if arrays else range(count):
+            yield Variable(
+                name=f"modal.{label}" if arrays else f"modal.{label}[{index + 1}]",
+                kind=kind,
+                index=index,
+                causality="local",
+                size=count if arrays else None,
+                description=f"{text}; for pressure recovery",
+            )
