@@ -307,7 +307,7 @@ def test_loads(read: Read) -> None:
         "FORCE,1,9,2,2.,1.,0.,0.",  # radial at 30°
         "MOMENT,2,1,,3.,0.,1.,0.",
         "LOAD,5,2.,1.,1,.5,2",
-        "PLOAD4,6,1,1.",
+        "GRAV,6,,9.81,0.,0.,-1.",
     )
     assembly = read(*cards, head="SOL 101\nCEND\nLOAD = 5\nBEGIN BULK\n")
     assert list(assembly.loads) == ["5", "1", "2"]
@@ -315,9 +315,11 @@ def test_loads(read: Read) -> None:
     assert five.nodes.tolist() == [0, 8]
     np.testing.assert_allclose(five.forces[0], [20, 0, 40, 0, 3, 0])
     np.testing.assert_allclose(five.forces[1, :3], [2 * np.sqrt(3), 2, 0], atol=1e-15)
-    assert any("load set 6" in text and "PLOAD4" in text for text in assembly.ignored)
-    with pytest.raises(FormatError, match="PLOAD4: this kind of load"):
-        read(*cards, head="SOL 101\nCEND\nLOAD = 6\nBEGIN BULK\n")
+    assert any("load set 6" in text and "GRAV" in text for text in assembly.ignored)
+    assert any("load sets 1, 2, 5 (a study's" in text for text in assembly.ignored)
+    # A study brings its own loads, so nothing is lost that was to be used.
+    selected = read(*cards, head="SOL 101\nCEND\nLOAD = 6\nBEGIN BULK\n")
+    assert list(selected.loads) == ["1", "2", "5"]
     with pytest.raises(FormatError, match="load set 77"):
         read("LOAD,5,1.,1.,77")
 
@@ -345,7 +347,7 @@ def test_sets(read: Read) -> None:
         BRICK, "PSOLID,1,9", "SET1,4,1,THRU,6,EXCEPT,3", "BSURFS,5,,,,1,1,2,3", "BCPROP,6,1"
     )
     assert assembly.mesh.node_sets["set:4"].tolist() == [0, 1, 3, 4, 5]
-    assert assembly.mesh.element_sets["bsurfs:5"].tolist() == [1]
+    assert assembly.face_sets["bsurfs:5"].nodes.tolist() == [[0, 3, 2, 1]]
     assert assembly.mesh.element_sets["bcprop:6"].tolist() == [1]
 
 

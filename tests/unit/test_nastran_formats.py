@@ -125,7 +125,7 @@ def test_include_is_relative_to_the_including_file(tmp_path: Path) -> None:
         ("CTETRA,8,3,1,2,3,44", r"8: CTETRA: GRID 44 is not in the deck"),
         ("CTETRA,8,33,1,2,3,4", r"8: CTETRA: property 33 is not a PSOLID"),
         ("CTETRA,8,3,1,2,3", r"8: CTETRA: 3 nodes; supported are 4 or 10"),
-        ("CTETRA,8,3,1,2,3,3", r"8: CTETRA: the same node twice"),
+        ("CTETRA,8,3,1,2,3,3", r"8: CTETRA: element 8 has the same node twice"),
         ("MAT1,9,1.,,.3", r"8: MAT1: material 9 is already defined at .*a\.bdf:7"),
         ("PSOLID,3,9", r"8: PSOLID: property 3 is already defined at .*a\.bdf:6"),
         ("CQUAD4,9,1,1,2,3,4", r"8: CQUAD4: the card is not supported"),

@@ -1,26 +1,57 @@
-"""Case control: which constraint and load sets the deck selects."""
+"""Case control: which sets of constraints, loads, contact and bolt forces the deck selects."""
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 from faying.exceptions import FormatError
 from faying.io.nastran.source import Lines
 
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
-_SETS = ("SPC", "MPC", "LOAD")
+_SETS = frozenset(("SPC", "MPC", "LOAD", "BCSET", "BGSET", "BOLTLD"))
+_BCONTACT = frozenset(("ALLBODY", "NONE", "AUTO"))
+_COMBINATIONS = frozenset(("SUBCOM", "SYM", "SYMCOM", "REPCASE"))
 _SILENT = frozenset(
-    ("TITLE", "SUBTITLE", "LABEL", "ECHO", "SUBCASE", "SOL", "CEND", "ID", "TIME", "INIT")
+    (
+        *("TITLE", "SUBTITLE", "LABEL", "ECHO", "SUBCASE", "SOL", "CEND", "ID", "TIME", "INIT"),
+        *("SET", "SUBSEQ", "SYMSEQ"),
+    )
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class CaseControl:
-    """Selected sets; None where case control selects nothing."""
+    """Selected sets; None where case control selects nothing.
+
+    Attributes
+    ----------
+    contact, glue
+        BCSET and BGSET (Simcenter).
+    bcontact
+        BCONTACT (MSC): the id of a table, or ``"ALLBODY"``, ``"AUTO"``, ``"NONE"``.
+    bolts
+        BOLTLD.
+    present
+        Whether the deck has a case control section, so that what is not selected is not active.
+    """
 
     spc: int | None = None
     mpc: int | None = None
     load: int | None = None
+    contact: int | None = None
+    bcontact: int | str | None = None
+    bolts: int | None = None
+    glue: int | None = None
+    present: bool = False
+
+
+@dataclass(kw_only=True)
+class _Level:
+    """Selections of the global level or of one subcase."""
+
+    where: str
+    chosen: dict[str, int | str] = field(default_factory=dict)
 
 
 def parameter_lines(lines: Lines) -> Lines:
@@ -34,41 +65,124 @@ def parameter_lines(lines: Lines) -> Lines:
     )
 
 
-def read_case_control(lines: Lines, ignored: list[str]) -> CaseControl:
-    """Read the selections of the global level and of the first subcase, which overrides it.
+def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = None) -> CaseControl:
+    """Read the selections of the global level and of one subcase, which overrides it.
+
+    Parameters
+    ----------
+    subcase
+        Id of the subcase that counts; the first unless given. Of its steps the first counts.
 
     Raises
     ------
     FormatError
-        If a selection is no number, or matrices from DMIG enter the structure.
+        If a selection is no number, the subcase is not there, or matrices from DMIG enter the
+        structure.
     """
-    chosen: dict[str, int] = {}
-    subcases = 0
-    others: set[str] = set()
     start = next((i for i, line in enumerate(lines.text) if line.strip()[:4] == b"CEND"), -1)
-    for i in range(start + 1, len(lines.text)):
-        text = lines.text[i].partition(b"$")[0].decode("latin-1").strip()
-        match = _STATEMENT.match(text)
-        if not match or match.group(1) == "PARAM":
-            continue
-        name = match.group(1)
-        value = (match.group(3) or match.group(4) or "").strip()
-        subcases += name == "SUBCASE"
+    common = _Level(where="")
+    subcases: dict[int, _Level] = {}
+    combinations: dict[int, str] = {}
+    others: set[str] = set()
+    level, steps = common, 0
+    for i, name, value in _statements(lines, start + 1):
         if name in _MATRICES and start >= 0:
             message = (
                 f"{lines.where(i)}: {name} adds matrices to the structure, which is not supported; "
                 "remove it, or give all matrices by faying.from_matrices"
             )
             raise FormatError(message)
-        if name in _SETS and subcases <= 1:
-            if not re.fullmatch(r"\d{1,18}", value):
-                message = f"{lines.where(i)}: {name} = '{value}'; expected the number of a set"
+        if name == "SUBCASE" or name in _COMBINATIONS:
+            number = _number(lines, i, name, value, "an id")
+            level, steps = _Level(where=lines.where(i)), 0
+            if name in _COMBINATIONS:
+                combinations[number] = name
+            elif number in subcases:
+                message = (
+                    f"{lines.where(i)}: SUBCASE {number} is already at {subcases[number].where}; "
+                    "renumber one"
+                )
                 raise FormatError(message)
-            chosen[name] = int(value)
-        elif name not in _SILENT and name not in _SETS and start >= 0:
+            else:
+                subcases[number] = level
+        elif name == "STEP":
+            steps += 1
+            if steps == 2:
+                level = _Level(where=lines.where(i))
+                others.add("STEP after the first")
+        elif name == "BCONTACT":
+            word = value.partition(",")[0].strip()
+            wanted = word if word in _BCONTACT else _number(lines, i, name, value, "a table's id")
+            level.chosen[name] = wanted
+        elif name in _SETS:
+            level.chosen[name] = _number(lines, i, name, value, "the number of a set")
+        elif name not in _SILENT and start >= 0:
             others.add(name)
     if others:
         ignored.append(f"case control requests {', '.join(sorted(others))}")
-    if subcases > 1:
-        ignored.append(f"case control subcases after the first ({subcases - 1})")
-    return CaseControl(spc=chosen.get("SPC"), mpc=chosen.get("MPC"), load=chosen.get("LOAD"))
+    chosen = {**common.chosen, **_subcase(subcases, combinations, subcase, ignored)}
+    return _control(chosen, present=start >= 0)
+
+
+def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:
+    numbers = {name: value for name, value in chosen.items() if isinstance(value, int)}
+    return CaseControl(
+        spc=numbers.get("SPC"),
+        mpc=numbers.get("MPC"),
+        load=numbers.get("LOAD"),
+        contact=numbers.get("BCSET"),
+        bcontact=chosen.get("BCONTACT"),
+        bolts=numbers.get("BOLTLD"),
+        glue=numbers.get("BGSET"),
+        present=present,
+    )
+
+
+def _statements(lines: Lines, first: int) -> Iterator[tuple[int, str, str]]:
+    """Yield line, name and value of each statement."""
+    for i in range(first, len(lines.text)):
+        text = lines.text[i].partition(b"$")[0].decode("latin-1").strip()
+        match = _STATEMENT.match(text)
+        if not match or match.group(1) == "PARAM":
+            continue
+        name = match.group(1)
+        # Four letters are enough for a command.
+        name = "SUBCASE" if len(name) >= 4 and "SUBCASE".startswith(name) else name
+        yield i, name, (match.group(3) or match.group(4) or "").strip()
+
+
+def _number(lines: Lines, i: int, name: str, value: str, expected: str) -> int:
+    if not re.fullmatch(r"\d{1,18}", value):
+        message = f"{lines.where(i)}: {name} = '{value}'; expected {expected}"
+        raise FormatError(message)
+    return int(value)
+
+
+def _subcase(
+    subcases: dict[int, _Level],
+    combinations: dict[int, str],
+    wanted: int | None,
+    ignored: list[str],
+) -> dict[str, int | str]:
+    """Return the selections of the subcase that counts, and note the others."""
+    if wanted is not None and wanted not in subcases:
+        known = ", ".join(map(str, subcases)) or "none"
+        kind = combinations.get(wanted)
+        message = (
+            f"subcase {wanted} is a {kind}, a combination of others; choose one of {known}"
+            if kind
+            else f"case control has no subcase {wanted}; subcases are {known}"
+        )
+        raise FormatError(message)
+    if combinations:
+        found = ", ".join(f"{kind} {number}" for number, kind in combinations.items())
+        ignored.append(f"case control combinations ({found})")
+    if not subcases:
+        return {}
+    taken = next(iter(subcases)) if wanted is None else wanted
+    others = [str(number) for number in subcases if number != taken]
+    if others:
+        ignored.append(
+            f"case control subcases other than {taken} ({', '.join(others)}); choose by 'subcase'"
+        )
+    return subcases[taken].chosen

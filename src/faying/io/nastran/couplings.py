@@ -42,7 +42,7 @@ def _rigid(card: Card, grids: Grids) -> RigidCoupling:
 
 
 def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[int]:
-    """Return ids from fields with single numbers and ``a THRU b`` ranges.
+    """Return ids from fields with single numbers and ranges ``a THRU b`` or ``a THRU b BY n``.
 
     Ranges keep their known ids only, if those are given.
     """
@@ -51,16 +51,8 @@ def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[
     while i < len(texts):
         value = numbers.integer(texts[i])
         if texts[i] == "THRU" and ids and i + 1 < len(texts):
-            last = numbers.integer(texts[i + 1])
-            longest = _LONGEST if known is None else 10**18
-            if last is None or not ids[-1] <= last <= ids[-1] + longest:
-                text = f"'{ids[-1]} THRU {texts[i + 1]}' is not an ascending range of ids"
-                raise card.error(text)
-            if known is None:
-                ids += range(ids[-1] + 1, last + 1)
-            else:
-                ids += known[(known > ids[-1]) & (known <= last)].tolist()
-            i += 2
+            ids += _range(card, ids[-1], texts[i:], known)
+            i += 4 if texts[i + 2 : i + 3] == ["BY"] else 2
             continue
         if value is None:
             text = f"'{texts[i]}' stands where an id is expected"
@@ -68,6 +60,24 @@ def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[
         ids.append(value)
         i += 1
     return ids
+
+
+def _range(card: Card, first: int, texts: list[str], known: Indices | None) -> list[int]:
+    """Ids behind ``first`` of a range; ``texts`` begin with THRU."""
+    last, step = numbers.integer(texts[1]), 1
+    if texts[2:3] == ["BY"]:
+        step = numbers.integer(texts[3]) or 0 if len(texts) > 3 else 0
+        if step < 1:
+            text = f"'BY {' '.join(texts[3:4])}' is no positive step between ids"
+            raise card.error(text)
+    longest = _LONGEST if known is None else 10**18
+    if last is None or not first <= last <= first + longest:
+        text = f"'{first} THRU {texts[1]}' is not an ascending range of ids"
+        raise card.error(text)
+    if known is None:
+        return list(range(first + step, last + 1, step))
+    inside = (known > first) & (known <= last) & ((known - first) % step == 0)
+    return [int(number) for number in known[inside]]
 
 
 def _check_frames(card: Card, grids: Grids, nodes: Indices, tied: tuple[int, ...]) -> None:

@@ -1,25 +1,187 @@
 """A Nastran deck with what it says about contact and bolts."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from os import PathLike
 
-from faying.io.nastran.reader import read_deck
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.io.nastran.bolts import read_bolts
+from faying.io.nastran.contact_msc import read_msc_pairs
+from faying.io.nastran.contact_pairs import Pair, check_closed, check_distinct
+from faying.io.nastran.contact_simcenter import read_simcenter_pairs
+from faying.io.nastran.reader import Deck, read_parts
+from faying.io.nastran.regions import Region, read_regions
+from faying.model.assembly import Assembly, FaceSet
 from faying.model.description import JointDescription
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import exterior_facets
 
 
 def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> JointDescription:
     """Read a deck, its contact definitions as interfaces and its bolts with their pretension.
 
+    Contact is BCTSET (Simcenter, selected by BCSET) or BCTABLE, BCTABL1, BCONECT (MSC, selected by
+    BCONTACT); interfaces are called ``contact-<source>-<target>`` by the ids of regions or bodies,
+    source (secondary, slave) being the minus side. Bolts are BOLT of CBAR and CBEAM with BOLTFOR,
+    selected by BOLTLD, called ``bolt-<id>``.
+
     Parameters
     ----------
     path
-        The deck.
+        The deck; see :func:`faying.io.nastran.read_deck` for what is read.
     subcase
-        Subcase whose sets count; the first unless given.
+        Subcase whose selections count; the first unless given.
 
     Raises
     ------
     FormatError
-        With file and line.
+        With file and line: as :func:`faying.io.nastran.read_deck`, or if the contact or a bolt has
+        features that are not represented (friction, glue, interference, cuts through solids).
+
+    Notes
+    -----
+    A deck with case control but without BCSET or BCONTACT has no active contact; what it defines
+    is then named in ``assembly.ignored``. Penalty factors are left to the study.
     """
-    del subcase
-    return JointDescription(assembly=read_deck(path))
+    deck = read_parts(path, subcase)
+    regions = read_regions(deck.cards, deck.grids, deck.solids)
+    notes: dict[str, None] = {}
+    pairs = [
+        *read_simcenter_pairs(deck.cards, deck.control, regions, notes),
+        *read_msc_pairs(deck.cards, deck.control, regions, notes),
+    ]
+    check_distinct(pairs)
+    bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
+    assembly = _with_regions(deck, regions, pairs)
+    for pair in pairs:
+        check_closed(pair, assembly.mesh)
+    ignored = (*deck.ignored, *_grouped(notes))
+    return JointDescription(
+        assembly=replace(assembly, ignored=ignored),
+        interfaces=tuple(
+            InterfaceSpec(name=pair.name, minus=pair.minus.name, plus=pair.plus.name)
+            for pair in pairs
+        ),
+        bolts=bolts,
+        preloads=preloads,
+    )
+
+
+def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:
+    """Read the structure of a deck: Nastran bulk data (small, large, free field) with INCLUDE.
+
+    What is read: GRID, GRDSET, CORD1R/C/S, CORD2R/C/S, CHEXA (8, 20), CPENTA (6, 15), CTETRA (4,
+    10), CBAR, CBEAM, PBAR, PBARL, PBEAM, PBEAML (constant sections), PSOLID, MAT1, RBE2, RBE3,
+    MPC, MPCADD, SPC, SPC1, SPCADD, FORCE, MOMENT, PLOAD4, LOAD, CELAS1, CELAS2, PELAS, CONM2,
+    SET1, BSURF, BSURFS, BCPROP, BCPROPS and PARAM,WTMASS; contact and bolts by
+    :func:`read_joint`.
+
+    Case control selects SPC, MPC and LOAD (global level and one subcase). Without a selection all
+    SPC and all MPC sets of the deck apply. All load sets are returned, the selected one first;
+    loads that are not read are named in ``ignored``.
+
+    PSOLID decides the formulation of eight-node CHEXA: ``"incompatible"`` when IN and ISOP are
+    left at their defaults (bubble functions), ``"standard"`` for ISOP = FULL with IN = TWO or
+    THREE.
+
+    Parameters
+    ----------
+    path
+        The deck. INCLUDE is relative to the including file.
+    subcase
+        Subcase whose selections count; the first unless given.
+
+    Returns
+    -------
+    Assembly
+        In the basic frame. ``element_sets`` has ``pid:<n>`` for every property of solids;
+        ``ignored`` names everything harmless that was left out.
+
+    Raises
+    ------
+    FormatError
+        With file and line: a missing file or include, a malformed field, a reference to something
+        that is not there, a duplicate id, or a card that changes the physics and is not supported.
+
+    Notes
+    -----
+    About 0.5 s for 50 000 nodes and bricks; 400 bytes of memory a line at most.
+    """
+    return read_joint(path, subcase=subcase).assembly
+
+
+def _grouped(notes: Mapping[str, None]) -> list[str]:
+    """Join the parameters of one card to one note."""
+    groups: dict[str, list[str]] = {}
+    for note in notes:
+        name, _, rest = note.partition(" ")
+        single = rest.isalnum() and rest.isupper()
+        groups.setdefault(name if single else note, []).append(rest)
+    return [
+        f"{name} {', '.join(rest)} (the study's penalty and tolerance count)"
+        if " " not in name
+        else name
+        for name, rest in groups.items()
+    ]
+
+
+def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) -> Assembly:
+    """Add contact regions as face sets and element sets.
+
+    Raises
+    ------
+    FormatError
+        If a region in contact has no exterior face, or faces that no set can name.
+    """
+    assembly = deck.assembly
+    element_sets = dict(assembly.mesh.element_sets)
+    node_sets = dict(assembly.mesh.node_sets)
+    face_sets: dict[str, FaceSet] = {}
+    used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
+    exterior = exterior_facets(assembly.mesh).nodes if used else np.zeros((0, 8), dtype=np.int64)
+    for region in regions.values():
+        if region.elements is not None:
+            element_sets[region.name] = region.elements
+            if region.name in used and not len(region.elements):
+                text = "no solid of the deck belongs to this contact region; correct its ids"
+                raise region.card.error(text)
+            continue
+        faces = region.face_set
+        if faces is not None:
+            face_sets[region.name] = faces
+        if region.name in used:
+            inside = _inside(region, exterior, len(assembly.mesh.nodes))
+            if region.facets is not None and faces is None:
+                nodes = np.unique(region.facets[region.facets >= 0])
+                if inside != len(region.facets) or not len(nodes):
+                    text = (
+                        "a contact region of triangles and quadrilaterals whose grids span other "
+                        "faces too cannot be named; divide it into one region per kind of face"
+                    )
+                    raise region.card.error(text)
+                node_sets[region.name] = nodes
+    mesh = replace(assembly.mesh, element_sets=element_sets, node_sets=node_sets)
+    return replace(assembly, mesh=mesh, face_sets=face_sets)
+
+
+def _inside(region: Region, exterior: Indices, n_node: int) -> int:
+    """Count the exterior faces with all nodes in the region.
+
+    Raises
+    ------
+    FormatError
+        If a face of the region lies inside a body.
+    """
+    facets = region.facets if region.facets is not None else exterior[:0]
+    within = np.zeros(n_node + 1, dtype=bool)
+    within[facets] = within[-1] = True
+    spanned = exterior[within[exterior].all(axis=1)]
+    rows = {tuple(sorted(row)) for row in spanned.tolist()}
+    if any(tuple(sorted(row)) not in rows for row in facets.tolist()):
+        text = "a face of this contact region lies inside a body; name exterior faces"
+        error: FormatError = region.card.error(text)
+        raise error
+    return len(spanned)

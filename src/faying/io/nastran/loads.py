@@ -1,41 +1,48 @@
-"""FORCE, MOMENT, LOAD: nodal loads by load set."""
+"""FORCE, MOMENT, PLOAD4, LOAD: nodal loads by load set."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.pressures import read_pressures
 from faying.model.assembly import NodalLoads
+from faying.model.mesh import CellBlock
 
 UNSUPPORTED = (
     *("ACCEL", "ACCEL1", "DEFORM", "FORCE1", "FORCE2", "GRAV", "GMLOAD", "LSEQ", "MOMENT1"),
-    *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "PLOAD4", "QVOL", "RFORCE", "SLOAD", "TEMPRB"),
+    *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "QVOL", "RFORCE", "SLOAD", "TEMPRB"),
 )
-"""Static loads that are not read; what uses them is left out or, if selected, refused."""
+"""Static loads that are not read; sets that use them are left out."""
 
 _Part = tuple[Indices, Matrix]
 
 
 def read_loads(
-    cards: Mapping[str, Cards], grids: Grids, chosen: int | None, ignored: list[str]
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    blocks: Sequence[CellBlock],
+    chosen: int | None,
+    ignored: list[str],
 ) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
 
-    A set that uses a kind of load that is not supported is left out, with a note, unless case
-    control selects it.
+    A set that uses a kind of load that is not supported is left out, with a note: a study brings
+    its own loads.
 
     Raises
     ------
     FormatError
-        If a grid, coordinate system or load set is missing, or the selected set is not supported.
+        If a grid, element, coordinate system or load set is missing.
     """
     parts: dict[int, list[_Part]] = {}
     for name, first in (("FORCE", 0), ("MOMENT", 3)):
         if name in cards:
             _add(cards[name], grids, first, parts)
+    if "PLOAD4" in cards:
+        _add_pressures(cards["PLOAD4"], grids, blocks, parts)
     spoiled = _unsupported(cards)
     for card in cards.get("LOAD", ()):
         number = card.integer(0)
@@ -56,16 +63,13 @@ def read_loads(
             raise card.error(text)
         parts[number] = combined
     for number, reason in spoiled.items():
-        if number == chosen:
-            message = (
-                f"{reason}: this kind of load is not supported; use FORCE and MOMENT, or take "
-                f"LOAD = {number} out of the case control"
-            )
-            raise FormatError(message)
         ignored.append(f"load set {number} ({reason} is not supported)")
         parts.pop(number, None)
-    if chosen is not None and chosen not in parts:
-        ignored.append(f"case control LOAD = {chosen} (no FORCE, MOMENT or LOAD of that set)")
+    if chosen is not None and chosen not in parts and chosen not in spoiled:
+        ignored.append(f"case control LOAD = {chosen} (no FORCE, MOMENT, PLOAD4 or LOAD of it)")
+    if parts:
+        shown = ", ".join(map(str, sorted(parts)))
+        ignored.append(f"load sets {shown} (a study's load cases bring their own loads)")
     order = sorted(parts, key=lambda number: (number != chosen, number))
     return {str(number): _merged(parts[number]) for number in order}
 
@@ -89,6 +93,18 @@ def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) 
         card = int(np.flatnonzero(~np.isfinite(forces).all(axis=1))[0])
         text = "the load is too large for a number"
         raise cards.error(card, text)
+    for number in np.unique(sets).tolist():
+        parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
+
+
+def _add_pressures(
+    cards: Cards, grids: Grids, blocks: Sequence[CellBlock], parts: dict[int, list[_Part]]
+) -> None:
+    sets, nodes, vectors = read_pressures(cards, grids, blocks)
+    forces = np.hstack([vectors, np.zeros_like(vectors)])
+    if not np.isfinite(forces).all():
+        text = "a pressure load is too large for a number"
+        raise cards.error(0, text)
     for number in np.unique(sets).tolist():
         parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
 

@@ -20,10 +20,6 @@ HARMLESS = frozenset(
         # temperatures without a thermal load, failure data, optimisation
         *("TEMP", "TEMPD", "TABLES1", "TABLEM1", "DESVAR", "DVPREL1", "DRESP1"),
         *("DCONSTR", "DESOBJ", "DOPTPRM", "DVCREL1", "DCONADD", "DRESP2", "DEQATN"),
-        # contact and bolts: said anew in the study ([[interface]], [[bolt]])
-        *("BCONP", "BCBODY", "BCBODY1", "BCBDPRP", "BCONECT", "BCPARA", "BCTABLE", "BCTABL1"),
-        *("BCTSET", "BCTADD", "BCTPARM", "BCRPARA", "BLSEG", "BFRIC", "BOLT", "BOLTFOR"),
-        *("BOLTFRC", "BOLTLD", "BOLTSEQ", "BCONPRG", "BCONPRP"),
         # matrices that only case control (refused there) puts to use; names of sets
         *("ABSNMVS", "ABSTRCT", "DMIG", "DMI", "SET3", "SETREE", "GRDSET"),
     )

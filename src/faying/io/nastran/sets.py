@@ -1,11 +1,10 @@
-"""SET1, BSURF, BSURFS, BCPROP: named sets of nodes and elements."""
+"""SET1: named sets of nodes and elements."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
 from faying._typing import Indices
-from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.couplings import id_list
 from faying.io.nastran.grids import Grids
@@ -17,27 +16,13 @@ def read_sets(
     """Return node sets (indices) and element sets (ids).
 
     ``set:<n>`` of a SET1 is a node set if all its ids are grids, an element set if all are solid
-    elements, and both if both hold. ``bsurf:<n>``, ``bsurfs:<n>`` and ``bcprop:<n>`` are element
-    sets.
+    elements, and both if both hold.
     """
     node_sets: dict[str, Indices] = {}
     element_sets: dict[str, Indices] = {}
     known = np.concatenate(list(elements.values()) or [np.zeros(0, dtype=np.int64)])
     for card in cards.get("SET1", ()):
         _set1(card, grids, known, node_sets, element_sets, ignored)
-    for card in cards.get("BSURF", ()):
-        ids = np.array(id_list(card, [t for t in card.texts[1:] if t and t != "BY"]))
-        _extend(element_sets, f"bsurf:{card.integer(0)}", ids[np.isin(ids, known)])
-    for card in cards.get("BSURFS", ()):
-        # Behind a row of blanks, groups of an element and three grids of its face.
-        texts = [card.text(j) for j in range(4, len(card), 4)]
-        ids = np.array([numbers.integer(t) or 0 for t in texts if t])
-        _extend(element_sets, f"bsurfs:{card.integer(0)}", ids[np.isin(ids, known)])
-    for card in cards.get("BCPROP", ()):
-        for number in id_list(card, [t for t in card.texts[1:] if t]):
-            _extend(
-                element_sets, f"bcprop:{card.integer(0)}", elements.get(f"pid:{number}", known[:0])
-            )
     return node_sets, element_sets
 
 

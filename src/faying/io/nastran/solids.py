@@ -103,9 +103,7 @@ def _blocks(cards: Cards, family: _Family, grids: Grids) -> list[CellBlock]:
     wrong = np.flatnonzero(~np.isin(count, sizes) | ~leading)
     if wrong.size:
         card = int(wrong[0])
-        text = (
-            f"{count[card]} nodes; supported are {' or '.join(map(str, sizes))} without gaps"
-        )
+        text = f"{count[card]} nodes; supported are {' or '.join(map(str, sizes))} without gaps"
         raise cards.error(card, text)
     result = []
     for size, kind in family.kinds:
@@ -124,8 +122,12 @@ def _blocks(cards: Cards, family: _Family, grids: Grids) -> list[CellBlock]:
 def _check_distinct(cards: Cards, nodes: Indices) -> None:
     twice = np.flatnonzero((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1))
     if twice.size:
-        text = "the same node twice; collapsed elements are not supported, use CPENTA or CTETRA"
-        raise cards.error(int(twice[0]), text)
+        card = int(twice[0])
+        text = (
+            f"element {cards.words(0)[card]} has the same node twice; collapsed elements are not "
+            "supported, use CPENTA or CTETRA"
+        )
+        raise cards.error(card, text)
 
 
 def property_ids(cards: Cards) -> Indices:

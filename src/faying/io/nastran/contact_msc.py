@@ -1,0 +1,235 @@
+"""BCTABLE, BCTABL1, BCONECT, BCBODY, BCBODY1, BCONPRG, BCONPRP, BCPARA: contact of MSC Nastran.
+
+Fields as in the MSC Nastran 2022.4 Quick Reference Guide. SECNDRY and PRIMARY were called SLAVE and
+MASTERS in earlier versions.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from faying.exceptions import FormatError
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.case_control import CaseControl
+from faying.io.nastran.contact_pairs import Pair, refuse_friction, refuse_glue, region_of, rows
+from faying.io.nastran.contact_parameters import by_id, read_parameters
+from faying.io.nastran.couplings import id_list
+from faying.io.nastran.regions import Region
+
+_SECONDARY = frozenset(("SECNDRY", "SLAVE", "SLAVES"))
+_PRIMARY = frozenset(("PRIMARY", "MASTERS", "MASTER"))
+_SECTIONS = frozenset(("FBSH", "BKGL", "SEGS", "SEGTOSEG", "HHHB"))
+
+
+@dataclass(kw_only=True)
+class _Group:
+    """Touching bodies, the bodies they touch, and a parameter that closes gaps."""
+
+    card: Card
+    secondary: list[int] = field(default_factory=list)
+    primary: list[int] = field(default_factory=list)
+    closing: str = ""
+
+
+def read_msc_pairs(
+    cards: Mapping[str, Cards],
+    control: CaseControl,
+    regions: dict[int, Region],
+    ignored: dict[str, None],
+) -> list[Pair]:
+    """Read the pairs of the contact table that BCONTACT selects; without case control, of all.
+
+    The same two bodies in opposite order are one contact.
+
+    Raises
+    ------
+    FormatError
+        If a table, body or region is missing, or the contact has friction, glue, interference,
+        rigid bodies or another feature that is not represented.
+    """
+    groups = _selected_groups(cards, control, ignored)
+    if not groups:
+        return []
+    for card in cards.get("BCPARA", ()):
+        read_parameters(card, 1, ignored)
+    bodies = _bodies(cards)
+    pairs: dict[tuple[int, int], Pair] = {}
+    for group in groups:
+        for minus in group.secondary:
+            for plus in group.primary:
+                if (plus, minus) in pairs and plus != minus:
+                    ignored[f"contact of bodies {minus} and {plus} listed in both orders"] = None
+                    continue
+                if (minus, plus) in pairs:
+                    text = (
+                        f"contact of bodies {minus} and {plus} is already defined at "
+                        f"{pairs[minus, plus].where} and would count twice; remove one"
+                    )
+                    raise group.card.error(text)
+                pairs[minus, plus] = Pair(
+                    name=f"contact-{minus}-{plus}",
+                    minus=_region(cards, bodies, regions, group.card, minus, ignored),
+                    plus=_region(cards, bodies, regions, group.card, plus, ignored),
+                    where=group.card.where(),
+                    closing=group.closing,
+                )
+    return list(pairs.values())
+
+
+def _selected_groups(
+    cards: Mapping[str, Cards], control: CaseControl, ignored: dict[str, None]
+) -> list[_Group]:
+    tables, lists, pairs = (by_id(cards, name) for name in ("BCTABLE", "BCTABL1", "BCONECT"))
+    for name, found in (("BCTABLE", tables), ("BCTABL1", lists)):
+        if found.pop(0, None) is not None:
+            ignored[f"{name} 0 (initial contact)"] = None
+    chosen = control.bcontact
+    known = [*tables, *(lists or pairs)]
+    if chosen in ("ALLBODY", "AUTO"):
+        message = (
+            f"case control asks for BCONTACT = {chosen}; name the pairs by BCTABL1 and BCONECT, or "
+            'take it out and let the study find them (minus = plus = "auto")'
+        )
+        raise FormatError(message)
+    if chosen == "NONE" or (chosen is None and control.present):
+        if known:
+            shown = ", ".join(map(str, known))
+            ignored[f"contact tables {shown} (case control selects none by BCONTACT)"] = None
+        return []
+    wanted = known if chosen is None else [chosen]
+    groups: list[_Group] = []
+    for number in wanted:
+        if number not in known:
+            shown = ", ".join(map(str, known)) or "none"
+            message = f"case control selects BCONTACT = {number}, but the tables are {shown}"
+            raise FormatError(message)
+        if number in tables:
+            groups += _table_groups(tables[int(number)], ignored)
+        if number in lists:
+            card = lists[int(number)]
+            for member in id_list(card, [text for text in card.texts[1:] if text]):
+                if member not in pairs:
+                    text = f"BCONECT {member} is not in the deck; define it"
+                    raise card.error(text)
+                groups.append(_connection(cards, pairs[member], ignored))
+        elif not lists and number in pairs:
+            groups.append(_connection(cards, pairs[int(number)], ignored))
+    return groups
+
+
+def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
+    """Read the groups of a BCTABLE, or its short form with one pair."""
+    if card.text(1):
+        return [_Group(card=card, secondary=[card.integer(1)], primary=[card.integer(2)])]
+    groups: list[_Group] = []
+    section = ""
+    for first, texts in list(rows(card))[1:]:
+        word = texts[0]
+        if word in _SECONDARY:
+            section = "secondary"
+            groups.append(_Group(card=card, secondary=[card.integer(first + 1)]))
+            refuse_friction(card, first + 4)
+            if card.real(first + 5, 0.0):
+                text = "CINTERF (interference) is not supported; give 'initial_gap' in the study"
+                raise card.error(text, first + 5)
+            refuse_glue(card, first + 6)
+        elif word in _PRIMARY and groups:
+            section = "primary"
+            groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
+        elif not word and section == "primary":
+            groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
+        elif not word and section == "secondary":
+            # The first of these rows holds ISEARCH, ICOORD, JGLUE; the others begin with a word.
+            if texts[1] in _SECTIONS:
+                section = "parameters"
+                ignored[f"BCTABLE {texts[1]}"] = None
+            elif texts[2] not in ("", "0"):
+                groups[-1].closing = f"{card.where()}: ICOORD = {texts[2]}"
+        elif not word and section == "parameters":
+            ignored[f"BCTABLE {texts[1]}"] = None
+        elif any(texts):
+            text = f"'{word}' stands where SECNDRY or PRIMARY is expected"
+            raise card.error(text, first)
+    count = card.integer(3, 0)
+    if (count and count != len(groups)) or any(not group.primary for group in groups):
+        text = f"NGROUP = {count}, but it has {len(groups)} complete groups SECNDRY, PRIMARY"
+        raise card.error(text, 3)
+    return groups
+
+
+def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]) -> _Group:
+    """Bodies and parameters of a BCONECT."""
+    group = _Group(card=card)
+    for name, at in (("BCONPRG", 1), ("BCONPRP", 2)):
+        number = card.integer(at, 0)
+        if not number:
+            continue
+        found = by_id(cards, name)
+        if number not in found:
+            text = f"{name} {number} is not in the deck; define it"
+            raise card.error(text, at)
+        group.closing = read_parameters(found[number], 1, ignored).closing or group.closing
+    members = {"secondary": group.secondary, "primary": group.primary}
+    for name, at in (("secondary", 3), ("primary", 4)):
+        if card.text(at):
+            members[name].append(card.integer(at))
+    listed = {name: bool(ids) for name, ids in members.items()}
+    current = ""
+    for first, texts in list(rows(card))[1:]:
+        word = texts[0]
+        if word and word not in _SECONDARY | _PRIMARY:
+            text = f"'{word}' stands where SECNDRY or PRIMARY is expected"
+            raise card.error(text, first)
+        current = {True: "secondary", False: "primary"}[word in _SECONDARY] if word else current
+        ids = [text for text in texts[1:] if text]
+        if current and not listed[current]:
+            members[current] += id_list(card, ids)
+    if not group.secondary or not group.primary:
+        text = "it names no touching (SECNDRY) or no touched (PRIMARY) body"
+        raise card.error(text)
+    return group
+
+
+def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
+    found: dict[int, Card] = {}
+    for name in ("BCBODY", "BCBODY1"):
+        for number, card in by_id(cards, name).items():
+            if number in found:
+                text = f"body {number} is already defined at {found[number].where()}; renumber one"
+                raise card.error(text)
+            found[number] = card
+    return found
+
+
+def _region(
+    cards: Mapping[str, Cards],
+    bodies: dict[int, Card],
+    regions: dict[int, Region],
+    user: Card,
+    number: int,
+    ignored: dict[str, None],
+) -> Region:
+    """Region of a contact body, which must be deformable and without friction."""
+    if number not in bodies:
+        text = f"contact body {number} is not a BCBODY or BCBODY1 of the deck; define it"
+        raise user.error(text)
+    card = bodies[number]
+    new = card.cards.name == "BCBODY1"
+    dimension, behaviour, region = (2, 3, 4) if new else (1, 2, 3)
+    if card.text(dimension) not in ("", "3D"):
+        text = f"DIM = {card.text(dimension)} is not supported; contact bodies must be 3D"
+        raise card.error(text, dimension)
+    if card.text(behaviour) not in ("", "DEFORM"):
+        text = (
+            f"BEHAV = {card.text(behaviour)} is not supported; contact bodies must be deformable "
+            "(DEFORM): mesh the rigid one with solids"
+        )
+        raise card.error(text, behaviour)
+    if not new:
+        refuse_friction(card, 5)
+    elif card.integer(1, 0):
+        found = by_id(cards, "BCBDPRP").get(card.integer(1))
+        if found is None:
+            text = f"BCBDPRP {card.integer(1)} is not in the deck; define it"
+            raise card.error(text, 1)
+        read_parameters(found, 1, ignored)
+    return region_of(regions, card, region)

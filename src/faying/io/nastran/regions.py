@@ -1,0 +1,132 @@
+"""BSURF, BSURFS, BCPROP, BCPROPS: contact regions on solids.
+
+Simcenter Nastran Quick Reference Guide, BSURFS: an element and three corner grids of its face;
+BSURF and BCPROP(S) name elements and properties, whose exterior faces are the region.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Mask
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.couplings import id_list
+from faying.io.nastran.faces import find_faces
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.solids import Solids
+from faying.model.assembly import FaceSet
+from faying.model.surface import N_NODES
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Region:
+    """A contact region: the card and what it selects.
+
+    Attributes
+    ----------
+    name
+        Face set or element set of the assembly.
+    facets : (n_facet, 8)
+        Of BSURFS: node indices, -1 behind the last; of several kinds perhaps.
+    elements : (n,)
+        Of the other cards: element ids.
+    """
+
+    card: Card
+    name: str
+    facets: Indices | None = None
+    elements: Indices | None = None
+
+    @property
+    def face_set(self) -> FaceSet | None:
+        """The faces of BSURFS if they are of one kind."""
+        if self.facets is None or not len(self.facets):
+            return None
+        counts = (self.facets >= 0).sum(axis=1)
+        kinds = [kind for kind, n in N_NODES.items() if n == counts[0]]
+        if (counts != counts[0]).any():
+            return None
+        return FaceSet(kind=kinds[0], nodes=self.facets[:, : counts[0]])
+
+
+def read_regions(cards: Mapping[str, Cards], grids: Grids, solids: Solids) -> dict[int, Region]:
+    """Read contact regions by id.
+
+    Raises
+    ------
+    FormatError
+        If an id occurs twice, or a BSURFS names an element or grid that is not there, or grids
+        that are no corners of one face.
+    """
+    found: dict[int, Region] = {}
+    ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])
+    properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])
+    for card in cards.get("BSURF", ()):
+        texts = [text for text in card.texts[1:] if text]
+        listed = np.array(id_list(card, texts, np.sort(ids)), dtype=np.int64)
+        region = Region(
+            card=card, name=f"bsurf:{card.integer(0)}", elements=listed[np.isin(listed, ids)]
+        )
+        _add(found, card, region)
+    for name in ("BCPROP", "BCPROPS"):
+        for card in cards.get(name, ()):
+            texts = [text for text in card.texts[1:] if text]
+            listed = np.array(id_list(card, texts, np.unique(properties)), dtype=np.int64)
+            chosen = ids[np.isin(properties, listed)]
+            _add(found, card, Region(card=card, name=f"bcprop:{card.integer(0)}", elements=chosen))
+    for card in cards.get("BSURFS", ()):
+        facets = _facets(card, grids, solids)
+        _add(found, card, Region(card=card, name=f"bsurfs:{card.integer(0)}", facets=facets))
+    return found
+
+
+def _add(found: dict[int, Region], card: Card, region: Region) -> None:
+    number = card.integer(0)
+    if number in found:
+        text = (
+            f"contact region {number} is already defined at {found[number].card.where()}; give "
+            "each BSURF, BSURFS and BCPROP its own id"
+        )
+        raise card.error(text)
+    found[number] = region
+
+
+def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
+    # Behind three blanks, groups of an element and three grids of its face.
+    texts = [card.text(j) for j in range(4, 4 + 4 * ((len(card) - 1) // 4))]
+    groups = [texts[i : i + 4] for i in range(0, len(texts), 4) if any(texts[i : i + 4])]
+    values = [[numbers.integer(text) for text in group] for group in groups]
+    for i, group in enumerate(values):
+        if None in group:
+            shown = ", ".join(groups[i])
+            text = f"'{shown}' is no element id with three grid ids of its face"
+            raise card.error(text)
+    if any(card.texts[1:4]):
+        text = "fields 3 to 5 must be blank; the first element id belongs in field 6"
+        raise card.error(text, 1)
+    table = np.array(values, dtype=np.int64).reshape(-1, 4)
+    nodes = grids.several(card, table[:, 1:].ravel().tolist()).reshape(-1, 3)
+
+    def fits(here: Indices, _: str, kind: str, corners: Indices) -> Mask:
+        del kind
+        wanted = nodes[here]
+        distinct = (wanted != np.roll(wanted, 1, axis=1)).all(axis=1)
+        among = (wanted[:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
+        chosen: Mask = distinct & among
+        return chosen
+
+    faces, known = find_faces(solids.blocks, table[:, 0], fits)
+    if not known.all():
+        text = f"element {table[~known, 0][0]} is no solid of the deck; name CHEXA, CPENTA, CTETRA"
+        raise card.error(text)
+    wrong = np.flatnonzero(faces[:, 0] < 0)
+    if wrong.size:
+        element, *corners = table[wrong[0]].tolist()
+        text = (
+            f"grids {', '.join(map(str, corners))} are no three corners of one face of element "
+            f"{element}; correct them"
+        )
+        raise card.error(text)
+    return np.unique(faces, axis=0)
