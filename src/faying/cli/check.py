@@ -9,6 +9,7 @@ from faying.cli.arguments import StudyPath, usable_folder
 
 if TYPE_CHECKING:
     from faying.model.model import Model
+    from faying.study.load_model import LoadedModel
 
 
 def check(
@@ -19,27 +20,35 @@ def check(
     from rich.console import Console
 
     from faying.cli.description import described
-    from faying.study.load_model import build
+    from faying.model.diagnosis import check_held
+    from faying.study.load_model import build_loaded, load_model
+    from faying.study.loads import check_loads
     from faying.study.schema import read_study
 
     checked = read_study(study)
     if out is not None:
         usable_folder(out)
-    model = build(checked)
+    loaded = load_model(checked)
+    model = build_loaded(loaded)
+    check_loads(checked, model)
     console = Console()
-    for table in described(checked, model):
+    for table in described(checked, loaded, model):
         console.print(table)
     if out is not None:
-        console.print(f"Wrote {_picture(model, out / 'model.png')}")
+        console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
+    # Last, so that what can move is seen in the tables and the picture first.
+    check_held(model)
 
 
-def _picture(model: "Model", path: Path) -> Path:
+def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
     """Draw the model into a file."""
     from matplotlib.figure import Figure
 
+    from faying.model.bolt_axis import bolt_ends
     from faying.report.figures import plot_model
 
-    figure = Figure(figsize=(10, 7), layout="constrained")
-    plot_model(model, figure.add_subplot(projection="3d"))
-    figure.savefig(path, dpi=150)
+    ends = {spec.name: bolt_ends(model.assembly, spec) for spec in loaded.bolts}
+    figure = Figure(figsize=(11, 6), layout="constrained")
+    plot_model(model, figure.add_subplot(projection="3d"), bolts=ends)
+    figure.savefig(path, dpi=150, bbox_inches="tight")
     return path

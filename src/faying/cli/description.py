@@ -9,24 +9,34 @@ from rich.table import Table
 from faying.contact.interface import Interface
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
+from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.diagnosis import free_parts
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.model import Model
+from faying.model.specs import BoltSpec
+from faying.study.load_model import LoadedModel
 from faying.study.tables import ForceSection, LoadCaseSection, Study
 
+MOST_IDS = 6
+"""Elements of a bolt that are named."""
 
-def described(study: Study, model: Model) -> Iterator[Table]:
+
+def described(study: Study, loaded: LoadedModel, model: Model) -> Iterator[Table]:
     """Yield the tables of ``faying check``, in the order of the data flow."""
     yield _overview(study, model)
     yield _bodies(model.assembly.mesh)
     yield _materials(model.assembly)
     yield _connections(model.assembly)
+    yield _rigid_body_modes(model)
     yield _interfaces(model)
     yield _sides(model)
-    yield _bolts(study, model)
+    yield _bolts(study, loaded, model)
     yield _boundaries(model)
     yield _load_cases(study)
+    if model.assembly.loads:
+        yield _deck_loads(model.assembly)
     if model.assembly.ignored:
         yield _table(
             "Notes on the source",
@@ -150,10 +160,56 @@ def _interface(interface: Interface) -> tuple[object, ...]:
     )
 
 
-def _bolts(study: Study, model: Model) -> Table:
-    preloads = {bolt.name: bolt.preload for bolt in study.bolts}
-    rows = ((b.name, float(b.stiffness), preloads.get(b.name)) for b in model.bolts.values())
-    return _table("Bolts", ["name", "stiffness EA/L", "preload"], rows)
+def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
+    columns = ["name", "tightened", "along", "stiffness EA/L", "preload", "said by"]
+    wished = {bolt.name for bolt in study.bolts if bolt.preload is not None}
+    rows = (
+        (
+            spec.name,
+            _tightened(spec),
+            _point(np.round(bolt_direction(model.assembly, spec), 4).tolist()),
+            float(model.bolts[spec.name].stiffness),
+            loaded.preloads.get(spec.name),
+            "the study" if spec.name in wished else "the source",
+        )
+        for spec in loaded.bolts
+    )
+    return _table("Bolts", columns, rows)
+
+
+def _tightened(spec: BoltSpec) -> str:
+    """Say what a bolt is made of."""
+    if spec.elements is not None:
+        ids = list(spec.elements)
+        shown = ", ".join(map(str, ids[:MOST_IDS])) + (", ..." if len(ids) > MOST_IDS else "")
+        return f"element{'s' * (len(ids) > 1)} {shown}"
+    if spec.nodes is not None:
+        return f"nodes {spec.nodes[0]}, {spec.nodes[1]}"
+    ends = " to ".join(_point(end) for end in spec.axis or ())
+    return f"beam generated from {ends}"
+
+
+def _deck_loads(assembly: Assembly) -> Table:
+    """List nodal loads of the source: a run takes its loads from the study."""
+    rows = (
+        (name, len(load.nodes), *(float(force) for force in load.forces.sum(axis=0)[:3]))
+        for name, load in assembly.loads.items()
+    )
+    title = "Loads of the source, not applied: give [[load_case]] with forces at a [[boundary]]"
+    return _table(title, ["name", "nodes", "sum Fx", "sum Fy", "sum Fz"], rows)
+
+
+def _rigid_body_modes(model: Model) -> Table:
+    """Say what can move while nothing but contact resists."""
+    found = free_parts(model)
+    if found.count is None:
+        rows = [("not looked for", "too many bodies and loose nodes")]
+    elif found.count == 0:
+        rows = [("none", "everything is held")]
+    else:
+        rows = list(found.parts.items())
+    number = f": {found.count}" if found.count else ""
+    return _table(f"Rigid-body modes, contact aside{number}", ["what", "how"], rows)
 
 
 def _boundaries(model: Model) -> Table:

@@ -1,5 +1,8 @@
 """Why a stiffness matrix is singular, in the words of the model."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
@@ -14,6 +17,9 @@ REMEDY = "support it, or tie it to a held body with a bolt (contact alone holds 
 
 # Rounding of unit vectors and of twists of unit size.
 _ROUNDING = 1e-6
+
+MOST_NODES = 4
+"""Loose nodes that are named."""
 
 
 def check_held(model: Model) -> None:
@@ -32,6 +38,50 @@ def check_held(model: Model) -> None:
     found = free_motions(model.assembly, model.dofs, model.K)
     if found.motions.shape[1]:
         raise ModelError(_described(model.assembly, model.dofs, found.labels, found.motions))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeParts:
+    """What can move while nothing but contact resists.
+
+    Attributes
+    ----------
+    count
+        Number of independent motions; None where there are too many parts to look for them.
+    parts
+        Body, or node, to how it can move.
+    """
+
+    count: int | None
+    parts: Mapping[str, str]
+
+
+def free_parts(model: Model) -> FreeParts:
+    """Name everything that can move without strain energy, contact aside.
+
+    Notes
+    -----
+    As :func:`check_held`, which refuses such a model.
+    """
+    found = free_motions(model.assembly, model.dofs, model.K)
+    count = found.motions.shape[1] if found.searched else None
+    if not count:
+        return FreeParts(count=count, parts={})
+    nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
+    size = np.linalg.norm(nodal, axis=2)
+    # Rotations of the nodes of a body that moves are part of its motion.
+    moving = size.max(axis=1) > 0.01 * size.max()
+    parts = {}
+    for label in np.unique(found.labels[moving & (found.labels >= 0)]).tolist():
+        members = np.flatnonzero(found.labels == label)
+        ways = _ways(model.assembly.mesh.nodes[members], nodal[members])
+        parts[_body(model.assembly, members)] = ways
+    loose = model.assembly.mesh.node_ids[moving & (found.labels < 0)].tolist()
+    if loose:
+        shown = ", ".join(map(str, loose[:MOST_NODES]))
+        more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
+        parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
+    return FreeParts(count=count, parts=parts)
 
 
 def unconstrained(assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector) -> str:

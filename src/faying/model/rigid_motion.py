@@ -31,10 +31,13 @@ class FreeMotions:
         Displacements at the free degrees of freedom without strain energy.
     labels : (n_node,)
         Rigid part each node belongs to, -1 for single nodes.
+    searched
+        False where there are too many parts to look for motions.
     """
 
     motions: Matrix
     labels: Indices
+    searched: bool = True
 
 
 def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotions:
@@ -57,7 +60,8 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
     labels = rigid_parts(assembly)
     shapes = _shapes(assembly, dofs, labels)
     if not 0 < shapes.shape[1] <= LARGEST:
-        return FreeMotions(motions=np.zeros((len(dofs.free), 0)), labels=labels)
+        nothing = np.zeros((len(dofs.free), 0))
+        return FreeMotions(motions=nothing, labels=labels, searched=shapes.shape[1] <= LARGEST)
     stiffness = (shapes.T @ (K @ shapes)).toarray()
     singly = shapes.power(2).T @ K.diagonal()
     scale = 1 / np.sqrt(np.maximum(singly, np.finfo(float).eps * singly.max(initial=1.0)))

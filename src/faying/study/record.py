@@ -8,13 +8,11 @@ import numpy as np
 import scipy
 
 from faying import __version__
-from faying._typing import Matrix, Vector
-from faying.model.assembly import Assembly, Beam
+from faying._typing import Vector
 from faying.model.bodies import bodies
-from faying.model.generated_bolt import bolt_axis_element
+from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.model.model import Model
-from faying.model.specs import BoltSpec
 from faying.model.system import System
 from faying.reduction.basis import Basis
 from faying.study.offline import PreparedJoint
@@ -102,15 +100,5 @@ def _bolt(joint: PreparedJoint, name: str) -> BoltRecord:
         preload=joint.loaded.preloads[name],
         initial_force=joint.model.bolts[name].initial_force,
         history=joint.tightening.bolt_forces[:, column],
-        axis=_axis(joint.model.assembly, spec),
+        axis=bolt_ends(joint.model.assembly, spec),
     )
-
-
-def _axis(assembly: Assembly, spec: BoltSpec) -> Matrix | None:
-    """Return the ends of a bolt, for pictures; None for a spring."""
-    if spec.axis is not None:
-        return np.array(spec.axis)
-    if spec.nodes is not None:
-        return assembly.mesh.nodes[assembly.mesh.node_index(np.array(spec.nodes))]
-    element = bolt_axis_element(assembly, spec)
-    return assembly.mesh.nodes[list(element.nodes)] if isinstance(element, Beam) else None

@@ -1,10 +1,12 @@
 """The mesh of the bodies with bolts and interfaces (as Fig. 15.2)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d  # type: ignore[import-untyped]
 from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
@@ -13,12 +15,12 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 
 from faying._typing import Indices, Matrix, Vector
-from faying.model.bodies import bodies
+from faying.model.bodies import bodies, body_names
 from faying.model.mesh import CellBlock, Mesh
 from faying.model.model import Model
 from faying.model.surface import exterior_faces
 from faying.report.figures.entry import Drawn
-from faying.report.figures.surface_map import RINGS, outline
+from faying.report.figures.surface_map import RINGS, outline, outline_of
 from faying.report.quantities import quantity
 from faying.report.style import (
     BODY_COLOURS,
@@ -140,22 +142,77 @@ def plot_bolt_axis(axes: Any, ends: Matrix, name: str) -> Any:
     return axes
 
 
-def plot_model(model: Model, axes: Any) -> Any:
-    """Draw a model on 3D axes: bodies, beams, interface edges, boundaries and supports."""
+BOUNDARY_COLOUR = "#0072B2"
+SUPPORT_COLOUR = "0.25"
+LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0}
+MOST_NAMES = 8
+"""Bodies that are named in a legend."""
+
+
+def plot_model(model: Model, axes: Any, *, bolts: Mapping[str, Matrix | None] | None = None) -> Any:
+    """Draw a model on 3D axes: bodies, interface edges, bolts, boundaries and supports.
+
+    Parameters
+    ----------
+    bolts
+        Bolt name to the ends (2, 3) of what is tightened of it, where that is known.
+    """
     assembly = model.assembly
     mesh = assembly.mesh
     plot_bodies(mesh.nodes, mesh.blocks, bodies(mesh), axes)
     name_axes(axes, units_of(model.units).length)
     beams = mesh.nodes[np.array([beam.nodes for beam in assembly.beams], dtype=int).reshape(-1, 2)]
     _add_lines(axes, beams, color=BOLT_COLOUR, lw=2.0, zorder=5)
+    for name, ends in (bolts or {}).items():
+        if ends is not None:
+            plot_bolt_axis(axes, ends, name)
+    for name, interface in model.interfaces.items():
+        edges = outline_of([(faces.kind, faces.minus) for faces in interface.faces], mesh.nodes)
+        _add_lines(axes, edges, color=INTERFACE_COLOUR, lw=1.4, zorder=4)
+        if len(edges):
+            place = _rightmost(edges.reshape(-1, 3))
+            axes.text(*place, plain(f" {name}"), va="center", zorder=7, bbox=LABEL_BOX)
     for name, boundary in model.boundaries.items():
         points = mesh.nodes[mesh.node_index(np.unique(boundary.nodes))]
-        axes.plot(*points.T, "D", color="#0072B2", ms=5, zorder=6)
-        axes.text(*points.mean(axis=0), plain(f"  {name}"), color="#0072B2", zorder=7)
+        axes.plot(*points.T, "D", color=BOUNDARY_COLOUR, ms=5, zorder=6)
+        label = {"color": BOUNDARY_COLOUR, "zorder": 8, "bbox": LABEL_BOX}
+        axes.text(*points.mean(axis=0), plain(f"  {name}"), **label)
     for support in assembly.supports:
-        axes.plot(*mesh.nodes[support.nodes].T, ".", color="0.25", ms=4, zorder=4)
-    axes.set_title(plain(f"{model.name}: {len(mesh.nodes)} nodes, {mesh.n_elements} solids"))
+        axes.plot(*mesh.nodes[support.nodes].T, ".", color=SUPPORT_COLOUR, ms=4, zorder=4)
+    _add_legend(model, axes)
+    title = f"{model.name}: {len(mesh.nodes)} nodes, {mesh.n_elements} solids"
+    axes.set_title(plain(title), y=title_height(axes))
     return axes
+
+
+def _rightmost(points: Matrix) -> Vector:
+    """Return the point that is drawn farthest to the right."""
+    azimuth = np.radians(VIEW["azim"])
+    place: Vector = points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())]
+    return place
+
+
+def _add_legend(model: Model, axes: Any) -> None:
+    """Say what the colours and marks are."""
+    names = body_names(model.assembly.mesh)
+    shown = names[:MOST_NAMES]
+    handles: list[Any] = [
+        Patch(facecolor=BODY_COLOURS[number % len(BODY_COLOURS)], label=plain(name))
+        for number, name in enumerate(shown)
+    ]
+    if len(names) > len(shown):
+        handles.append(Patch(facecolor="none", label=f"{len(names) - len(shown)} more bodies"))
+    marks = {
+        "interface edges": (bool(model.interfaces), INTERFACE_COLOUR, "-"),
+        "bolts and beams": (bool(model.assembly.beams or model.bolts), BOLT_COLOUR, "-"),
+        "boundaries": (bool(model.boundaries), BOUNDARY_COLOUR, "D"),
+        "supports": (bool(model.assembly.supports), SUPPORT_COLOUR, "."),
+    }
+    for label, (present, colour, mark) in marks.items():
+        if present:
+            style = {"ls": mark} if mark == "-" else {"ls": "", "marker": mark, "ms": 5}
+            handles.append(Line2D([], [], color=colour, label=label, **style))
+    axes.legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
 
 
 def _add_lines(axes: Any, lines: Matrix, **style: Any) -> None:

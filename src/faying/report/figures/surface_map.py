@@ -1,5 +1,6 @@
 """Fields on an interface, drawn in the interface's own plane."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -205,8 +206,13 @@ def draw_edges(axes: Axes, record: InterfaceRecord, plane: Plane) -> Axes:
 
 def outline(record: InterfaceRecord) -> Matrix:
     """Return the edges (n_edge, 2, 3) that bound an interface: those of one facet only."""
+    return outline_of(pair_facets(record), record.pair_points)
+
+
+def outline_of(facets: Sequence[tuple[str, Indices]], points: Matrix) -> Matrix:
+    """Return the edges (n_edge, 2, 3) that bound facets, given by kind and indices of points."""
     edges = []
-    for kind, nodes in pair_facets(record):
+    for kind, nodes in facets:
         ring = nodes[:, list(RINGS[kind])]
         edges.append(np.stack([ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 2))
     joined = np.concatenate([*edges, np.empty((0, 2), dtype=np.int64)])
@@ -215,7 +221,7 @@ def outline(record: InterfaceRecord) -> Matrix:
     _, first, counts = np.unique(
         np.sort(joined, axis=1), axis=0, return_index=True, return_counts=True
     )
-    bounding: Matrix = record.pair_points[joined[first[counts == 1]]]
+    bounding: Matrix = points[joined[first[counts == 1]]]
     return bounding
 
 

@@ -1,0 +1,95 @@
+"""``faying check`` says what can move, what bolts are, and what of the deck is not used."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+import faying as fy
+from faying import cli
+from faying.model.diagnosis import free_parts
+
+SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture
+def check(monkeypatch, capsys, tmp_path):
+    """Check the example with changes to its deck; return status, lines and error."""
+
+    def call(deck_changes, *options):
+        deck = (EXAMPLES / "cantilever.bdf").read_text()
+        for old, new in deck_changes.items():
+            assert old in deck
+            deck = deck.replace(old, new)
+        (tmp_path / "cantilever.bdf").write_text(deck)
+        (tmp_path / "study.toml").write_text((EXAMPLES / "nastran_deck.toml").read_text())
+        monkeypatch.setattr(
+            sys, "argv", ["faying", "check", str(tmp_path / "study.toml"), *options]
+        )
+        # wide enough that rich does not wrap what the tests look for
+        monkeypatch.setenv("COLUMNS", "200")
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        return ended.value.code or 0, [line.split() for line in out.splitlines()], err
+
+    return call
+
+
+def cells(lines, first):
+    return next(line for line in lines if line[:1] == [first])
+
+
+def test_held_joint_has_no_rigid_body_modes(check):
+    status, lines, _ = check({})
+    assert status == 0
+    assert cells(lines, "none") == ["none", "everything", "is", "held"]
+
+
+def test_bolts_say_what_they_are(check):
+    _, lines, _ = check({})
+    bolt = " ".join(cells(lines, "M6"))
+    assert bolt.startswith("M6 element 226 (0, 0, 1) ")
+    assert bolt.endswith(" 10000 the study")
+
+
+def test_loads_of_the_deck_are_listed_as_unused(check):
+    changes = {
+        "SPC = 1\n": "SPC = 1\nLOAD = 7\n",
+        "ENDDATA": "FORCE,7,475,,100.,0.,3.,-4.\nFORCE,7,1,,1.,5.,0.,0.\nENDDATA",
+    }
+    status, lines, _ = check(changes)
+    assert status == 0
+    assert "Loads of the source, not applied" in " ".join(word for line in lines for word in line)
+    assert cells(lines, "7") == ["7", "2", "5", "300", "-400"]
+
+
+def test_what_can_move_is_told_before_it_is_refused(check, tmp_path):
+    status, lines, err = check({"SPC = 1\n": "", SUPPORT: ""}, "--out", str(tmp_path))
+    assert status == 2
+    title = next(line for line in lines if line[:1] == ["Rigid-body"])
+    assert title[-1] == "6"
+    assert [line for line in lines if line[:2] == ["body", "'lower'"]]
+    assert [line for line in lines if line[:2] == ["body", "'upper'"]]
+    assert (tmp_path / "model.png").stat().st_size > 0
+    assert len(err.strip().splitlines()) == 1
+    assert "unconstrained body" in err
+
+
+def test_joint_without_bolt_lets_one_body_go():
+    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    loose = fy.build_model(
+        type(model.assembly)(
+            **{**vars(model.assembly), "beams": (), "rigid_couplings": ()},
+        ),
+        interfaces=[fy.InterfaceSpec(name="joint")],
+        bolts=[],
+        boundaries=[],
+    )
+    found = free_parts(loose)
+    assert found.count == 6
+    assert len(found.parts) == 1
+    ((name, how),) = found.parts.items()
+    assert name.startswith("body 'upper'")
+    assert how == "is held by nothing"
