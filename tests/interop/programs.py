@@ -169,3 +169,74 @@ def _read_output4(path: Path) -> dict:
             matrix[first - 1 : first - 1 + len(values), column - 1] = values
         found[header[16:24].decode().strip()] = matrix
     return found
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CalculixRun:
+    """What CalculiX printed, by step (from 1).
+
+    Attributes
+    ----------
+    displacements
+        Node id to three translations.
+    pressures : (n_point,)
+        At the contact points that are closed, 28 to a facet.
+    contact_forces
+        Normal force of the slave surface, compression positive.
+    frequencies : [1/time]
+    """
+
+    displacements: dict
+    pressures: dict
+    contact_forces: dict
+    frequencies: np.ndarray
+
+
+_PRINTS = """\
+*NODE PRINT,NSET=NALL
+U
+*NODE PRINT,NSET=NAUXILIARY
+U
+*CONTACT PRINT,SLAVE=MINUS1,MASTER=PLUS1
+CF
+*CONTACT PRINT
+CSTR
+*CONTACT FILE
+"""
+
+
+def run_calculix(binary: Path, deck: Path) -> CalculixRun:
+    """Run a deck that faying wrote, with displacements and contact printed besides."""
+    deck.write_text(deck.read_text().replace("*CONTACT FILE\n", _PRINTS))
+    done = subprocess.run(
+        [binary, deck.stem],
+        cwd=deck.parent,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    if done.returncode:
+        raise RuntimeError(done.stdout[-500:])
+    printed = deck.with_suffix(".dat").read_text()
+    displacements, pressures = {}, {}
+    for time, table in _tables(printed, r"displacements .*"):
+        displacements.setdefault(time, {}).update({int(row[0]): row[1:] for row in table})
+    for time, table in _tables(printed, r"contact stress .*"):
+        pressures[time] = table[:, 2]
+    forces = re.findall(r"normal force \(\+ = tension\).*\n\n +\S+ +(\S+)", printed)
+    summary = printed.split("P A R T I C I P A T I O N")[0]
+    rows = re.findall(r"^ +\d+ +\S+ +\S+ +(\S+) +\S+$", summary, re.MULTILINE)
+    return CalculixRun(
+        displacements=displacements,
+        pressures=pressures,
+        contact_forces={i + 1: -float(force) for i, force in enumerate(forces)},
+        frequencies=np.array([float(row) for row in rows]),
+    )
+
+
+def _tables(printed: str, title: str):
+    """Yield step and numbers of each table of that title; a step lasts one unit of time."""
+    for found in re.finditer(rf"^ {title}time +(\S+)\n\n((?: +\S.*\n)+)", printed, re.MULTILINE):
+        rows = [[float(text) for text in line.split()] for line in found[2].splitlines()]
+        yield round(float(found[1])), np.array(rows)
