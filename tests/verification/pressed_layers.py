@@ -31,24 +31,31 @@ class Layers:
         return self.model.interfaces["joint"]
 
 
-def pressed_layers(x, depth, half_width, *, element="standard", penalty="hard", quadrature=None):
-    """Layers of unit width over grid lines ``x`` and z = ±depth, loaded up to ``half_width``."""
+def pressed_layers(
+    x, depth, half_width, *, element="standard", penalty="hard", quadrature=None, upper_x=None,
+    minus="auto", plus="auto",
+):  # fmt: skip
+    """Layers of unit width over grid lines ``x`` and z = ±depth, loaded up to ``half_width``.
+
+    With grid lines ``upper_x`` of its own the upper layer does not match the lower one.
+    """
     y = np.array([0.0, 1.0])
-    parts = [brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(x, y, np.sort(depth))]
-    n, n_cell = len(parts[0].nodes), len(parts[0].cells)
+    above = x if upper_x is None else upper_x
+    parts = [brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(above, y, np.sort(depth))]
+    n, n_cell = len(parts[0].nodes), [len(part.cells) for part in parts]
     nodes = np.vstack([parts[0].nodes, parts[1].nodes])
     # At the centroid of the strip an average passes a force on as uniform pressure.
     centre = half_width / 2
     ends = np.array([[centre, 0.5, depth.max()], [centre, 0.5, -depth.max()]])
-    top, bottom = 2 * n, 2 * n + 1
+    top, bottom = len(nodes), len(nodes) + 1
     mesh = Mesh(
         nodes=np.vstack([nodes, ends]),
-        node_ids=np.arange(1, 2 * n + 3),
+        node_ids=np.arange(1, len(nodes) + 3),
         blocks=(
             CellBlock(
                 kind="hex8",
                 nodes=np.vstack([parts[0].cells, parts[1].cells + n]),
-                ids=np.arange(1, 2 * n_cell + 1),
+                ids=np.arange(1, sum(n_cell) + 1),
                 properties=np.repeat([1, 2], n_cell),
             ),
         ),
@@ -72,7 +79,16 @@ def pressed_layers(x, depth, half_width, *, element="standard", penalty="hard", 
     )
     model = build_model(
         assembly,
-        interfaces=[fy.InterfaceSpec(name="joint", penalty=penalty, quadrature=quadrature)],
+        interfaces=[
+            fy.InterfaceSpec(
+                name="joint",
+                minus=minus,
+                plus=plus,
+                meshes="matching" if upper_x is None else "non-matching",
+                penalty=penalty,
+                quadrature=quadrature,
+            )
+        ],
         boundaries=[
             fy.BoundarySpec(name="top", node=top + 1),
             fy.BoundarySpec(name="bottom", node=bottom + 1),

@@ -98,3 +98,46 @@ def test_contact_carries_the_load(case):
     layers = layers_on_the_mesh(mesh, penalty=1e6, quadrature="gauss")
     # Less what the holding spring takes.
     assert layers.pressed(FORCE).contact_force() == pytest.approx(FORCE / 2, rel=2e-5)
+
+
+def other_lines(x, ratio):
+    """Grid lines of about ``ratio`` times as many elements, with one where the load ends."""
+    parts = []
+    for a, b in ((0.0, 2.5), (2.5, x[-1])):
+        own = x[(x >= a) & (x <= b)]
+        count = round((len(own) - 1) * ratio)
+        parts.append(np.interp(np.linspace(0, len(own) - 1, count + 1), np.arange(len(own)), own))
+    return np.unique(np.concatenate(parts).round(12))
+
+
+@pytest.mark.parametrize("minus", ["body 0", "body 1"])
+@pytest.mark.parametrize("ratio", [0.75, 1.3, 2.2])
+class TestMeshesThatDoNotMatch:
+    """The mortar coupling is held to the semi-analytic answers as matching meshes are."""
+
+    def layers(self, case, ratio, minus, **options):
+        x = np.unique(case[1]["nodes"][:, 0])
+        depth = np.unique(np.abs(case[1]["nodes"][:, 2]))
+        plus = "body 1" if minus == "body 0" else "body 0"
+        upper = other_lines(x, ratio)
+        return pressed_layers(x, depth, 2.5, upper_x=upper, minus=minus, plus=plus, **options)
+
+    def test_pressure_profile(self, case, ratio, minus):
+        layers = self.layers(case, ratio, minus, penalty=1e6, quadrature="gauss")
+        solution = layers.pressed(FORCE)
+        place, result = layers.joint.points[:, 0], case[2]
+        exact = np.interp(place, result["x_semi"], result["p_semi"])
+        error = np.abs(solution.pressure - exact) / exact.max()
+        # The bounds of matching meshes; measured up to 4.6 % and 0.5 %.
+        assert error.max() < 0.05
+        assert error[place < 7.5].max() < 0.01
+        assert solution.contact_force() == pytest.approx(FORCE / 2, rel=2e-5)
+
+    def test_hard_contact(self, case, ratio, minus):
+        described = case[0]
+        layers = self.layers(case, ratio, minus, penalty="hard")
+        solution = layers.pressed(FORCE)
+        # Measured within 0.7 % on the coarsest mesh.
+        assert solution.max_pressure == pytest.approx(described["p0_rigid"], rel=0.01)
+        pressed = layers.joint.points[solution.contact_forces > 0, 0].max()
+        assert abs(pressed - described["a_rigid"]) < 0.625 / min(ratio, 1)

@@ -59,7 +59,9 @@ def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
     used, local = np.unique(facets.corners[linear], return_inverse=True)
     local = local.reshape(-1, 4)
     mean = np.zeros((len(used), 3))
-    np.add.at(mean, local, np.repeat(own[linear][:, None], 4, axis=1))
+    every = np.repeat(own[linear][:, None], 4, axis=1)
+    every[facets.triangular[linear], 3] = 0.0  # the repeated corner
+    np.add.at(mean, local, every)
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     fitted = _turned(nodes[used], mean, _neighbours(local, mean))
     found = fitted[local]
