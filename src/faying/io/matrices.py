@@ -10,8 +10,10 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.exceptions import FormatError, ModelError, naming
+from faying.io.deck_geometry import DeckGeometry, is_deck, read_deck_geometry
 from faying.io.matrix_checks import RowLabel, check_mass, checked_matrix, symmetric_matrix
 from faying.io.matrix_files import read_matrix
+from faying.io.matrix_labels import aligned
 from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
 from faying.model.assembly import (
     Assembly,
@@ -125,12 +127,14 @@ def read_matrices(
     Parameters
     ----------
     M, C, K
-        ``.npz``, ``.mtx`` or ``.mat``, see :func:`faying.io.matrix_files.read_matrix`.
+        Files of the kinds in :data:`faying.io.matrix_files.READERS`.
     nodes
-        Rows of id, x, y, z (``.csv``, ``.txt``, ``.npz``).
+        Rows of id, x, y, z (``.csv``, ``.txt``, ``.npz``), or the deck (``.inp``, ``.bdf``,
+        ``.nas``, ``.fem``), whose surfaces and node sets then are there too.
     dofs
         Node id and component 1..6 of each matrix row (``.csv``, ``.txt``, ``.npz``). Without it,
-        rows run through the nodes with three or six components each, whichever fits.
+        the labels of K count, to which those of M and C are brought; without labels, rows run
+        through the nodes with three or six components each, whichever fits.
     faces, node_sets
         Rows of set name, node id, node id, …; or an ``.npz`` with one array per set.
     held
@@ -146,25 +150,40 @@ def read_matrices(
     ModelError
         If the contents do not fit together.
     """
-    ids, points = read_node_table(nodes)
-    rows = None if dofs is None else read_dof_table(dofs)
-    sides = read_id_sets(faces, "face set") if faces is not None else {}
+    place = _places(nodes)
+    sides = {**place.faces, **_given_faces(faces)}
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
+    files = {"M": M, "K": K, "C": C}
+    found = {key: read_matrix(file, key) for key, file in files.items() if file is not None}
+    matrices, rows = aligned(found, None if dofs is None else read_dof_table(dofs))
     assembly = matrices_assembly(
-        read_matrix(M, "M").matrix,
-        read_matrix(K, "K").matrix,
-        None if C is None else read_matrix(C, "C").matrix,
-        nodes=points,
-        node_ids=ids,
+        matrices["M"],
+        matrices["K"],
+        matrices.get("C"),
+        nodes=place.nodes,
+        node_ids=place.node_ids,
         dofs=rows,
-        faces={key: _stacked(key, value) for key, value in sides.items()},
-        node_sets={key: np.concatenate(value) for key, value in named.items()},
+        faces=sides,
+        node_sets={**place.node_sets, **{k: np.concatenate(v) for k, v in named.items()}},
         **parts,
     )
     if held is None:
         return assembly
     supports = _supports(assembly.mesh, read_dof_table(held))
     return replace(assembly, supports=(*assembly.supports, *supports))
+
+
+def _places(nodes: _Path) -> DeckGeometry:
+    """Nodes of a table, or nodes, facets and sets of a deck."""
+    if is_deck(nodes):
+        return read_deck_geometry(nodes)
+    ids, points = read_node_table(nodes)
+    return DeckGeometry(nodes=points, node_ids=ids, faces={}, node_sets={})
+
+
+def _given_faces(faces: _Path | None) -> dict[str, Indices]:
+    rows = read_id_sets(faces, "face set") if faces is not None else {}
+    return {key: _stacked(key, value) for key, value in rows.items()}
 
 
 def _mesh(points: Matrix, ids: Indices) -> Mesh:

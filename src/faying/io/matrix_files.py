@@ -23,8 +23,13 @@ READERS: Mapping[str, str] = {
     ".pch": "faying.io.dmig:read_dmig",
     ".dmig": "faying.io.dmig:read_dmig",
     ".full": "faying.io.ansys_full:read_full",
+    ".sti": "faying.io.abaqus.matrices:read_calculix_matrix",
+    ".mas": "faying.io.abaqus.matrices:read_calculix_matrix",
 }
 """Suffix to module:function (path, name) → :class:`LabelledMatrix`; imported when needed."""
+
+
+_MARKET = b"%%MatrixMarket"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,10 +41,13 @@ class LabelledMatrix:
     matrix : (n, n)
     dofs : (n, 2) or None
         Node id and component 1..6 of each row, where the file says so itself.
+    held : (n_held, 2) or None
+        The same of rows the file marks as held, which ``matrix`` does not have.
     """
 
     matrix: SparseMatrix
     dofs: Indices | None = None
+    held: Indices | None = None
 
 
 def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
@@ -105,9 +113,15 @@ def read_npz(path: Path, name: str) -> LabelledMatrix:
         return LabelledMatrix(matrix=_chosen(arrays, path, name))
 
 
-def read_market(path: Path, _: str) -> LabelledMatrix:
-    """Read a Matrix Market file."""
-    return LabelledMatrix(matrix=scipy.io.mmread(path))
+def read_market(path: Path, name: str) -> LabelledMatrix:
+    """Read a Matrix Market file, or one of Abaqus, which has the same suffix but no heading."""
+    with path.open("rb") as file:
+        heading = file.read(len(_MARKET))
+    if heading == _MARKET:
+        return LabelledMatrix(matrix=scipy.io.mmread(path))
+    from faying.io.abaqus.matrices import read_abaqus_matrix
+
+    return read_abaqus_matrix(path, name)
 
 
 def read_matlab(path: Path, name: str) -> LabelledMatrix:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Indices
 from faying.io.abaqus import contact, couplings, materials, pretension
 from faying.io.abaqus.beams import read_beams
 from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
@@ -18,14 +17,14 @@ from faying.io.abaqus.equations import read_equations, read_mpcs
 from faying.io.abaqus.harmless import HARMLESS, REMEDIES
 from faying.io.abaqus.loads import nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
-from faying.io.abaqus.nodes import Nodes, read_nodes
+from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.solid_sections import formulation, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
-from faying.io.abaqus.surfaces import DeckSurface, find_surface, read_surfaces
-from faying.model.assembly import Assembly, FaceSet, NodalLoads
+from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
+from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
 
@@ -63,7 +62,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         nodes=nodes.coordinates,
         node_ids=nodes.ids,
         blocks=solids,
-        node_sets=_node_sets(by_node, nodes),
+        node_sets=by_node.indices(nodes),
         element_sets={by_element.names[key]: ids for key, ids in by_element.ids.items()},
     )
     dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
@@ -80,7 +79,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         springs=tuple(read_springs(deck, elements, by_element, nodes.coordinates)),
         masses=tuple(read_masses(deck, elements, by_element)),
         supports=read_supports(deck, dofs, frozenset(section.node for section in sections)),
-        face_sets=_face_sets(surfaces),
+        face_sets=face_sets(surfaces),
         name=deck.path.stem,
     )
     apart = {section.node for section in sections}
@@ -182,19 +181,6 @@ def check_supported(deck: Deck, ignored: list[str]) -> None:
             raise keyword.error(message)
         counts[keyword.name] = counts.get(keyword.name, 0) + 1
     ignored += [f"{count} *{name}" for name, count in counts.items()]
-
-
-def _node_sets(by_node: NamedSets, nodes: Nodes) -> dict[str, Indices]:
-    return {by_node.names[key]: np.searchsorted(nodes.ids, ids) for key, ids in by_node.ids.items()}
-
-
-def _face_sets(surfaces: Mapping[str, DeckSurface]) -> dict[str, FaceSet]:
-    found = {}
-    for surface in surfaces.values():
-        if len(surface.facets) == 1:
-            kind, nodes = next(iter(surface.facets.items()))
-            found[surface.name] = FaceSet(kind=kind, nodes=nodes)
-    return found
 
 
 def _loads(deck: Deck, forces: np.typing.NDArray[np.float64]) -> dict[str, NodalLoads]:

@@ -54,6 +54,10 @@ class NamedSets:
             raise keyword.error(message, row)
         return self.ids[key]
 
+    def indices(self, nodes: Nodes) -> dict[str, Indices]:
+        """Return node sets as indices, by name as first written."""
+        return {self.names[key]: np.searchsorted(nodes.ids, i) for key, i in self.ids.items()}
+
     def members(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
         """Return the ids a data field stands for: one id, ``instance.id``, or a set."""
         if is_integer(label):

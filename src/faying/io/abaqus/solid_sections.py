@@ -60,7 +60,7 @@ def read_solid_sections(
         block, row = _place(elements.solids, int(missing[0]))
         message = f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one"
         raise block.keyword.error(message, row)
-    return tuple(_cells(elements.solids, section)), used
+    return tuple(cells(elements.solids, section)), used
 
 
 def _place(blocks: Sequence[ElementBlock], position: int) -> tuple[ElementBlock, int]:
@@ -71,11 +71,12 @@ def _place(blocks: Sequence[ElementBlock], position: int) -> tuple[ElementBlock,
     raise IndexError(position)
 
 
-def _cells(blocks: Sequence[ElementBlock], section: Indices) -> list[CellBlock]:
-    cells, start = [], 0
+def cells(blocks: Sequence[ElementBlock], section: Indices) -> list[CellBlock]:
+    """Return solids as blocks of a mesh; ``section`` are the properties of all, in order."""
+    found, start = [], 0
     for block in blocks:
         end = start + len(block.ids)
-        cells.append(
+        found.append(
             CellBlock(
                 kind=SOLID_TYPES[block.type].kind,
                 nodes=block.nodes,
@@ -84,7 +85,7 @@ def _cells(blocks: Sequence[ElementBlock], section: Indices) -> list[CellBlock]:
             )
         )
         start = end
-    return cells
+    return found
 
 
 def formulation(blocks: Sequence[ElementBlock], ignored: list[str]) -> str:

@@ -10,6 +10,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import is_integer, table
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
+from faying.model.assembly import FaceSet
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
 from faying.model.surface import N_NODES, exterior_facets
@@ -56,6 +57,16 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
     known = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none"
     message = f"there is no surface '{name}'; known are {known}"
     raise keyword.error(message, row)
+
+
+def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
+    """Return surfaces whose facets are all of one kind as face sets."""
+    found = {}
+    for surface in surfaces.values():
+        if len(surface.facets) == 1:
+            kind, nodes = next(iter(surface.facets.items()))
+            found[surface.name] = FaceSet(kind=kind, nodes=nodes)
+    return found
 
 
 def read_surfaces(

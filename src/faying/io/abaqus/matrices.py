@@ -1,0 +1,193 @@
+"""Matrices of Abaqus (``.mtx``) and CalculiX (``.sti``, ``.mas`` with ``.dof``)."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.exceptions import FormatError
+from faying.io.matrix_files import LabelledMatrix
+
+_ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")
+_DOF = re.compile(rb"\s*(\d{1,15})\.([1-6])\s*")
+# Abaqus writes this on the diagonal of what a boundary condition holds.
+_HELD = 1e36
+# Whole numbers of this size are exact in a double.
+_LARGEST = 2.0**53
+
+
+def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
+    """Read a matrix that Abaqus wrote by *MATRIX OUTPUT.
+
+    FORMAT=MATRIX INPUT and LABELS have lines of node, component, node, component, value; rows come
+    in ascending order of node and component. FORMAT=COORDINATE has row, column, value and no
+    labels. One triangle or both may be there. Rows that a boundary condition holds (1e36 on the
+    diagonal of a stiffness) are left out.
+
+    Raises
+    ------
+    FormatError
+        Naming file and line of what is not such a table.
+    """
+    table = _numbers(path, name, (3, 5))
+    if table.shape[1] == 3:
+        rows, columns = (_whole(table[:, i], path, name) - 1 for i in (0, 1))
+        size = int(max(rows.max(initial=-1), columns.max(initial=-1))) + 1
+        return LabelledMatrix(matrix=_symmetric(rows, columns, table[:, 2], size, path, name))
+    ends = [_whole(table[:, i], path, name) for i in range(4)]
+    first, second = np.column_stack(ends[:2]), np.column_stack(ends[2:])
+    dofs, place = np.unique(np.vstack([first, second]), axis=0, return_inverse=True)
+    wrong = np.flatnonzero((dofs[:, 1] > 6) | (dofs[:, 1] < 1) | (dofs[:, 0] < 1))
+    if wrong.size:
+        message = (
+            f"matrix {name}: '{path}' has a row for node {dofs[wrong[0], 0]} component "
+            f"{dofs[wrong[0], 1]}; expected nodes of the model and components 1 to 6 (no internal "
+            "nodes, no temperatures)"
+        )
+        raise FormatError(message)
+    rows, columns = place.ravel()[: len(table)], place.ravel()[len(table) :]
+    matrix = _symmetric(rows, columns, table[:, 4], len(dofs), path, name)
+    held = matrix.diagonal() >= _HELD
+    free = np.flatnonzero(~held)
+    return LabelledMatrix(
+        matrix=sp.csr_array(matrix[free][:, free]), dofs=dofs[free], held=dofs[held]
+    )
+
+
+def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
+    """Read a matrix that CalculiX wrote by *FREQUENCY, SOLVER=MATRIXSTORAGE.
+
+    Lines are row, column, value of the upper triangle; ``job.dof`` beside it has node.component of
+    each row. Without that file the matrix has no labels.
+
+    Raises
+    ------
+    FormatError
+        Naming file and line of what is not such a table.
+    """
+    table = _numbers(path, name, (3,))
+    rows, columns = (_whole(table[:, i], path, name) - 1 for i in (0, 1))
+    size = int(max(rows.max(initial=-1), columns.max(initial=-1))) + 1
+    labels = path.with_suffix(".dof")
+    dofs = _labels(labels) if labels.is_file() else None
+    if dofs is not None and len(dofs) < size:
+        message = f"matrix {name}: '{path}' has {size} rows but '{labels}' names {len(dofs)}"
+        raise FormatError(message)
+    size = size if dofs is None else len(dofs)
+    return LabelledMatrix(
+        matrix=_symmetric(rows, columns, table[:, 2], size, path, name), dofs=dofs
+    )
+
+
+def _labels(path: Path) -> Indices:
+    """Node and component (n, 2) of each row."""
+    found = []
+    for number, line in enumerate(path.read_bytes().splitlines(), start=1):
+        match = _DOF.fullmatch(line)
+        if match:
+            found.append((int(match.group(1)), int(match.group(2))))
+        elif line.strip():
+            shown = line.decode("latin-1").strip()[:40]
+            message = f"{path}:{number}: found '{shown}', expected node.component (1 to 6)"
+            raise FormatError(message)
+    return np.array(found, dtype=np.int64).reshape(-1, 2)
+
+
+def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
+    """Table of a file whose lines all have one of these numbers of fields."""
+    data = path.read_bytes()
+    if b"*" in data:
+        lines = data.splitlines()
+        for number, line in enumerate(lines, start=1):
+            text = line.lstrip()
+            if text[:1] == b"*" and text[:2] != b"**":
+                shown = text.decode("latin-1")[:40]
+                message = (
+                    f"{path}:{number}: matrix {name}: found '{shown}'; expected a file written by "
+                    "*MATRIX OUTPUT, which holds numbers only"
+                )
+                raise FormatError(message)
+        data = b"\n".join(b"" if line.lstrip()[:2] == b"**" else line for line in lines)
+    if not _ALLOWED.fullmatch(data):
+        raise _culprit(path, name, data, widths)
+    plain = data.translate(bytes.maketrans(b",Dd", b" EE"))
+    texts = plain.split()
+    if not texts:
+        message = f"matrix {name}: '{path}' holds no numbers; write it again"
+        raise FormatError(message)
+    width = len(plain.lstrip().split(b"\n", 1)[0].split())
+    # Fields per line: a field starts where a blank is followed by another character.
+    letters = np.frombuffer(b"\n" + plain, dtype=np.uint8)
+    blank = letters <= ord(" ")
+    starts = blank[:-1] & ~blank[1:]
+    at_line = np.cumsum(letters[:-1] == ord("\n"))[starts]
+    counts = np.bincount(at_line)
+    if width not in widths or ((counts != width) & (counts != 0)).any():
+        raise _culprit(path, name, data, (width,) if width in widths else widths)
+    try:
+        table = np.array(texts).astype(np.float64).reshape(-1, width)
+    except ValueError:
+        raise _culprit(path, name, data, widths) from None
+    if not np.isfinite(table).all():
+        raise _culprit(path, name, data, widths)
+    return table
+
+
+def _culprit(path: Path, name: str, data: bytes, widths: tuple[int, ...]) -> FormatError:
+    """Error for the first line that is not a row of finite numbers."""
+    wished = " or ".join(map(str, widths))
+    for number, line in enumerate(data.splitlines(), start=1):
+        texts = line.replace(b",", b" ").replace(b"D", b"E").replace(b"d", b"E").split()
+        if texts and (len(texts) not in widths or not _finite(texts)):
+            shown = line.decode("latin-1").strip()[:60]
+            message = f"{path}:{number}: matrix {name}: found '{shown}', expected {wished} numbers"
+            return FormatError(message)
+    message = f"matrix {name}: '{path}' is no table of {wished} columns; write it again"
+    return FormatError(message)
+
+
+def _finite(texts: list[bytes]) -> bool:
+    try:
+        return bool(np.isfinite([float(text) for text in texts]).all())
+    except ValueError:
+        return False
+
+
+def _whole(column: Vector, path: Path, name: str) -> Indices:
+    wrong = np.flatnonzero((column != np.floor(column)) | (np.abs(column) >= _LARGEST))
+    if wrong.size:
+        message = (
+            f"matrix {name}: '{path}', entry {wrong[0] + 1}: {column[wrong[0]]:g} is no row, node "
+            "or component; expected whole numbers"
+        )
+        raise FormatError(message)
+    return column.astype(np.int64)
+
+
+def _symmetric(
+    rows: Indices, columns: Indices, values: Vector, size: int, path: Path, name: str
+) -> SparseMatrix:
+    """Return the whole matrix of entries that fill one triangle or both.
+
+    Raises
+    ------
+    FormatError
+        If an entry is given twice, or a row number is not positive or too large for its entries.
+    """
+    bad = np.flatnonzero((rows < 0) | (columns < 0))
+    if bad.size or size > 10 * len(values) + 10:
+        entry = int(bad[0]) + 1 if bad.size else int(np.maximum(rows, columns).argmax()) + 1
+        message = f"matrix {name}: '{path}', entry {entry}: its row or column is out of range"
+        raise FormatError(message)
+    keys, counts = np.unique(rows * np.int64(size) + columns, return_counts=True)
+    if counts.max(initial=1) > 1:
+        row, column = divmod(int(keys[counts > 1][0]), size)
+        message = f"matrix {name}: '{path}' gives entry ({row + 1}, {column + 1}) twice"
+        raise FormatError(message)
+    matrix = sp.csr_array((values, (rows, columns)), shape=(size, size))
+    upper, lower = sp.triu(matrix, 1, format="csr"), sp.tril(matrix, -1, format="csr")
+    if upper.nnz and lower.nnz:
+        return matrix
+    return sp.csr_array(matrix + upper.T + lower.T)
