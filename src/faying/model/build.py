@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
+from faying.contact.doubled import check_not_doubled
 from faying.contact.interface import Interface, stack
 from faying.contact.mortar import build_mortar_interface, find_couplings
 from faying.contact.pairing import find_interfaces
@@ -106,6 +107,7 @@ def build_model(
         damping=damping,
         name=assembly.name,
         units=units,
+        nodal_mass=read_only(nodal.M),
     )
 
 
@@ -167,6 +169,7 @@ def _interfaces(
     if not joints:
         message = "the model has no interface; name one, or let faying find it with 'auto'"
         raise ModelError(message)
+    check_not_doubled(joints)
     return joints
 
 

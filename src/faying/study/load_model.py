@@ -65,6 +65,7 @@ def load_model(study: Study) -> LoadedModel:
     described = read(study)
     assembly = with_study_supports(with_study_sets(described.assembly, study), study)
     bolts = _merged(study, "bolt", described.bolts, _bolt_entries(study, assembly))
+    _check_distinct_bolts(study, bolts)
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
     if not interfaces:
@@ -292,6 +293,20 @@ def _merged(
             specs[name] = new(**entry)
     reject(study.source, problems)
     return tuple(specs.values())
+
+
+def _check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
+    """Refuse two bolts that tighten the same element, as the deck's and the study's own may."""
+    owner: dict[int, str] = {}
+    for bolt in bolts:
+        for element in bolt.elements or ():
+            other = owner.setdefault(element, bolt.name)
+            if other != bolt.name:
+                message = (
+                    f"{study.path.name}: bolts '{other}' and '{bolt.name}' both tighten element "
+                    f"{element}; to change the preload of a deck's bolt, use its name"
+                )
+                raise StudyError(message)
 
 
 BOLTS_OF_SOURCES = {
