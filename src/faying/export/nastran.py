@@ -1,0 +1,264 @@
+"""The linear hand-over for Nastran: an external superelement with OP4 matrices, or DMIG cards.
+
+Rows of all matrices are the *superelement's*: boundary grids in ascending order of id and
+component, then one scalar point for every other generalized coordinate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import FormatError
+from faying.export.hand_over import HandOver
+from faying.export.linearized import LinearModel, linearized
+from faying.export.nastran_cards import assembly_cards, grid_cards, punch_cards, scalar_points
+from faying.io.dmig_writer import dmig_text
+from faying.io.op4_writer import write_op4
+from faying.model.system import elongations, initial_bolt_forces
+
+SUPERELEMENT = 100
+"""Id of the superelement, and the Fortran unit of its OP4 file."""
+
+FIRST_POINT = 1_000_001
+"""Id of the first scalar point where grids have smaller ones."""
+
+LARGEST_ID = 99_999_999
+
+_AFTER = ("K4XX", "PA", "GPXX", "GDXX", "RVAX")
+_OUTPUTS = ("MUG1", "MES1", "MEE1", "MGPF", "MEF1", "MQG1", "MQMG1")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rows:
+    """What the rows of the superelement are.
+
+    Attributes
+    ----------
+    dofs : (n, 2)
+        Grid id and component 1..6; scalar point id and 0.
+    order : (n,)
+        Generalized coordinate q of each row.
+    """
+
+    dofs: Indices
+    order: Indices
+
+    @property
+    def points(self) -> Indices:
+        """Ids of the scalar points."""
+        ids: Indices = self.dofs[self.dofs[:, 1] == 0, 0]
+        return ids
+
+    @property
+    def grids(self) -> dict[int, str]:
+        """Grid id to its components, such as "123456"."""
+        found: dict[int, str] = {}
+        for grid, component in self.dofs[self.dofs[:, 1] > 0].tolist():
+            found[grid] = found.get(grid, "") + str(component)
+        return found
+
+
+def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+    """Write a superelement ``path`` (.op4) with .asm and .pch, or DMIG cards for a path .dmig.
+
+    Beside either: recovery matrices (``_recovery.op4``) and a text that says what is what
+    (``_readme.txt``).
+
+    Returns
+    -------
+    tuple of Path
+
+    Raises
+    ------
+    FormatError
+        If the path ends in anything else, or ids leave no room for scalar points.
+
+    Notes
+    -----
+    Sources of the layout: external superelement creation (EXTSEOUT) and SEBULK, SECONCT, EXTRN in
+    the Nastran quick reference guides; the order of the matrices is that of pyYeti's
+    ``wtextseout``. DMIG keeps ten digits at least, OP4 all.
+    """
+    linear, rows = linearized(hand_over), superelement_rows(hand_over)
+    if path.suffix.lower() == ".op4":
+        files = _write_superelement(hand_over, linear, rows, path)
+    elif path.suffix.lower() == ".dmig":
+        files = _write_dmig(hand_over, linear, rows, path)
+    else:
+        message = f"{path.name} ends in '{path.suffix}'; Nastran takes .op4 or .dmig"
+        raise FormatError(message)
+    recovery, text = (path.with_name(path.stem + end) for end in ("_recovery.op4", "_readme.txt"))
+    write_op4(recovery, recovery_matrices(hand_over, linear, rows))
+    text.write_text(_readme(hand_over, rows, (*files, recovery)), encoding="utf-8")
+    return (*files, recovery, text)
+
+
+def superelement_rows(hand_over: HandOver) -> Rows:
+    """Return which grid component or scalar point each generalized coordinate becomes.
+
+    Raises
+    ------
+    FormatError
+        If there is no room for scalar points above the ids of the grids.
+    """
+    boundaries = hand_over.model.boundaries.values()
+    known = {
+        (int(node), int(component) + 1): int(place)
+        for one in boundaries
+        for node, component, place in zip(one.nodes, one.components, one.dofs, strict=True)
+    }
+    dofs = sorted(known)
+    outer = [known[dof] for dof in dofs]
+    inner = np.setdiff1d(np.arange(len(hand_over.model.K)), outer)
+    first = max(FIRST_POINT, int(hand_over.node_ids.max(initial=0)) + 1)
+    if first + len(inner) > LARGEST_ID:
+        message = (
+            f"node ids reach {first - 1}, which leaves no room for {len(inner)} scalar points "
+            f"below {LARGEST_ID + 1}; renumber the nodes"
+        )
+        raise FormatError(message)
+    points = [(first + number, 0) for number in range(len(inner))]
+    return Rows(
+        dofs=np.array([*dofs, *points], dtype=np.int64).reshape(-1, 2),
+        order=np.array([*outer, *inner.tolist()], dtype=np.int64),
+    )
+
+
+def recovery_matrices(
+    hand_over: HandOver, linear: LinearModel, rows: Rows
+) -> dict[str, Matrix | Vector]:
+    """Return what turns a motion of the superelement into contact forces, gaps and pressures.
+
+    Columns are the superelement's rows; the names are explained in the text written beside them.
+    """
+    model, order = hand_over.model, rows.order
+    contact, ports = model.contact, hand_over.joint.port_compliance
+    bolts = list(model.bolts.values())
+    found: dict[str, Matrix | Vector] = {
+        "QREF": linear.state[order],
+        "LAMROW": linear.force_rows[:, order],
+        "LAM0": linear.force_offsets,
+        "GAPROW": linear.gap_rows[:, order],
+        "GAP0": linear.gap_offsets,
+        "WEIGHT": contact.weights,
+        "DLAW": contact.flexibility,
+        "GINIT": contact.initial_gap,
+        "NINT": contact.interpolation.toarray(),
+        "PREL": np.asarray(contact.relative_operator)[:, order],
+        "RINERT": hand_over.recovery.inertia[:, order],
+        "RDAMP": hand_over.recovery.damping[:, order],
+        "RCOMPC": np.vstack([ports.relative @ np.eye(ports.n_relative), ports.contact_columns]),
+        "RCOMPF": np.vstack([ports.contact_columns.T, ports.input_rows]),
+        "BOLTE": elongations(model.bolts, len(order))[:, order],
+        "BOLTK": np.array([bolt.stiffness for bolt in bolts], dtype=float),
+        "BOLTN0": initial_bolt_forces(model),
+    }
+    return {name: matrix for name, matrix in found.items() if np.size(matrix)}
+
+
+def _write_superelement(
+    hand_over: HandOver, linear: LinearModel, rows: Rows, path: Path
+) -> tuple[Path, ...]:
+    title = f"{hand_over.title}, {hand_over.method}, faying {version('faying')}"
+    place = _places(hand_over, rows)
+    assembly, punch = path.with_suffix(".asm"), path.with_suffix(".pch")
+    nothing = np.zeros((1, 1))
+    write_op4(
+        path,
+        {
+            **_ordered(linear, rows, "AA"),
+            **dict.fromkeys(_AFTER, nothing),
+            "VA": np.ones(len(rows.order)),
+            **{name + end: nothing for name in _OUTPUTS for end in ("", "O")},
+        },
+    )
+    assembly.write_text(assembly_cards(title, SUPERELEMENT, rows.grids, place, rows.points))
+    punch.write_text(punch_cards(title, SUPERELEMENT, rows.grids, place, rows.points))
+    return path, assembly, punch
+
+
+def _write_dmig(
+    hand_over: HandOver, linear: LinearModel, rows: Rows, path: Path
+) -> tuple[Path, ...]:
+    grids = path.with_name(path.stem + "_grids.bdf")
+    cards = [
+        f"$ {hand_over.title}, {hand_over.method}, linear hand-over of faying {version('faying')}\n"
+        "$ Values keep ten digits at least; the OP4 file of the same joint keeps all.\n",
+        scalar_points(rows.points),
+        *(
+            dmig_text(name, matrix, rows.dofs)
+            for name, matrix in _ordered(linear, rows, "AAX").items()
+        ),
+    ]
+    path.write_text("".join(cards))
+    grids.write_text(grid_cards(_places(hand_over, rows)))
+    return path, grids
+
+
+def _ordered(linear: LinearModel, rows: Rows, end: str) -> dict[str, Matrix]:
+    at = np.ix_(rows.order, rows.order)
+    matrices = {"K": linear.K, "M": linear.M, "B": linear.C}
+    return {name + end: (matrix[at] + matrix[at].T) / 2 for name, matrix in matrices.items()}
+
+
+def _places(hand_over: HandOver, rows: Rows) -> dict[int, Sequence[float]]:
+    """Grid id to coordinates."""
+    where = {int(node): place for place, node in enumerate(hand_over.node_ids.tolist())}
+    return {grid: hand_over.nodes[where[grid]].tolist() for grid in rows.grids}
+
+
+_MATRICES = """\
+  QREF    state the joint is linearized at (preload), one value per row
+  LAMROW  change of the contact force at every contact point per row
+  LAM0    contact forces at that state: lambda = LAM0 + LAMROW x, pressure = lambda / WEIGHT
+  GAPROW, GAP0   the same for the gaps
+  WEIGHT  area of every contact point
+  DLAW    compliance of the contact law, 1 / (penalty x area); zero where contact is hard
+  GINIT   initial gap of every contact point
+  NINT    interpolation: gaps at contact points from relative displacements of the node pairs
+  PREL    relative displacements of the node pairs per row
+  RINERT, RDAMP  displacements at the ports per acceleration and per velocity of each row
+  RCOMPC  displacements at the ports per relative force of each node pair
+  RCOMPF  displacements at the ports per boundary force, then per bolt (a bolt pulls: use -N0)
+  BOLTE, BOLTK, BOLTN0  elongation of the bolts per row, stiffness, initial force:
+          bolt force = BOLTK (BOLTE (QREF + x)) + BOLTN0
+Ports: node pairs, then boundary degrees of freedom boundary by boundary, then bolts.
+A negative lambda or, where the joint was open, a negative gap says that the linear joint was asked
+for more than it can do: recover the pressures (faying recover, or the next lines).
+Pressures of the full model at an instant with velocity v and acceleration a of the rows and
+boundary forces f (mode acceleration with contact):
+  free = RCOMPF [f; -BOLTN0] - RINERT a - RDAMP v
+  solve  s = (NINT S NINT' + diag(DLAW)) lambda + GINIT + NINT free(pairs) >= 0, lambda >= 0,
+  lambda' s = 0, with S the first rows of RCOMPC, one per node pair.
+"""
+
+
+def _readme(hand_over: HandOver, rows: Rows, files: Sequence[Path]) -> str:
+    """Say what the files are, what the rows are and what the recovery matrices are."""
+    kinds = hand_over.record.kinds
+    lines = [
+        f"{hand_over.title}: reduced model '{hand_over.method}' of faying {version('faying')}",
+        f"Units: {hand_over.units}",
+        "",
+        "LINEAR hand-over: the joint is linearized at its preloaded state. It neither opens nor",
+        "closes. Displacements x are changes from that state; do not apply the bolt preload again.",
+        "",
+        f"Files: {', '.join(file.name for file in files)}",
+        "How to attach them: docs/how-to/export_to_nastran.md of faying.",
+        "",
+        "Rows (grid or scalar point, component, generalized coordinate q counted from zero, kind):",
+        *(
+            f"{row + 1:7} {point:9} {component:2} {place:7}  {kinds[place]}"
+            for row, ((point, component), place) in enumerate(
+                zip(rows.dofs.tolist(), rows.order.tolist(), strict=True)
+            )
+        ),
+        "",
+        "Matrices of the recovery file, columns in the order of these rows:",
+        _MATRICES,
+    ]
+    return "\n".join(lines)
