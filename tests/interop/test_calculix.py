@@ -11,12 +11,15 @@ import faying as fy
 from faying.io.abaqus import read_joint
 from faying.io.abaqus.writer import write_deck
 from faying.linalg.factorization import factorize
-from faying.model.assembly import NodalLoads
+from faying.model.assembly import Assembly, NodalLoads
 from faying.model.boundary import FORCE_NAMES
 from faying.model.build import build_model
 from faying.model.constraints import constrain
-from faying.model.lap_joint import lap_joint_assembly
+from faying.model.description import JointDescription
+from faying.model.elements.hex8 import HEX8
+from faying.model.lap_joint import STEEL, lap_joint_assembly
 from faying.model.matrices import assemble_matrices, used_components
+from faying.model.mesh import CellBlock, Mesh
 from faying.reduction.normal_modes import lowest_modes
 
 PRINTED = 1e-6
@@ -29,6 +32,7 @@ GEOMETRY = 1e-3
 """
 
 CASES = {"LC1": [0, 0, -500.0, 0, 0, 0], "LC2": [0, 0, -500.0, 20e3, 0, 0]}
+PARAMS = [(element, case) for element in ("standard", "incompatible") for case in CASES]
 CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 
@@ -77,6 +81,42 @@ def test_ten_frequencies(element, tolerance, binary, tmp_path):
     np.testing.assert_allclose(theirs, frequencies(description.assembly), rtol=tolerance)
 
 
+def test_c3d8i_is_our_brick_but_for_the_mass_of_its_modes(binary, tmp_path):
+    """Matrices of one brick; CalculiX stores the incompatible modes as three more nodes."""
+    nodes = (np.array(HEX8.reference_nodes) * [2.0, 3.0, 4.0]) @ [[1, 0, 0], [0.2, 1, 0], [0, 0, 1]]
+    block = CellBlock(kind="hex8", nodes=[range(8)], ids=[1], properties=[1])
+    mesh = Mesh(nodes=nodes, node_ids=np.arange(1, 9), blocks=(block,))
+    brick = Assembly(mesh=mesh, materials={1: STEEL}, element="incompatible")
+    path = tmp_path / "brick.inp"
+    write_deck(JointDescription(assembly=brick), path, modes=1)
+    path.write_text(path.read_text().replace("*FREQUENCY", "*FREQUENCY,SOLVER=MATRIXSTORAGE"))
+    run_calculix(binary, path)
+    K, M = (stored(path.with_suffix(suffix)) for suffix in (".sti", ".mas"))
+    corner, mode = slice(24), slice(24, 33)
+    condensed = K[corner, corner] - K[corner, mode] @ np.linalg.solve(
+        K[mode, mode], K[mode, corner]
+    )
+    ours = assemble_matrices(brick)
+    used = np.flatnonzero(np.arange(48) % 6 < 3)
+    wanted = ours.K.toarray()[np.ix_(used, used)]
+    # Fourteen digits are stored; condensation loses one.
+    np.testing.assert_allclose(condensed, wanted, rtol=0, atol=1e-12 * wanted.max())
+    wanted = ours.M.toarray()[np.ix_(used, used)]
+    np.testing.assert_allclose(M[corner, corner], wanted, rtol=0, atol=1e-12 * wanted.max())
+    # (1 - ξ²)² with two points a direction: 4/9 of the mass each, where faying's modes have none.
+    mass = STEEL.density * 24.0
+    np.testing.assert_allclose(np.diag(M)[mode], 4 / 9 * mass, rtol=1e-12)
+
+
+def stored(path):
+    """Read a symmetric matrix of CalculiX: row, column, value."""
+    table = np.loadtxt(path)
+    i, j = table[:, :2].astype(int).T - 1
+    matrix = np.zeros((i.max() + 1, i.max() + 1))
+    matrix[i, j] = matrix[j, i] = table[:, 2]
+    return matrix
+
+
 def ccx_rule(interface, data):
     """The interface with CalculiX's contact points: four triangles a facet, seven points each."""
     rule = np.load(data / "lap_joint" / "mesh.npz")
@@ -123,37 +163,48 @@ def solved(path, step, data):
     )
     (name,) = model.interfaces
     model = model.with_interfaces({name: ccx_rule(model.interfaces[name], data)})
-    return fy.solve_static(fy.preload(model, joint.preloads), fy.Load(forces))
+    return fy.solve_static(fy.preload(model, joint.preloads, increments=1), fy.Load(forces))
 
 
-def check(solution, theirs, step, tolerance, bolt=1e-6):
-    """Compare displacements, contact force and largest pressure.
-
-    ``bolt`` is what the beam that faying keeps in the cut of the bolt (1e-4 of its compliance)
-    adds to ``tolerance``.
-    """
+def check(solution, theirs, step, tolerance, pressure=None):
+    """Compare displacements, contact force and largest pressure."""
     model = solution.system
     nodal = model.dofs.nodal(solution.states)[:, :3]
     ids = model.assembly.mesh.node_ids.tolist()
     solid = np.unique(model.assembly.mesh.blocks[0].nodes)
     wanted = np.array([theirs.displacements[step][ids[i]] for i in solid])
     largest = np.abs(wanted).max()
-    allowed = tolerance + bolt
-    np.testing.assert_allclose(nodal[solid], wanted, rtol=0, atol=allowed * largest)
-    assert solution.contact_force() == pytest.approx(theirs.contact_forces[step], rel=allowed)
-    assert solution.max_pressure == pytest.approx(theirs.pressures[step].max(), rel=allowed)
+    np.testing.assert_allclose(nodal[solid], wanted, rtol=0, atol=tolerance * largest)
+    assert solution.contact_force() == pytest.approx(theirs.contact_forces[step], rel=tolerance)
+    peak = theirs.pressures[step].max()
+    assert solution.max_pressure == pytest.approx(peak, rel=pressure or tolerance)
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_same_deck_in_both(case, binary, data, tmp_path):
-    """Preload and load case as two steps of one deck, with incompatible modes (C3D8I)."""
-    path = tmp_path / "joint.inp"
-    write_deck(cantilever("incompatible", case), path)
-    theirs = run_calculix(binary, path)
-    check(solved(path, 1, data), theirs, 1, PRINTED)
-    check(solved(path, 2, data), theirs, 2, GEOMETRY)
-    # The bolt is tightened to a final force: nothing of it is lost to the joint.
-    assert theirs.contact_forces[1] == pytest.approx(8000.0, rel=PRINTED)
+@pytest.fixture(
+    scope="module", params=[(e, c) for e in ("standard", "incompatible") for c in CASES]
+)
+def both(request, binary, data, tmp_path_factory):
+    """A deck of preload and one load case; CalculiX's run and faying's solution of the case."""
+    element, case = request.param
+    path = tmp_path_factory.mktemp(f"{element}-{case}") / "joint.inp"
+    write_deck(cantilever(element, case), path)
+    text = path.read_text()
+    return element, text, run_calculix(binary, path), solved(path, 2, data), path
+
+
+def test_same_deck_in_both(both, data):
+    """Preload and load case as two steps of one deck."""
+    element, _, theirs, solution, path = both
+    if element == "incompatible":
+        check(solution, theirs, 2, GEOMETRY)
+    else:
+        # The edge presses a point of the stiffer bricks harder, and its place decides: 11 % of the
+        # largest pressure, which the next test finds again when no geometry is updated.
+        check(solution, theirs, 2, GEOMETRY, pressure=0.15)
+    if "LC1" in path.read_text():
+        check(solved(path, 1, data), theirs, 1, PRINTED)
+        # The bolt is tightened to a final force: nothing of it is lost to the joint.
+        assert theirs.contact_forces[1] == pytest.approx(8000.0, rel=PRINTED)
 
 
 def in_one_increment(text, control, shortening):
@@ -166,14 +217,10 @@ def in_one_increment(text, control, shortening):
     )
 
 
-@pytest.mark.parametrize("element", ["standard", "incompatible"])
-@pytest.mark.parametrize("case", CASES)
-def test_single_increment_agrees_to_the_digits_printed(element, case, binary, data, tmp_path):
+def test_single_increment_agrees_to_the_digits_printed(both, binary, tmp_path):
     """With no step before it CalculiX solves the same small-displacement problem."""
-    path, one = tmp_path / "joint.inp", tmp_path / "one.inp"
-    write_deck(cantilever(element, case), path)
-    text = path.read_text()
-    preloaded = run_calculix(binary, path)
+    _, text, preloaded, solution, _ = both
     control = max(preloaded.displacements[1])  # the last node is the bolt's pretension node
-    one.write_text(in_one_increment(text, control, preloaded.displacements[1][control][0]))
-    check(solved(path, 2, data), run_calculix(binary, one), 1, PRINTED)
+    path = tmp_path / "one.inp"
+    path.write_text(in_one_increment(text, control, preloaded.displacements[1][control][0]))
+    check(solution, run_calculix(binary, path), 1, PRINTED)
