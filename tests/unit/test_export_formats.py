@@ -4,13 +4,16 @@ import sys
 from importlib.util import find_spec
 from types import ModuleType
 
+import h5py
 import numpy as np
 import pytest
 
 from faying import cli
 from faying.exceptions import FormatError, StudyError
+from faying.export import vtk
 from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, export
 from faying.export.hand_over import hand_over
+from faying.study.portable_records import nodal_shapes
 from faying.study.recover import results_of
 
 
@@ -228,3 +231,40 @@ def test_shapes_give_the_static_displacements(given):
     stored = given.results.cases["LC2"].methods["compliance"][0].response.nodal_displacement
     # The same model restored from the file: round-off of the residual compliance.
     np.testing.assert_allclose(field, stored, atol=1e-7 * np.abs(stored).max())
+
+
+def test_results_without_shapes_are_still_handed_over(quick_demo, tmp_path):
+    """Of an older version, or beyond the limit."""
+    copy = tmp_path / "results.h5"
+    copy.write_bytes((quick_demo / "results.h5").read_bytes())
+    with h5py.File(copy, "r+") as file:
+        del file["shapes"]
+        for sizes in file["reduced"].values():
+            for record in sizes.values():
+                del record["shapes"]
+    old = hand_over(results_of(tmp_path))
+    assert old.modes is None
+    names = {path.name for path in export(old, "vtk", out=tmp_path / "pictures")}
+    assert "structure.vtu" in names
+    assert "modes.vtu" not in names
+
+
+def test_shapes_that_exceed_the_limit_are_left_out(joint, classic):
+    one = 24 * joint.dofs.n_nodes
+    shapes = nodal_shapes(joint, classic, most_bytes=5 * one + 1)
+    assert shapes.nbytes == 5 * one
+    whole = joint.dofs.nodal(classic.vectors[:, :5].T)[..., :3]
+    # Sums of a handful of products each.
+    np.testing.assert_allclose(shapes, whole, rtol=1e-12, atol=1e-15)
+
+
+def test_long_series_are_thinned(given, tmp_path, monkeypatch):
+    monkeypatch.setattr(vtk, "MOST_INSTANTS", 5)
+    paths = export(given, "vtk", out=tmp_path / "pictures")
+    instants = [path for path in paths if path.parent.name == "interface_joint_LC2-step"]
+    assert len(instants) == 5
+    times = given.results.cases["LC2-step"].times
+    series = (tmp_path / "pictures" / "interface_joint_LC2-step.pvd").read_text()
+    assert series.count("<DataSet") == 5
+    assert f'timestep="{float(times[0])!r}"' in series
+    assert f'timestep="{float(times[-1])!r}"' in series
