@@ -33,7 +33,11 @@ _FULL = "taken with full integration"
 
 SOLID_TYPES: Mapping[str, SolidType] = {
     "C3D4": SolidType(kind="tet4", order=tuple(range(4))),
-    "C3D6": SolidType(kind="wedge6", order=tuple(range(6))),
+    "C3D6": SolidType(
+        kind="wedge6",
+        order=tuple(range(6)),
+        note="integrated with 3 x 2 points (both programs take 1 x 2, which is softer)",
+    ),
     "C3D8": SolidType(kind="hex8", order=tuple(range(8)), formulation="standard"),
     "C3D8I": SolidType(kind="hex8", order=tuple(range(8)), formulation="incompatible"),
     "C3D8R": SolidType(

@@ -1,0 +1,221 @@
+"""Decks that CalculiX runs and faying reads: the same displacements."""
+
+import itertools
+
+import numpy as np
+import pytest
+from calculix_runs import displacements, needs_calculix, solved
+
+import faying as fy
+from faying.io.abaqus import read_joint
+
+pytestmark = needs_calculix
+
+HEX = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
+# Corners of each element of a cube, in halves of its edge.
+CORNERS = {
+    "C3D8": [HEX],
+    "C3D6": [[HEX[i] for i in cell] for cell in [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]],
+    "C3D4": [
+        [HEX[i] for i in cell]
+        for cell in [
+            (0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6),
+        ]
+    ],
+}  # fmt: skip
+# Mid-side nodes in the order both programs document, as pairs of corners.
+EDGES = {
+    "C3D20": ("C3D8", "01 12 23 30 45 56 67 74 04 15 26 37"),
+    "C3D15": ("C3D6", "01 12 20 34 45 53 03 14 25"),
+    "C3D10": ("C3D4", "01 12 20 03 13 23"),
+}
+SIZE = np.array([4.0, 3.0, 2.0])
+CELLS = (3, 2, 2)
+
+
+def mesh(kind):
+    """Node ids and coordinates, and elements with their nodes, of a sheared block."""
+    linear, edges = EDGES.get(kind, (kind.removesuffix("I"), ""))
+    nodes, elements = {}, []
+    for cell in itertools.product(*map(range, CELLS)):
+        for corners in CORNERS[linear]:
+            points = [2 * np.array(cell) + corner for corner in np.array(corners)]
+            points += [(points[int(a)] + points[int(b)]) // 2 for a, b in edges.split()]
+            elements.append([nodes.setdefault(tuple(p.tolist()), len(nodes) + 1) for p in points])
+    shear = np.array([[1.0, 0.2, 0.0], [0.0, 1.0, 0.1], [0.0, 0.0, 1.0]])
+    places = np.array(list(nodes)) / (2 * np.array(CELLS)) * SIZE @ shear
+    return np.array(list(nodes)), places, elements
+
+
+def numbered(rows):
+    return "\n".join(f"{i}, " + ", ".join(map(str, row)) for i, row in enumerate(rows, 1))
+
+
+def listed(ids):
+    return ",\n".join(map(str, ids))
+
+
+def block(kind):
+    """Deck of a block, held at x = 0, up to its first step."""
+    grid, places, elements = mesh(kind)
+    width = len(elements[0])
+    records = [
+        f"{i}, "
+        + ", ".join(map(str, row[:15]))
+        + (",\n" + ", ".join(map(str, row[15:])) if width > 15 else "")
+        for i, row in enumerate(elements, 1)
+    ]
+    held = np.flatnonzero(grid[:, 0] == 0) + 1
+    end = np.flatnonzero(grid[:, 0] == 2 * CELLS[0]) + 1
+    return "\n".join(
+        [
+            "*NODE, NSET=NALL", numbered(places.tolist()),
+            f"*ELEMENT, TYPE={kind}, ELSET=ALL", "\n".join(records),
+            "*NSET, NSET=HELD", listed(held), "*NSET, NSET=END", listed(end),
+            "*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*DENSITY", "7.8E-9",
+            "*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL",
+        ]
+    )  # fmt: skip
+
+
+def compare(tmp_path, text, *, without=(), tolerance=2e-6):
+    """Compare displacements of all nodes but some; CalculiX prints seven digits."""
+    theirs = displacements(tmp_path, text)[-1]
+    assembly = read_joint(tmp_path / "job.inp").assembly
+    ours = solved(assembly)
+    ids = [i for i in theirs if i not in without]
+    expected = np.array([theirs[i] for i in ids])
+    found = ours[assembly.mesh.node_index(np.array(ids)), :3]
+    largest = np.abs(expected).max()
+    assert largest > 0
+    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * largest)
+
+
+@pytest.mark.parametrize("kind", ["C3D4", "C3D6", "C3D8", "C3D8I", "C3D10", "C3D15", "C3D20"])
+def test_every_solid_under_pressure_gravity_and_forces(tmp_path, kind):
+    # Faces S1 … of some elements: pressure tells the numbering of faces and nodes.
+    faces = {4: 4, 6: 5, 8: 6, 10: 4, 15: 5, 20: 6}[len(mesh(kind)[2][0])]
+    pressure = [f"{1 + (5 * f) % 10}, P{f}, {10.0 * f}" for f in range(1, faces + 1)]
+    text = "\n".join(
+        [
+            block(kind), "*BOUNDARY", "HELD, 1, 3",
+            "*STEP", "*STATIC", "*CLOAD", "END, 2, 3.5", "*DLOAD", *pressure,
+            "ALL, GRAV, 9.81E6, 0., 0.6, -0.8",
+            "*NODE PRINT, NSET=NALL", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    # C3D6 has one point in its triangle there and three here, which is stiffer on so coarse a mesh;
+    # the tolerance still tells a wrong face (P3 against P4 changes 60 %).
+    compare(tmp_path, text, tolerance=0.2 if kind == "C3D6" else 2e-6)
+
+
+COUPLED = {
+    "rigid body": "*RIGID BODY, NSET=END, REF NODE=9001, ROT NODE=9002",
+    "kinematic": "*SURFACE, NAME=TIP, TYPE=NODE\nEND\n*COUPLING, REF NODE=9001, SURFACE=FACE, "
+    "CONSTRAINT NAME=C\n*KINEMATIC\n1, 3",
+}
+
+
+@pytest.mark.parametrize("how", COUPLED)
+def test_couplings_with_moments(tmp_path, how):
+    count = CELLS[1] * CELLS[2]
+    last = [len(mesh("C3D8")[2]) - i for i in range(count)]
+    moment = "9002, 1, 700." if how == "rigid body" else "9001, 4, 700."
+    text = "\n".join(
+        [
+            block("C3D8"), "*NODE, NSET=REF", "9001, 6., 1., 2.", "9002, 6., 1., 2.",
+            "*SURFACE, NAME=FACE", *(f"{i}, S4" for i in last), COUPLED[how],
+            "*BOUNDARY", "HELD, 1, 3", "*STEP", "*STATIC",
+            "*CLOAD", "9001, 1, 100.", "9001, 3, -40.", moment,
+            "*NODE PRINT, NSET=NALL", "U", "*NODE PRINT, NSET=REF", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    compare(tmp_path, text.replace("*SURFACE, NAME=TIP, TYPE=NODE\nEND\n", ""), without=(9002,))
+
+
+def test_cylindrical_axes_equations_and_springs(tmp_path):
+    grid, _, _ = mesh("C3D8")
+    end = (np.flatnonzero(grid[:, 0] == 2 * CELLS[0]) + 1).tolist()
+    others = [i for i in end if i != end[0]][:4]
+    equations = [f"*EQUATION\n2\n{i}, 1, 1., {end[0]}, 1, -1." for i in others]
+    text = "\n".join(
+        [
+            block("C3D8"), "*TRANSFORM, NSET=HELD, TYPE=C", "0., 1., 30., 1., 1., 30.",
+            "*TRANSFORM, NSET=END, TYPE=R", "0.8, 0.6, 0., -0.6, 0.8, 0.",
+            "*NSET, NSET=OUTER", listed(end), *equations,
+            "*ELEMENT, TYPE=SPRING1, ELSET=SOFT", f"9001, {end[-1]}",
+            "*SPRING, ELSET=SOFT", "3", "5.E4",
+            "*BOUNDARY", "HELD, 1, 3", "*STEP", "*STATIC",
+            "*CLOAD", f"{end[0]}, 1, 30.", f"{end[-2]}, 2, -40.",
+            "*NODE PRINT, NSET=NALL, GLOBAL=YES", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    compare(tmp_path, text)
+
+
+def bolted():
+    """Deck of two stacked blocks on each side of a solid bolt whose shank is cut."""
+    nodes, elements, layers = {}, [], {}
+    columns = {
+        "LA": ((-20, -5, 3), (0, 10, 2)), "LB": ((-20, -5, 3), (10, 20, 2)),
+        "RA": ((5, 20, 3), (0, 10, 2)), "RB": ((5, 20, 3), (10, 20, 2)),
+        "BOLT": ((-2.5, 2.5, 2), (0, 20, 4)),
+    }  # fmt: skip
+    text = []
+    for name, ((left, right, nx), (bottom, top, nz)) in columns.items():
+        x, y, z = np.linspace(left, right, nx + 1), [-5, 0, 5], np.linspace(bottom, top, nz + 1)
+        text.append(f"*ELEMENT, TYPE=C3D8, ELSET={name}")
+        for k, j, i in itertools.product(range(nz), range(2), range(nx)):
+            corners = [(name, x[i + a // 2], y[j + b // 2], z[k + c // 2]) for a, b, c in HEX]
+            elements.append([nodes.setdefault(c, len(nodes) + 1) for c in corners])
+            layers.setdefault((name, k), []).append(len(elements))
+            text.append(f"{len(elements)}, " + ", ".join(map(str, elements[-1])))
+    places = [f"{i}, {p[1]}, {p[2]}, {p[3]}" for p, i in nodes.items()]
+    slave = [f"{i}, S2" for name in ("LA", "RA") for i in layers[name, 1]]
+    master = [f"{i}, S1" for name in ("LB", "RB") for i in layers[name, 0]]
+    return "\n".join(
+        [
+            "*NODE, NSET=NALL", *places, "9000, 0., 0., 20.", "9001, 0., 0., 20.",
+            "9002, 50., 0., 0.", *text, "*ELSET, ELSET=ALL", "LA, LB, RA, RB, BOLT",
+            "*NSET, NSET=BOTTOM", listed([i for p, i in nodes.items() if p[3] == 0]),
+            "*NSET, NSET=TOP", listed([i for p, i in nodes.items() if p[3] == 20]),
+            "*SURFACE, NAME=SLAVE", *slave, "*SURFACE, NAME=MASTER", *master,
+            "*SURFACE, NAME=SHANK", *(f"{i}, S2" for i in layers["BOLT", 1]),
+            "*MATERIAL, NAME=STEEL", "*ELASTIC", "210000., 0.3", "*DENSITY", "7.8E-9",
+            "*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL",
+            "*RIGID BODY, NSET=TOP, REF NODE=9001, ROT NODE=9002",
+            "*PRE-TENSION SECTION, SURFACE=SHANK, NODE=9000", "0., 0., 1.",
+            "*SURFACE INTERACTION, NAME=SI",
+            "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", "1.E5",
+            "*CONTACT PAIR, INTERACTION=SI, TYPE=SURFACE TO SURFACE", "SLAVE, MASTER",
+            "*BOUNDARY", "BOTTOM, 1, 3",
+            "*STEP", "*STATIC, DIRECT", "1., 1.", "*CLOAD", "9000, 1, 1000.",
+            "*NODE PRINT, NSET=NALL", "U", "*END STEP",
+            "*STEP", "*STATIC, DIRECT", "1., 1.", "*BOUNDARY, FIXED", "9000, 1, 1",
+            "*CLOAD", "9001, 3, 300.", "*NODE PRINT, NSET=NALL", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+
+
+def test_pretension_of_a_solid_bolt_and_its_lock(tmp_path):
+    theirs = displacements(tmp_path, bolted())
+    described = read_joint(tmp_path / "job.inp")
+    assert described.preloads == {"SHANK": 1000.0}
+    model = fy.build_model(
+        described.assembly,
+        interfaces=described.interfaces,
+        bolts=described.bolts,
+        boundaries=[fy.BoundarySpec(name="top", node=9001)],
+    )
+    tight = fy.preload(model, described.preloads)
+    for expected, load in zip(theirs, ({}, {"top.Fz": 300.0}), strict=True):
+        solution = fy.solve_static(tight, fy.Load(load))
+        ids = np.array([i for i in expected if i not in (9000, 9002)])
+        found = model.dofs.nodal(solution.states)[model.assembly.mesh.node_index(ids), :3]
+        wanted = np.array([expected[i] for i in ids])
+        # Seven digits are printed. The spring that closes the cut gives way by 1e-4 of one of four
+        # layers under the 46 N that the second step adds to 1000 N: 1e-6.
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=2e-6 * np.abs(wanted).max())
+        assert solution.contact_force() == pytest.approx(
+            solution.bolt_force("SHANK") - load.get("top.Fz", 0.0), rel=1e-6
+        )
