@@ -29,7 +29,7 @@ from faying.study.portable_records import (
     restored_recovery,
 )
 from faying.study.record import interface_records
-from faying.study.recovery_results import ReducedRecord
+from faying.study.recovery_results import PortsRecord, ReducedRecord
 from faying.study.results import InterfaceRecord, Results
 
 DEFAULT_METHOD = "compliance"
@@ -123,7 +123,7 @@ def hand_over(
         interfaces=results.interfaces,
         modes=None if shapes is None else shapes[record.shapes],
         results=results,
-        **_parts(restored_joint(results), record),
+        **_parts(restored_joint(results), record, results.ports),
     )
 
 
@@ -170,7 +170,7 @@ def hand_over_of(rom: ReducedModel, *, title: str = "joint", method: str = "mode
         blocks=model.assembly.mesh.blocks,
         interfaces=interfaces,
         modes=shapes if record.shapes is not None else None,
-        **_parts(joint_of(ports, interfaces, forces), record),
+        **_parts(joint_of(ports, interfaces, forces), record, ports),
     )
 
 
@@ -182,13 +182,13 @@ class _Parts(TypedDict):
     preloaded: Solution
 
 
-def _parts(joint: PortableJoint, record: ReducedRecord) -> _Parts:
+def _parts(joint: PortableJoint, record: ReducedRecord, ports: PortsRecord | None) -> _Parts:
     """Return what a joint at its ports and a stored reduced model give together."""
     model = restored_model(joint, record)
     return _Parts(
         record=record,
         model=model,
         joint=joint,
-        recovery=restored_recovery(joint, record),
+        recovery=restored_recovery(joint, record, None if ports is None else ports.frame_recovery),
         preloaded=solve_static(model, Load({}, name="preload")),
     )

@@ -41,6 +41,8 @@ class Model:
         Label of the consistent unit set, carried into every output.
     stuck
         Interface name to the pairs (n_pair,) that stick in tangential direction.
+    nodal_mass : (6 n_node, 6 n_node) sparse or None
+        Mass matrix before couplings and supports, for supports that move.
     """
 
     structure: Structure
@@ -53,6 +55,7 @@ class Model:
     name: str = "model"
     units: str = "mm-t-s"
     stuck: Mapping[str, Mask] = field(default_factory=dict)
+    nodal_mass: SparseMatrix | None = None
 
     @property
     def M(self) -> SparseMatrix:

@@ -26,6 +26,7 @@ from faying.model.structure import Structure
 from faying.model.system import Joint, PortCompliance, System, boundary_slices, input_forces
 from faying.reduction.basis import Basis
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.frame_motion import FrameMotion, frame_loads
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
 from faying.simulation.solution import Solution
@@ -124,6 +125,8 @@ class Recovery:
         Q K⁻¹ M Φ.
     damping : (n_port, n_mode)
         Q K⁻¹ C Φ.
+    frame : (n_port, 12) or None
+        Q K⁻¹ M A for supports that move, see :mod:`faying.simulation.frame_motion`.
     """
 
     model: Joint
@@ -131,6 +134,7 @@ class Recovery:
     static_contact: ContactSolver
     inertia: Matrix
     damping: Matrix
+    frame: Matrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inertia", frozen(self.inertia))
@@ -161,7 +165,7 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
     -----
     Two back-substitutions per trial vector, and the port compliance the model keeps.
     """
-    structure = model.structure
+    structure, carried = model.structure, frame_loads(model)
     if basis.vectors.shape[0] != structure.n_dof:
         message = (
             f"the basis has {basis.vectors.shape[0]} rows but the model has {structure.n_dof} "
@@ -172,8 +176,9 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
         model=model,
         ports=model.port_compliance,
         static_contact=model.static_contact,
-        inertia=_at_ports(structure, structure.solve(model.M @ basis.vectors)),
-        damping=_at_ports(structure, structure.solve(model.C @ basis.vectors)),
+        inertia=at_ports(structure, structure.solve(model.M @ basis.vectors)),
+        damping=at_ports(structure, structure.solve(model.C @ basis.vectors)),
+        frame=None if carried is None else at_ports(structure, structure.solve(carried)),
     )
 
 
@@ -255,6 +260,7 @@ def recover_from_modal(
     *,
     velocities: Matrix | None = None,
     accelerations: Matrix | None = None,
+    frame_motion: FrameMotion | None = None,
 ) -> Recovered:
     """Recover pressures from a modal history that another program made.
 
@@ -275,6 +281,8 @@ def recover_from_modal(
         only to first order where contact changes. A spline rings across a jump of the load, and
         implicit Euler's accelerations are not those of a smooth curve: export accelerations there,
         or use :func:`backward_differences`.
+    frame_motion
+        Of the supports, where they move; coordinates are then relative to them.
 
     Raises
     ------
@@ -295,7 +303,24 @@ def recover_from_modal(
     v, a = _derivatives(times, np.asarray(coordinates), velocities, accelerations)
     inputs = load.inputs(operator.model, times)
     free = operator.free_displacements(inputs, v, a)
+    if frame_motion is not None:
+        free = free - _carried(operator, frame_motion, len(times))
     return _contact(operator.model, load.name, inputs, free, times)
+
+
+def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
+    """Return Q K⁻¹ M A times the accelerations of the frame (n_time, n_port)."""
+    if operator.frame is None:
+        message = (
+            "the recovery matrices know nothing of supports that move, for the mass of supported "
+            "nodes was not kept; run the study again with this version of faying"
+        )
+        raise ModelError(message)
+    fields = motion.fields()
+    if len(fields) != n_time:
+        message = f"the frame's motion has {len(fields)} instants but the history {n_time}"
+        raise ModelError(message)
+    return np.asarray(fields @ operator.frame.T)
 
 
 def backward_differences(times: Vector, coordinates: Matrix) -> tuple[Matrix, Matrix]:
@@ -415,7 +440,7 @@ def _free_from_full(model: Model, solution: Solution) -> Matrix:
             f"{model.structure.n_dof}; recover with the model that was solved"
         )
         raise ModelError(message)
-    displacements = _at_ports(model.structure, solution.states.T).T
+    displacements = at_ports(model.structure, solution.states.T).T
     return displacements - _contact_displacements(model, solution.contact_forces)
 
 
@@ -471,7 +496,7 @@ def _contact_displacements(model: Joint, forces: Matrix) -> Matrix:
     return ports.per_contact(at_pairs)
 
 
-def _at_ports(structure: Structure, displacements: Matrix) -> Matrix:
+def at_ports(structure: Structure, displacements: Matrix) -> Matrix:
     """Q U (n_port, k) of displacements U (n_dof, k)."""
     return np.vstack(
         [

@@ -22,7 +22,8 @@ from faying.model.system import (
 from faying.reduction.basis import Basis
 from faying.reduction.portable import PortableJoint, PortableModel, with_residual
 from faying.reduction.reduced_model import ReducedModel, reduce
-from faying.simulation.recovery import Recovery, recovery_operator
+from faying.simulation.frame_motion import frame_loads, mass_invariants
+from faying.simulation.recovery import Recovery, at_ports, recovery_operator
 from faying.study.recovery_results import (
     BoundaryRecord,
     PortsRecord,
@@ -44,6 +45,7 @@ def ports_record(model: Model) -> PortsRecord | None:
     n_port = ports.n_relative + len(ports.input_rows)
     if n_port > MOST_PORTS or not isinstance(ports.relative, np.ndarray):
         return None
+    structure, carried = model.structure, frame_loads(model)
     return PortsRecord(
         compliance=np.block(
             [[ports.relative, ports.contact_columns.T], [ports.contact_columns, ports.input_rows]]
@@ -54,6 +56,7 @@ def ports_record(model: Model) -> PortsRecord | None:
             for name, boundary in model.boundaries.items()
         },
         bolt_stiffness={name: float(bolt.stiffness) for name, bolt in model.bolts.items()},
+        frame_recovery=None if carried is None else at_ports(structure, structure.solve(carried)),
     )
 
 
@@ -87,8 +90,9 @@ def reduced_records(
     together, columns = _shared_vectors([rom.basis for rom in everyone])
     operator = recovery_operator(model, together)
     shapes = nodal_shapes(model, together)
+    invariants = mass_invariants(model, together.vectors[:, : len(shapes)], shapes)
     records = {
-        id(rom): _reduced_record(rom, operator, at, len(shapes))
+        id(rom): _reduced_record(rom, operator, at, len(shapes), invariants)
         for rom, at in zip(everyone, columns, strict=True)
     }
     reduced = {
@@ -134,8 +138,14 @@ def _shared_vectors(bases: Sequence[Basis]) -> tuple[Basis, list[Indices]]:
 
 
 def _reduced_record(
-    rom: ReducedModel, operator: Recovery, columns: Indices, n_shape: int
+    rom: ReducedModel,
+    operator: Recovery,
+    columns: Indices,
+    n_shape: int,
+    invariants: Matrix | None,
 ) -> ReducedRecord:
+    has_shapes = columns.max(initial=-1) < n_shape
+    fields = np.concatenate([np.arange(4), (4 + 3 * columns[:, None] + np.arange(3)).ravel()])
     return ReducedRecord(
         kinds=tuple(kind.value for kind in rom.basis.kinds),
         mass=rom.M,
@@ -147,7 +157,10 @@ def _reduced_record(
         inertia_recovery=operator.inertia[:, columns],
         damping_recovery=operator.damping[:, columns],
         compliance=rom.contact.residual_compliance is not None,
-        shapes=columns if columns.max(initial=-1) < n_shape else None,
+        shapes=columns if has_shapes else None,
+        invariants=invariants[np.ix_(fields, fields)]
+        if invariants is not None and has_shapes
+        else None,
     )
 
 
@@ -213,7 +226,9 @@ def restored_model(joint: PortableJoint, record: ReducedRecord) -> PortableModel
     return with_residual(model, joint) if record.compliance else model
 
 
-def restored_recovery(joint: PortableJoint, record: ReducedRecord) -> Recovery:
+def restored_recovery(
+    joint: PortableJoint, record: ReducedRecord, frame: Matrix | None = None
+) -> Recovery:
     """Return the recovery matrices of a reduced model of a run."""
     return Recovery(
         model=joint,
@@ -221,6 +236,7 @@ def restored_recovery(joint: PortableJoint, record: ReducedRecord) -> Recovery:
         static_contact=joint.static_contact,
         inertia=record.inertia_recovery,
         damping=record.damping_recovery,
+        frame=frame,
     )
 
 

@@ -57,12 +57,16 @@ class PortsRecord:
         By name, in the order of their ports.
     bolt_stiffness
         Bolt name to EA/L, in the order of their ports.
+    frame_recovery : (n_port, 12), optional
+        Q K⁻¹ M A: per factor of the accelerations of a moving frame, of the origin, then of
+        e_i X_j row by row.
     """
 
     compliance: Matrix
     interpolation: SparseRecord
     boundaries: Mapping[str, BoundaryRecord]
     bolt_stiffness: Mapping[str, float]
+    frame_recovery: Matrix | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,6 +90,8 @@ class ReducedRecord:
         Whether the model keeps the residual compliance P K⁻¹ Pᵀ − PΦ (ΦᵀKΦ)⁻¹ (PΦ)ᵀ.
     shapes : (n_mode,), optional
         Which of the results' shapes its trial vectors are; None where those are not kept.
+    invariants : (4 + 3 n_mode, 4 + 3 n_mode), optional
+        ∫ρ a b dV of the fields 1, x, y, z and the components of the trial vectors.
     """
 
     kinds: tuple[str, ...]
@@ -99,6 +105,7 @@ class ReducedRecord:
     damping_recovery: Matrix
     compliance: bool
     shapes: Indices | None = None
+    invariants: Matrix | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

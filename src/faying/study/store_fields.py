@@ -85,6 +85,12 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "interpolation": Meaning("gaps at contact points from relative displacements (CSR)"),
         "boundaries": Meaning("boundaries by name, in the order of their ports"),
         "bolt_stiffness": Meaning("EA/L by bolt, in the order of their ports", "force/length"),
+        "frame_recovery": Meaning(
+            "port displacements per acceleration of a moving frame, Q K⁻¹ M A: of the origin in x, "
+            "y, z [time²], then e_i X_j row by row [length·time²]",
+            "time²",
+            "(n_port, 12)",
+        ),
     },
     SparseRecord: {
         "values": Meaning("entries", "1", "(n_entry,)"),
@@ -115,6 +121,12 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "S of ports/compliance"
         ),
         "shapes": Meaning("which of /shapes each coordinate moves", "1", "(n_mode,)"),
+        "invariants": Meaning(
+            "mass integrals of products of the fields 1, x, y, z [length] and the components x, y, "
+            "z of each trial vector, for floating frames",
+            "mass",
+            "(4 + 3 n_mode, 4 + 3 n_mode)",
+        ),
     },
     RecoveredRecord: {
         "title": Meaning("title of the study"),

@@ -1,0 +1,82 @@
+"""A contact-capable hand-over for Exudyn: a Python module and its data."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faying.exceptions import StudyError
+from faying.export.arrays import variables
+from faying.export.hand_over import HandOver
+
+MODULE = Path(__file__).with_name("exudyn_joint.py")
+"""What is handed over, word for word; it does not import faying."""
+
+
+def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+    """Write a module that adds the joint to a multibody system, and its data beside it.
+
+    Parameters
+    ----------
+    path
+        Of the module; what Python cannot import by name, as in ``jim-b-20.py``, becomes an
+        underscore.
+
+    Returns
+    -------
+    tuple of Path
+        The module and its ``.npz``.
+
+    Raises
+    ------
+    StudyError
+        If contact is hard and the model does not keep its residual compliance, so that no function
+        of q gives the contact forces.
+    """
+    _check_law(hand_over)
+    module = path.with_name(f"{_importable(path.stem)}.py")
+    data = module.with_suffix(".npz")
+    module.write_text(MODULE.read_text(encoding="utf-8"), encoding="utf-8")
+    with data.open("wb") as file:
+        np.savez_compressed(file, **_arrays(hand_over))
+    return module, data
+
+
+def _arrays(given: HandOver) -> dict[str, Any]:
+    """Return the variables of the hand-over, and what floating frames need where it is known."""
+    held = variables(given)
+    sparse = held.interpolation.tocoo()
+    floating = {
+        "invariants": given.record.invariants,
+        "modes": given.modes,
+        "recovery_frame": given.recovery.frame,
+    }
+    return {
+        **held.arrays,
+        **held.indices,
+        **{name: np.array(value, dtype=np.str_) for name, value in held.names.items()},
+        **{name: np.array(value) for name, value in held.texts.items()},
+        "N_rows": np.asarray(sparse.row, dtype=np.int64),
+        "N_columns": np.asarray(sparse.col, dtype=np.int64),
+        "N_values": np.asarray(sparse.data),
+        "nodes": given.nodes,
+        "node_ids": given.node_ids,
+        **{name: value for name, value in floating.items() if value is not None},
+    }
+
+
+def _check_law(given: HandOver) -> None:
+    contact = given.model.contact
+    if contact.residual_compliance is None and np.isinf(contact.penalty).any():
+        message = (
+            f"contact is hard and '{given.method}' keeps no compliance besides its trial vectors, "
+            "so the contact forces are no function of the coordinates, as Exudyn wants them; "
+            "export 'compliance' or a method ending in '+compliance', or give a penalty"
+        )
+        raise StudyError(message)
+
+
+def _importable(stem: str) -> str:
+    name = re.sub(r"\W", "_", stem, flags=re.ASCII)
+    return f"joint_{name}" if not name[:1].isalpha() else name

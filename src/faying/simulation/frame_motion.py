@@ -1,0 +1,132 @@
+"""Joints whose support moves: the inertia forces of a moving frame.
+
+Displacements u are relative to a frame in which the supports rest. Where that frame accelerates and
+turns, as the arm of a machine does, a point at X of the mesh has the acceleration
+
+    a₀ + B X,   B = ω̇× + ω× ω×,
+
+in the axes of the frame, with a₀ of the mesh's origin. It is affine in X: twelve fields span all
+that can occur, so twelve load vectors, M A, stand for every motion of the frame. Multibody programs
+add what the deformation itself contributes, B u and the Coriolis part 2 ω × u̇; relative to what is
+kept here these are of the order of u over the size of the joint.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, frozen
+from faying.model.model import Model
+
+N_FIELD = 12
+"""Three translations, then e_i X_j row by row."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FrameMotion:
+    """Motion of the frame of a joint, in the axes of that frame, instant by instant.
+
+    Attributes
+    ----------
+    acceleration : (n_time, 3) [length/time²]
+        Absolute acceleration of the mesh's origin, less gravity where that acts.
+    angular_velocity : (n_time, 3) [rad/time]
+    angular_acceleration : (n_time, 3) [rad/time²]
+    """
+
+    acceleration: Matrix
+    angular_velocity: Matrix
+    angular_acceleration: Matrix
+
+    def __post_init__(self) -> None:
+        for name in ("acceleration", "angular_velocity", "angular_acceleration"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def fields(self) -> Matrix:
+        """Return the factors (n_time, 12) of the twelve fields: a₀, then B row by row."""
+        turning, gaining = _cross(self.angular_velocity), _cross(self.angular_acceleration)
+        matrix = gaining + turning @ turning
+        return np.concatenate([self.acceleration, matrix.reshape(len(matrix), 9)], axis=-1)
+
+
+def affine_fields(nodes: Matrix) -> Matrix:
+    """Return the twelve fields at all degrees of freedom (6 n_node, 12).
+
+    Rotational degrees of freedom take half the curl of a field, which is exact for a rotation.
+    """
+    fields = np.zeros((len(nodes), 6, N_FIELD))
+    axes = np.arange(3)
+    fields[:, axes, axes] = 1.0
+    for i in axes:
+        fields[:, i, 3 + 3 * i + axes] = nodes
+        one, other = (i + 1) % 3, (i + 2) % 3
+        fields[:, 3 + i, 3 + 3 * other + one] = 0.5
+        fields[:, 3 + i, 3 + 3 * one + other] = -0.5
+    return fields.reshape(-1, N_FIELD)
+
+
+def frame_loads(model: Model) -> Matrix | None:
+    """Return M A (n_dof, 12): forces per factor of the twelve fields; the load is −M A times them.
+
+    Supported nodes accelerate with the frame, and their mass acts on free neighbours too; so this
+    takes the mass matrix before supports are applied. None where the model does not have it.
+    """
+    if model.nodal_mass is None:
+        return None
+    nodal = model.nodal_mass @ affine_fields(model.assembly.mesh.nodes)
+    loads: Matrix = model.dofs.transformation.T @ nodal
+    return loads
+
+
+def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix | None:
+    """Return ∫ρ a b dV of all pairs of the scalar fields 1, x, y, z and the shapes' components.
+
+    Every inertia integral of the floating frame of reference follows from them (Shabana, Dynamics
+    of Multibody Systems, 2005, §5.3).
+
+    Parameters
+    ----------
+    vectors : (n_dof, n_shape)
+        Trial vectors.
+    shapes : (n_shape, n_node, 3)
+        Their displacements at all nodes.
+
+    Returns
+    -------
+    ndarray (4 + 3 n_shape, 4 + 3 n_shape)
+        Components x, y, z of the first shape, then of the second, …; None where the model has no
+        mass matrix before supports.
+
+    Notes
+    -----
+    What couples shapes with 1, x, y, z is Φᵀ M A with all of M. Elsewhere rotary inertia is left
+    out and the mass between two nodes is the mean over the three directions: exact for solids and
+    point masses, and nearly so where only a slender bolt is a beam.
+    """
+    loads = frame_loads(model)
+    if model.nodal_mass is None or loads is None:
+        return None
+    blocks = [model.nodal_mass[axis::6][:, axis::6] for axis in range(3)]
+    mass = (blocks[0] + blocks[1] + blocks[2]) / 3.0
+    nodes = model.assembly.mesh.nodes
+    components = np.transpose(shapes, (1, 0, 2)).reshape(len(nodes), -1)
+    fields = np.column_stack([np.ones(len(nodes)), nodes, components])
+    gram = fields.T @ (mass @ fields)
+    coupling = vectors.T @ loads
+    gram[4:, 0] = coupling[:, :3].ravel()
+    gram[4:, 1:4] = coupling[:, 3:].reshape(-1, 3)
+    gram[:4, 4:] = gram[4:, :4].T
+    symmetric: Matrix = (gram + gram.T) / 2
+    return symmetric
+
+
+def _cross(vectors: Matrix) -> Matrix:
+    """Return v× (n, 3, 3) of vectors (n, 3)."""
+    matrix = np.zeros((len(vectors), 3, 3))
+    for i in range(3):
+        one, other = (i + 1) % 3, (i + 2) % 3
+        matrix[:, other, one] = vectors[:, i]
+        matrix[:, one, other] = -vectors[:, i]
+    return matrix
