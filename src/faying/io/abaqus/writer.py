@@ -16,6 +16,7 @@ from faying.io.abaqus.written_nodes import (
     WrittenNodes,
     equation_terms,
     held,
+    real_text,
     rotation_coordinates,
     written_equations,
     written_nodes,
@@ -325,4 +326,4 @@ def _wrapped(numbers: Sequence[int] | Indices) -> Iterator[str]:
 
 def _reals(values: Iterable[float]) -> str:
     """Numbers of at most twenty columns, the width CalculiX reads."""
-    return ",".join(f"{value:.13g}" for value in values)
+    return ",".join(real_text(value) for value in values)

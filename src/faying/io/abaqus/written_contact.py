@@ -9,6 +9,7 @@ from faying.contact.interface import FacePairs
 from faying.contact.pairing import find_interfaces
 from faying.contact.penalty import automatic_penalty
 from faying.exceptions import FormatError
+from faying.io.abaqus.written_nodes import real_text
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
@@ -47,7 +48,7 @@ def contact_lines(description: JointDescription) -> Iterator[str]:
             yield f"MINUS{number},PLUS{number}"
             gap = description.initial_gaps.get(name, 0.0)
             if gap:
-                yield f"*CLEARANCE,SLAVE=MINUS{number},MASTER=PLUS{number},VALUE={gap:.13g}"
+                yield f"*CLEARANCE,SLAVE=MINUS{number},MASTER=PLUS{number},VALUE={real_text(gap)}"
 
 
 def _label(name: str) -> str:
@@ -62,7 +63,7 @@ def _behaviour(
         return
     automatic = spec.penalty == "auto"
     slope = automatic_penalty(assembly, faces) if automatic else float(spec.penalty)
-    yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", f"{slope:.13g}")
+    yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", real_text(slope))
 
 
 def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:

@@ -130,3 +130,12 @@ def rotation_coordinates(assembly: Assembly, nodes: WrittenNodes) -> list[tuple[
     """Return id and place of the nodes added for rotations."""
     which = np.flatnonzero(nodes.rotations)
     return [(int(nodes.rotations[i]), assembly.mesh.nodes[i]) for i in which.tolist()]
+
+
+def real_text(value: float) -> str:
+    """Write a number with thirteen digits and a point, without which *SPRING takes it as integer.
+
+    At most twenty columns, the width CalculiX reads.
+    """
+    mantissa, e, exponent = f"{value:.13g}".partition("e")
+    return mantissa + ("" if "." in mantissa else ".") + e + exponent

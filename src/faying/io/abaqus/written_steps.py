@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying.io.abaqus.written_nodes import WrittenNodes
+from faying.io.abaqus.written_nodes import WrittenNodes, real_text
 from faying.model.assembly import NodalLoads
 
 Forces = dict[tuple[int, int], float]
@@ -67,7 +67,7 @@ def _closing(contact: bool) -> Iterator[str]:
 def _cload(forces: Forces) -> Iterator[str]:
     if forces:
         yield "*CLOAD"
-        yield from (f"{node},{dof},{value:.13g}" for (node, dof), value in forces.items())
+        yield from (f"{node},{dof},{real_text(value)}" for (node, dof), value in forces.items())
 
 
 def _forces(nodes: WrittenNodes, case: NodalLoads) -> Forces:
