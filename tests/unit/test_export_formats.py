@@ -1,7 +1,9 @@
 """Every format writes its files whole, over existing ones too; the command says what it wrote."""
 
 import sys
+from dataclasses import replace
 from importlib.util import find_spec
+from pathlib import Path
 from types import ModuleType
 
 import h5py
@@ -11,7 +13,7 @@ import pytest
 from faying import cli
 from faying.exceptions import FormatError, StudyError
 from faying.export import vtk
-from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, export
+from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, default_name, export
 from faying.export.hand_over import hand_over
 from faying.study.portable_records import nodal_shapes
 from faying.study.recover import results_of
@@ -86,6 +88,16 @@ def test_every_format_has_its_class_and_meaning(name):
     assert FORMATS[name].kind in MEANINGS
     assert FORMATS[name].module.startswith("faying.export.")
     assert (FORMATS[name].kind == LINEAR) == (name == "nastran")
+
+
+def test_default_names_do_not_meet(given):
+    """Neither do those of files beside them: a module keeps its matrices under its own name."""
+    names = [default_name(given, to) for to in FORMATS]
+    assert len({Path(name).stem for name in names if Path(name).suffix in (".py", ".npz")}) == 2
+    assert len(set(names)) == len(FORMATS)
+    several = replace(given, method="jim-b+compliance", joint_modes=20)
+    assert default_name(several, "mat") == "jim-b+compliance-20.mat"
+    assert Path(default_name(several, "exudyn")).stem.isidentifier()
 
 
 def test_failure_leaves_what_was_there(given, tmp_path, format_module):

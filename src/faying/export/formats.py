@@ -5,6 +5,7 @@ the file ``path``, or files named after it beside it, and returns them all, ``pa
 in its place first. Modules are imported when their format is asked for.
 """
 
+import re
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -131,8 +132,10 @@ def format_named(name: str) -> Format:
 def default_name(given: HandOver, to: str) -> str:
     """Return the file name a hand-over gets unless another is asked for."""
     label = f"{given.method}-{given.joint_modes}" if given.joint_modes else given.method
-    stem = file_names([label])[label]
-    return f"{stem}{FORMATS[to].suffix}" if FORMATS[to].suffix else f"{stem}-{to}"
+    stem, suffix = file_names([label])[label], FORMATS[to].suffix
+    if suffix == ".py":  # a module must have a name that can be imported
+        return re.sub(r"\W", "_", f"{stem}_{to}") + suffix
+    return f"{stem}{suffix}" if suffix else f"{stem}-{to}"
 
 
 def _read(folder: Path, method: str | None, joint_modes: int | None) -> HandOver:
