@@ -1,5 +1,6 @@
 """The .mat hand-over in Octave: static cases, a transient, recovery and the jacobian."""
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -175,11 +176,22 @@ def test_hard_contact_without_compliance_is_refused(
     assert "no force for a given q" in str(found["text"])
 
 
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "export_to_matlab.md"
+
+
+def test_code_of_the_page_runs(program: str, joint: fy.Model, tmp_path: Path) -> None:
+    export(hand_over_of(model_of(joint, "penalty")), "mat", out=tmp_path / "joint.mat")
+    code = re.findall(r"^```matlab\n(.*?)^```$", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    found = run_octave(program, tmp_path, "\n".join(code))
+    assert found["pressure"].max() > 0
+    assert found["recovered"].shape[1] == found["tip"].shape[1] == 50
+    assert np.isfinite(found["acceleration"]).all()
+
+
 def test_every_variable_is_in_the_table(given: HandOver, tmp_path: Path) -> None:
-    page = Path(__file__).parents[2] / "docs" / "how-to" / "export_to_numpy.md"
     export(given, "mat", out=tmp_path / "joint.mat")
     export(given, "npz", out=tmp_path / "joint.npz")
-    text = page.read_text()
+    text = PAGE.read_text("utf-8")
     mat = {name for name in scipy.io.loadmat(tmp_path / "joint.mat") if name[0] != "_"}
     npz = set(np.load(tmp_path / "joint.npz").files)
     assert mat - npz == {"N"}

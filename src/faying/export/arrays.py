@@ -1,6 +1,6 @@
 """The variables of a contact-capable hand-over, the same in MATLAB and NumPy files.
 
-``docs/how-to/export_to_numpy.md`` has the table of their names; tests compare it with this module.
+``docs/how-to/export_to_matlab.md`` has the table of their names; tests compare it with this module.
 """
 
 from collections.abc import Mapping
