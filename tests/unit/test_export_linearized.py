@@ -1,11 +1,14 @@
 """The linear hand-over: the tangent of the contact joint at a static state."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.export.hand_over import hand_over_of
-from faying.export.linearized import linearize, linearized
+from faying.export.linearized import boundary_names, linearize, linearized
+from faying.model.boundary import FORCE_NAMES, Boundary
 
 
 @pytest.fixture(scope="module")
@@ -142,3 +145,12 @@ def test_hand_over_is_linearized_at_its_preload_or_any_load(reduced):
     opened = linearized(given, load)
     np.testing.assert_array_equal(opened.closed, fy.solve_static(reduced, load).pressure > 0)
     assert abs(opened.frequencies(1)[0] / direct.frequencies(1)[0] - 1) > 1e-3
+
+
+def test_nodes_of_a_large_boundary_are_told_apart():
+    several = Boundary(
+        name="end", nodes=np.array([7, 7, 9]), components=np.array([0, 4, 2]), dofs=np.arange(3)
+    )
+    one = Boundary(name="tip", nodes=np.array([3]), components=np.array([5]), dofs=np.array([3]))
+    system = SimpleNamespace(boundaries={"end": several, "tip": one})
+    assert boundary_names(system, FORCE_NAMES) == ("end.7.Fx", "end.7.My", "end.9.Fz", "tip.Mz")

@@ -180,18 +180,18 @@ def _symmetric(matrix: Matrix) -> Matrix:
 
 
 def _inputs(system: System) -> tuple[str, ...]:
-    return (*_boundary_names(system, FORCE_NAMES), *(f"{name}.N0" for name in system.bolts))
+    return (*boundary_names(system, FORCE_NAMES), *(f"{name}.N0" for name in system.bolts))
 
 
 def _outputs(system: System) -> tuple[str, ...]:
     return (
-        *_boundary_names(system, DISPLACEMENT_NAMES),
+        *boundary_names(system, DISPLACEMENT_NAMES),
         *(f"{name}.N" for name in system.bolts),
         *(f"{name}.clamp" for name in system.contact.slices),
     )
 
 
-def _boundary_names(system: System, components: tuple[str, ...]) -> tuple[str, ...]:
+def boundary_names(system: System, components: tuple[str, ...]) -> tuple[str, ...]:
     """Name every boundary degree of freedom."""
     names: list[str] = []
     for name, boundary in system.boundaries.items():
