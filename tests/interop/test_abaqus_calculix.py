@@ -112,7 +112,8 @@ def test_every_solid_under_pressure_gravity_and_forces(tmp_path, kind):
 COUPLED = {
     "rigid body": "*RIGID BODY, NSET=END, REF NODE=9001, ROT NODE=9002",
     "kinematic": "*COUPLING, REF NODE=9001, SURFACE=FACE, CONSTRAINT NAME=C\n*KINEMATIC\n1, 3",
-    "distributing": "*COUPLING, REF NODE=9001, SURFACE=FACE, CONSTRAINT NAME=C\n*DISTRIBUTING\n1, 6",
+    "distributing": "*COUPLING, REF NODE=9001, SURFACE=FACE, CONSTRAINT NAME=C\n"
+    "*DISTRIBUTING\n1, 6",
 }
 
 

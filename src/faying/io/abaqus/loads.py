@@ -48,17 +48,34 @@ def read_concentrated(deck: Deck, dofs: Dofs, ignored: list[str]) -> Forces:
         Naming the line of a follower force, an unknown node or a malformed number.
     """
     found: Forces = {}
+    for new, here in _steps(deck, dofs, ignored):
+        found = {**({} if new else found), **here}
+    return found
+
+
+def last_given(deck: Deck, dofs: Dofs) -> Forces:
+    """Return the last value of each *CLOAD up to now, removed or not.
+
+    A bolt keeps the force it was tightened to when it is locked and the force is removed.
+    """
+    found: Forces = {}
+    for _, here in _steps(deck, dofs, []):
+        found.update(here)
+    return found
+
+
+def _steps(deck: Deck, dofs: Dofs, ignored: list[str]) -> Iterator[tuple[bool, Forces]]:
+    """Forces that each step names, and whether it removes earlier ones."""
     for step in range(deck.n_step + 1):
         here: Forces = {}
+        new = False
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
             keyword.allow("OP", "AMPLITUDE")
             note_amplitude(keyword, ignored)
-            if operation(keyword):
-                found.clear()
+            new |= operation(keyword)
             for place, value in _values(keyword, dofs):
                 here[place] = here.get(place, 0.0) + value
-        found.update(here)
-    return found
+        yield new, here
 
 
 def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:

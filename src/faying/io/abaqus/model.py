@@ -15,7 +15,7 @@ from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations, read_mpcs
 from faying.io.abaqus.harmless import HARMLESS, REMEDIES
-from faying.io.abaqus.loads import nodal_forces, read_concentrated
+from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
@@ -100,7 +100,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
         bolts=bolts,
-        preloads=pretension.preloads(sections, forces),
+        preloads=pretension.preloads(sections, last_given(deck, dofs)),
         initial_gaps=contact.clearances(deck, assembly, pairs, specs),
     )
 

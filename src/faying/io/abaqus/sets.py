@@ -25,11 +25,14 @@ class NamedSets:
         Upper-case name to sorted ids.
     names
         Upper-case name to the name as first written.
+    offsets
+        Upper-case instance name to what its ids are raised by.
     """
 
     what: str
     ids: Mapping[str, Indices]
     names: Mapping[str, str]
+    offsets: Mapping[str, int]
 
     def key(self, keyword: Keyword, label: str) -> str | None:
         """Return the key of a name as seen from a keyword, None if there is no such set."""
@@ -62,6 +65,9 @@ class NamedSets:
         """Return the ids a data field stands for: one id, ``instance.id``, or a set."""
         if is_integer(label):
             return np.array([int(label) + keyword.scope.offset])
+        instance, _, number = label.rpartition(".")
+        if is_integer(number) and instance.upper() in self.offsets:
+            return np.array([int(number) + self.offsets[instance.upper()]])
         return self.find(keyword, label, row)
 
 
@@ -83,11 +89,12 @@ class _Builder:
         self.nested.setdefault(key, [])
         return key
 
-    def closed(self) -> NamedSets:
+    def closed(self, deck: Deck) -> NamedSets:
         done: dict[str, Indices] = {}
         for key in self.pieces:
             self._resolve(key, done, ())
-        return NamedSets(what=self.what, ids=done, names=self.names)
+        offsets = {k.scope.name.upper(): k.scope.offset for k in deck.keywords if k.scope.name}
+        return NamedSets(what=self.what, ids=done, names=self.names, offsets=offsets)
 
     def _resolve(self, key: str, done: dict[str, Indices], path: tuple[str, ...]) -> Indices:
         if key in done:
@@ -129,7 +136,7 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
         ids, rows = _explicit(keyword, builder, key, deck, known)
         _check_known(ids, rows, known, keyword, "element")
         builder.pieces[key].append((keyword, ids))
-    return builder.closed()
+    return builder.closed(deck)
 
 
 def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedSets) -> NamedSets:
@@ -160,7 +167,7 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
             corners = [b.nodes[np.isin(b.ids, chosen)].ravel() for b in elements.blocks]
             of_elements = nodes.ids[np.unique(np.concatenate(corners))]
             builder.pieces[key].append((keyword, of_elements))
-    return builder.closed()
+    return builder.closed(deck)
 
 
 def _explicit(

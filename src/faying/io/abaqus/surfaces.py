@@ -188,7 +188,7 @@ def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, I
         if not label or is_integer(label):
             message = f"found '{label}', expected an element id or an element set"
             raise keyword.error(message, row)
-        members = by_element.find(keyword, label, row)
+        members = by_element.members(keyword, label, row)
         ids.append(members)
         parts.append((np.full(len(members), faces[row]), np.full(len(members), row)))
     return (

@@ -1,0 +1,515 @@
+"""What each keyword family of an input deck becomes, and what is refused with its place."""
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import FormatError
+from faying.io.abaqus import read_deck, read_joint
+from faying.model.elements import SOLIDS
+from faying.model.matrices import assemble_matrices
+from small_abaqus_deck import DECK
+
+
+@pytest.fixture
+def read(tmp_path):
+    def reader(text, step=None):
+        path = tmp_path / "deck.inp"
+        path.write_text(text)
+        return read_joint(path, step=step)
+
+    return reader
+
+
+@pytest.fixture
+def small(read):
+    return read(DECK)
+
+
+def edited(*changes, text=DECK):
+    for old, new in changes:
+        assert text.count(old) >= 1, old
+        text = text.replace(old, new, 1)
+    return text
+
+
+def before_steps(lines, text=DECK):
+    return text.replace("*STEP\n", lines + "*STEP\n", 1)
+
+
+# --- what is read -----------------------------------------------------------------------------
+
+
+def test_the_small_deck_becomes_a_joint(small):
+    assembly = small.assembly
+    assert assembly.mesh.n_elements == 2
+    assert assembly.element == "standard"
+    (material,) = set(assembly.materials.values())
+    assert (material.name, material.youngs_modulus) == ("Steel", 210000.0)
+    assert (material.poissons_ratio, material.density) == (0.3, 7.85e-9)
+    ids = assembly.mesh.node_ids
+    assert set(ids[assembly.mesh.node_sets["Bottom"]]) == {1, 2, 3, 4}
+    assert set(ids[assembly.mesh.node_sets["TOP"]]) == {15, 16, 17, 18}
+    assert len(assembly.mesh.node_sets["BOTH"]) == 8
+    assert list(assembly.mesh.element_sets["BRICKS"]) == [1, 2]
+    (interface,) = small.interfaces
+    assert interface == fy.InterfaceSpec(name="Joint", minus="SLAVE", plus="MASTER", penalty=1e6)
+    (bolt,) = small.bolts
+    assert bolt.elements == (3,)
+    assert small.preloads == {bolt.name: 400.0}
+    (spring,) = assembly.springs
+    assert spring.stiffness == 1000.0
+    assert [ids[node] for node, _ in spring.ends] == [6, 12]
+    (mass,) = assembly.masses
+    assert (ids[mass.node], mass.mass) == (100, 2.5e-6)
+    (load,) = assembly.loads.values()
+    assert list(ids[load.nodes]) == [100]
+    np.testing.assert_array_equal(load.forces, [[0, 0, -7.0, 0, 0, 0]])
+
+
+def test_the_small_deck_is_in_equilibrium(tmp_path):
+    path = tmp_path / "deck.inp"
+    path.write_text(DECK)
+    model = fy.read_abaqus(path, boundaries=[fy.BoundarySpec(name="tip", node=100)])
+    tight = fy.preload(model, read_joint(path).preloads)
+    solution = fy.solve_static(tight, fy.Load({"tip.Fz": -7.0}))
+    # The parts touch through contact and bolt only; the sum is exact but for round-off.
+    assert solution.contact_force() == pytest.approx(solution.bolt_force("bolt 3") + 7.0, rel=1e-9)
+    assert solution.bolt_force("bolt 3") != pytest.approx(400.0, rel=1e-4)
+
+
+def test_read_deck_is_the_structure_alone(tmp_path):
+    path = tmp_path / "deck.inp"
+    path.write_text(DECK)
+    assert read_deck(path).mesh.n_elements == 2
+
+
+def test_case_comments_blanks_and_continued_keywords_do_not_matter(read, small):
+    text = edited(
+        ("*NODE, NSET=NALL", "*node ,\n nset = nall"),
+        ("*SOLID SECTION, ELSET=BRICKS, MATERIAL=STEEL",
+         "*Solid  Section,\nelset=Bricks, material=steel\n\n** x"),
+        ("5, 0., 0., 1.", "** between\n\n  5 ,0. ,  0.E0, 1.,"),
+        ("1, 1, 2, 3, 4, 5, 6, 7, 8", "1, 1, 2, 3, 4,\n5, 6, 7, 8"),
+        ("*NSET, NSET=Bottom", '*NSET, NSET="Bottom"'),
+    )  # fmt: skip
+    other = read(text.replace("\n", "\r\n"))
+    np.testing.assert_array_equal(other.assembly.mesh.nodes, small.assembly.mesh.nodes)
+    np.testing.assert_array_equal(
+        other.assembly.mesh.blocks[0].nodes, small.assembly.mesh.blocks[0].nodes
+    )
+    assert "Bottom" in other.assembly.mesh.node_sets
+
+
+def test_included_files_are_read_beside_the_deck(tmp_path, read):
+    nodes, rest = DECK.split("*ELEMENT", 1)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "nodes.inc").write_text(nodes)
+    described = read('*INCLUDE, INPUT="parts/nodes.inc"\n*ELEMENT' + rest)
+    assert len(described.assembly.mesh.nodes) == 21
+    (tmp_path / "parts" / "nodes.inc").write_text(nodes.replace("8, 0., 3., 1.", "8, 0., x, 1."))
+    with pytest.raises(FormatError, match=r"nodes\.inc:12: \*NODE: a coordinate: 'x'"):
+        read("*INCLUDE, INPUT=parts/nodes.inc\n*ELEMENT" + rest)
+
+
+MIDDLES = {"hex20": "C3D20", "wedge15": "C3D15", "tet10": "C3D10"}
+# Abaqus: edges of the mid-side nodes, corners counted from one (Analysis User's Guide, solids).
+EDGES = {
+    "C3D20": "12 23 34 41 56 67 78 85 15 26 37 48",
+    "C3D15": "12 23 31 45 56 64 14 25 36",
+    "C3D10": "12 23 31 14 24 34",
+}
+# The same: corners of faces S1, S2, ...
+FACES = {
+    8: "1234 5876 1562 2673 3784 4851",
+    6: "123 465 1452 2563 3641",
+    4: "123 142 243 341",
+}
+
+
+@pytest.mark.parametrize("kind", ["hex8", "wedge6", "tet4", "hex20", "wedge15", "tet10"])
+def test_node_order_and_faces(kind, read):
+    element = SOLIDS[kind]
+    corners = element.reference_nodes[: element.n_corners]
+    name = MIDDLES.get(kind, f"C3D{len(corners)}")
+    edges = [(int(a) - 1, int(b) - 1) for a, b in EDGES.get(name, "").split()]
+    points = np.vstack([corners, *((corners[a] + corners[b])[None] / 2 for a, b in edges)])
+    count = len(points)
+    record = ", ".join(map(str, range(1, min(count, 15) + 1)))
+    if count > 15:
+        record += ",\n" + ", ".join(map(str, range(16, count + 1)))
+    faces = FACES[len(corners)].split()
+    text = "\n".join(
+        [
+            "*NODE", *(f"{i}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(points.tolist(), 1)),
+            f"*ELEMENT, TYPE={name}, ELSET=E", f"7, {record}",
+            "*MATERIAL, NAME=M", "*ELASTIC", "1., 0.", "*DENSITY", "1.",
+            "*SOLID SECTION, ELSET=E, MATERIAL=M",
+            *(f"*SURFACE, NAME=F{i}\n7, S{i}" for i in range(1, len(faces) + 1)), "",
+        ]
+    )  # fmt: skip
+    assembly = read(text).assembly
+    (block,) = assembly.mesh.blocks
+    assert block.kind == kind
+    np.testing.assert_allclose(assembly.mesh.nodes[block.nodes[0]], element.reference_nodes)
+    # The mass is the volume of the reference element: no node is out of place.
+    mass = assemble_matrices(assembly).M[0::6][:, 0::6].sum()
+    assert mass == pytest.approx({8: 1.0, 6: 0.5, 4: 1 / 6}[len(corners)], rel=1e-12)
+    for number, face in enumerate(faces, 1):
+        nodes = assembly.face_sets[f"F{number}"].nodes[0]
+        assert set(nodes[: len(face)] + 1) == {int(digit) for digit in face}
+        a, b, c = assembly.mesh.nodes[nodes[:3]]
+        outward = np.cross(b - a, c - a) @ (a - corners.mean(axis=0))
+        assert outward > 0
+
+
+def test_coordinate_systems_of_nodes(read):
+    text = edited(
+        ("1, 0., 0., 0.\n", ""),
+        ("*ELEMENT", "*NODE, SYSTEM=C\n1, 5., 90., 2.\n*SYSTEM\n1., 0., 0., 1., 1., 0.\n"
+         "*NODE\n201, 1., 2., 3.\n*SYSTEM\n*NODE, SYSTEM=S\n202, 2., 90., 30.\n*ELEMENT"),
+    )  # fmt: skip
+    mesh = read(text).assembly.mesh
+    for node, place in {
+        1: (0, 5, 2),
+        201: (1 - 2, 1, 3),
+        202: (0, 2 * np.cos(np.pi / 6), 1),
+    }.items():
+        np.testing.assert_allclose(mesh.nodes[mesh.node_index([node])[0]], place, atol=1e-15)
+
+
+def test_whole_elements_as_a_surface_give_their_exterior(read):
+    text = edited(("*SURFACE, NAME=HEAD\nUPPER, S2", "*SURFACE, NAME=HEAD\nUPPER,"))
+    assert len(read(text).assembly.face_sets["HEAD"].nodes) == 6
+
+
+def test_hard_contact_and_contact_without_behaviour(read):
+    behaviour = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.E6\n"
+    for other in ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n", "*FRICTION\n0.0\n"):
+        (interface,) = read(edited((behaviour, other))).interfaces
+        assert interface.penalty == "hard"
+
+
+def test_clearance_is_an_initial_gap(read):
+    text = before_steps("*CLEARANCE, MASTER=MASTER, SLAVE=SLAVE, VALUE=0.02\n")
+    assert read(text).initial_gaps == {"Joint": 0.02}
+
+
+def test_meshes_that_do_not_match_are_said_to(read):
+    described = read(edited(("11, 0., 0., 1.", "11, 0.5, 0., 1.")))
+    assert described.interfaces[0].meshes == "non-matching"
+    assert any("do not match" in note for note in described.assembly.ignored)
+
+
+def test_formulation_follows_the_element_type(read):
+    both = DECK.replace("TYPE=C3D8,", "TYPE=C3D8I,")
+    assert read(both).assembly.element == "incompatible"
+    mixed = read(edited(("TYPE=C3D8,", "TYPE=C3D8I,"))).assembly
+    assert mixed.element == "incompatible"
+    assert any("1 C3D8 are taken with incompatible modes" in note for note in mixed.ignored)
+    reduced = read(DECK.replace("TYPE=C3D8,", "TYPE=C3D8R,")).assembly
+    assert any("2 C3D8R: reduced integration" in note for note in reduced.ignored)
+
+
+STEPS = """\
+*STEP
+*STATIC
+*CLOAD
+104, 1, 400.
+100, 3, -7.
+*END STEP
+*STEP
+*STATIC
+*BOUNDARY, FIXED
+104, 1
+*CLOAD
+100, 3, -9.
+100, 1, 1.
+100, 1, 1.
+*END STEP
+*STEP
+*STATIC
+*BOUNDARY, OP=NEW
+102, 1, 3
+104, 1
+*CLOAD, OP=NEW
+100, 2, 5.
+*END STEP
+*STEP, PERTURBATION
+*FREQUENCY
+10
+*CLOAD
+100, 2, 50.
+*END STEP
+"""
+
+
+@pytest.mark.parametrize(
+    ("step", "forces", "held"),
+    [
+        (1, [0, 0, -7], 6),
+        (2, [2, 0, -9], 6),
+        (3, [0, 5, 0], 3),
+        (None, [0, 5, 0], 3),
+        (4, [0, 50, 0], 3),
+    ],
+)
+def test_steps_add_to_and_replace_earlier_ones(read, step, forces, held):
+    described = read(DECK[: DECK.index("*STEP")] + STEPS, step=step)
+    (load,) = described.assembly.loads.values()
+    np.testing.assert_array_equal(load.forces[0, :3], forces)
+    (support,) = described.assembly.supports
+    assert len(support.components) == held
+    if step in (1, 2):
+        assert described.preloads == {"bolt 3": 400.0}
+
+
+def test_a_removed_preload_is_missed(read):
+    # OP=NEW takes the pretension force away, but the bolt was locked before: its force stays.
+    described = read(DECK[: DECK.index("*STEP")] + STEPS, step=3)
+    assert described.preloads == {"bolt 3": 400.0}
+
+
+def test_rotation_nodes_of_rigid_bodies_stand_for_rotations(read):
+    text = edited(
+        ("REF NODE=102", "REF NODE=102, ROT NODE=105"),
+        ("104, 9., 9., 9.", "104, 9., 9., 9.\n105, 7., 7., 7."),
+        ("102, 1, 6", "102, 1, 3\n105, 1, 3"),
+    )  # fmt: skip
+    supports = read(text).assembly.supports
+    held = {(n, c) for s in supports for n in s.nodes.tolist() for c in s.components}
+    index = read(text).assembly.mesh.node_index([102])[0]
+    assert held == {(index, c) for c in range(6)}
+
+
+BEAM = "*BEAM SECTION, ELSET=BOLT, MATERIAL=STEEL, SECTION=CIRC\n0.5\n1., 0., 0.\n"
+
+
+def test_sections_of_beams(read):
+    def section(text):
+        (beam,) = read(edited((BEAM, text))).assembly.beams
+        return beam.section, beam
+
+    circle, beam = section(BEAM)
+    assert circle.area == pytest.approx(np.pi / 4, rel=1e-14)
+    assert circle.inertia_y == pytest.approx(np.pi / 64, rel=1e-14)
+    assert beam.orientation == (1.0, 0.0, 0.0)
+    # n1 is x: 2 wide along x, 3 along y; bending about n1 bends towards y.
+    wide, _ = section(BEAM.replace("CIRC\n0.5", "RECT\n2., 3."))
+    assert (wide.inertia_y, wide.inertia_z) == pytest.approx((2 * 27 / 12, 3 * 8 / 12))
+    # A square's torsion constant is 0.1406 a^4 (Timoshenko, Goodier, table in §109).
+    square, _ = section(BEAM.replace("CIRC\n0.5", "RECT\n2., 2."))
+    assert square.torsion == pytest.approx(0.1406 * 16, rel=5e-4)
+    pipe, _ = section(BEAM.replace("CIRC\n0.5", "PIPE\n0.5, 0.499999"))
+    # A pipe without a hole is a circle.
+    assert pipe.inertia_y == pytest.approx(circle.inertia_y, rel=1e-6)
+    assert pipe.shear_factor_y == pytest.approx(circle.shear_factor_y, rel=1e-6)
+    general, beam = section(
+        "*BEAM GENERAL SECTION, ELSET=BOLT, SECTION=GENERAL, DENSITY=3.\n"
+        "10., 20., 0., 30., 40.\n1., 0., 0.\n2600., 1000.\n"
+    )
+    assert (general.area, general.inertia_y, general.inertia_z, general.torsion) == (10, 20, 30, 40)
+    assert (beam.material.youngs_modulus, beam.material.density) == (2600.0, 3.0)
+    assert beam.material.poissons_ratio == pytest.approx(0.3)
+
+
+def test_beams_of_three_nodes_are_two_beams(read):
+    text = edited(
+        ("TYPE=B31, ELSET=BOLT\n3, 102, 103", "TYPE=B32, ELSET=BOLT\n3, 102, 106, 103"),
+        ("104, 9., 9., 9.", "104, 9., 9., 9.\n106, 1., 1.5, 1."),
+    )
+    described = read(text)
+    first, second = described.assembly.beams
+    assert first.nodes[1] == second.nodes[0]
+    assert second.id == 3
+    assert described.bolts[0].elements == (3,)
+
+
+def test_axial_springs_find_their_axis(read):
+    text = edited(
+        ("TYPE=SPRING2, ELSET=STICK\n4, 6, 12", "TYPE=SPRINGA, ELSET=STICK\n4, 1, 5"),
+        ("*SPRING, ELSET=STICK\n1, 1\n", "*SPRING, ELSET=STICK\n\n"),
+    )
+    (spring,) = read(text).assembly.springs
+    assert [component for _, component in spring.ends] == [2, 2]
+
+
+def test_point_masses_turn_too(read):
+    text = edited(
+        ("*NSET, NSET=Bottom", "*ELEMENT, TYPE=ROTARYI, ELSET=WHEEL\n6, 100\n*NSET, NSET=Bottom"),
+        ("*MASS, ELSET", "*ROTARY INERTIA, ELSET=WHEEL\n1., 2., 3., 0.1\n*MASS, ELSET"),
+    )  # fmt: skip
+    wheel = read(text).assembly.masses[1]
+    assert wheel.inertia == ((1.0, 0.1, 0.0), (0.1, 2.0, 0.0), (0.0, 0.0, 3.0))
+
+
+def test_pressure_and_gravity_add_up(read):
+    text = edited(
+        ("100, 3, -7.\n", "100, 3, -7.\n*DLOAD\nUPPER, P2, 10.\nLOWER, GRAV, 1000., 0., 0., -2.\n"
+         "*DSLOAD\nSLAVE, P, 3.\n"),
+    )  # fmt: skip
+    assembly = read(text).assembly
+    (load,) = assembly.loads.values()
+    of = dict(zip(assembly.mesh.node_ids[load.nodes].tolist(), load.forces, strict=True))
+    # Faces of 2 x 3; the brick weighs 6 x 7.85e-9 x 1000.
+    assert sum(of[i][2] for i in (15, 16, 17, 18)) == pytest.approx(-10.0 * 6)
+    assert sum(of[i][2] for i in range(1, 9)) == pytest.approx(-3.0 * 6 - 6 * 7.85e-6)
+    assert of[100][2] == -7.0
+
+
+PARTS = """\
+*HEADING
+*PART, NAME=Brick
+*NODE
+1, 0., 0., 0.
+2, 2., 0., 0.
+3, 2., 3., 0.
+4, 0., 3., 0.
+5, 0., 0., 1.
+6, 2., 0., 1.
+7, 2., 3., 1.
+8, 0., 3., 1.
+*ELEMENT, TYPE=C3D8, ELSET=All
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*SURFACE, NAME=Over
+All, S2
+*SURFACE, NAME=Under
+All, S1
+*SOLID SECTION, ELSET=All, MATERIAL=Steel
+*END PART
+*ASSEMBLY, NAME=Both
+*INSTANCE, NAME=Low, PART=Brick
+*END INSTANCE
+*INSTANCE, NAME=High, PART=Brick
+-3., 0., 1.
+0., 0., 0., 0., 0., 1., -90.
+*END INSTANCE
+*NODE
+1, 0., 0., 5.
+*NSET, NSET=Held, INSTANCE=Low
+1, 2, 3, 4
+*NSET, NSET=Mixed
+Low.1, High.5, Held
+*NSET, NSET=Point
+1,
+*END ASSEMBLY
+*MATERIAL, NAME=Steel
+*ELASTIC
+210000., 0.3
+*SURFACE INTERACTION, NAME=Joint
+*CONTACT PAIR, INTERACTION=Joint
+Low.Over, High.Under
+*BOUNDARY
+Held, ENCASTRE
+High.8, 1
+*STEP
+*STATIC
+*CLOAD
+High.5, 3, 2.
+*END STEP
+"""
+
+
+def test_parts_and_instances(read):
+    described = read(PARTS)
+    mesh = described.assembly.mesh
+    ids = mesh.node_ids.tolist()
+    assert ids == [*range(1, 9), *range(11, 19), 21]
+    assert any("'High' are raised by 10" in note for note in described.assembly.ignored)
+    # Moved by (-3, 0, 1), then turned by -90 degrees about z: (x, y) becomes (y, -x).
+    np.testing.assert_allclose(mesh.nodes[ids.index(17)], (3, 1, 2), atol=1e-14)
+    assert set(mesh.node_ids[mesh.node_sets["Mixed"]]) == {1, 2, 3, 4, 15}
+    assert set(mesh.node_ids[mesh.node_sets["Point"]]) == {21}
+    assert set(mesh.element_sets) == {"Low.All", "High.All"}
+    (interface,) = described.interfaces
+    assert (interface.minus, interface.plus) == ("Low.Over", "High.Under")
+    (load,) = described.assembly.loads.values()
+    assert mesh.node_ids[load.nodes].tolist() == [15]
+    held = {i for s in described.assembly.supports for i in mesh.node_ids[s.nodes].tolist()}
+    assert held == {1, 2, 3, 4, 18}
+
+
+def test_harmless_keywords_are_listed_once(small):
+    ignored = small.assembly.ignored
+    assert "1 *HEADING" in ignored
+    assert "1 *NODE FILE" in ignored
+    assert len(ignored) == len(set(ignored))
+
+
+# --- what is refused --------------------------------------------------------------------------
+
+REFUSED = [
+    (before_steps("*TIE, NAME=T\nSLAVE, MASTER\n"), r":81: \*TIE: .*not supported.*shared nodes"),
+    (before_steps("*INITIAL CONDITIONS, TYPE=STRESS\n"), r"\*INITIAL CONDITIONS: .*not supported"),
+    (before_steps("*BLA\n"), r":81: \*BLA: the keyword is not supported"),
+    (edited(("1, 0., 0., 0.", "1, 0., 0.O, 0.")),
+     r"deck\.inp:5: \*NODE: a coordinate: '0.O' is not"),
+    (edited(("1, 0., 0., 0.", "1, 0., 1.E400, 0.")), r":5: .*too large for a number"),
+    (edited(("2, 2., 0., 0.", "1, 2., 0., 0.")), r":6: \*NODE: node 1 is defined twice"),
+    (edited(("2, 2., 0., 0.", "2 2., 0., 0.")), r":6: \*NODE: a node id: '2 2\.' is not a number"),
+    (edited(("5, 6, 7, 8\n", "5, 6, 7\n")), r":27: \*ELEMENT: expected an id and 8 nodes"),
+    (edited(("5, 6, 7, 8\n", "5, 6, 7, 99\n")), r":27: \*ELEMENT: there is no node 99"),
+    (edited(("5, 6, 7, 8\n", "5, 6, 7, 7\n")), r":27: .*element 1 names a node twice"),
+    (edited(("2, 11, 12", "1, 11, 12")), r":29: \*ELEMENT: element 1 is defined twice"),
+    (edited(("TYPE=C3D8,", "TYPE=S4,")), r":26: \*ELEMENT: elements of TYPE=S4 are not supported"),
+    (edited(("TYPE=B31", "TYPE=T3D2")), r"TYPE=T3D2 are not supported; use B31"),
+    (edited(("ELSET=LOWER", "ELSETT=LOWER")), r"the parameter ELSETT is not supported"),
+    (edited(("15, 18, 1", "15, 19, 1")), r"the range starts or ends at 19"),
+    (edited(("15, 18, 1", "15, 18, 2")), r"does not work out"),
+    (edited(("BOTTOM, TOP", "BOTTOM, TOPP")), r":41: \*NSET: the node set 'TOPP' does not exist"),
+    (edited(("BOTTOM, TOP", "BOTTOM, BOTH")), r"'BOTH' contains itself"),
+    (edited(("210000., 0.3", "210000., 0.3, 20.\n200000., 0.3, 90.")), r"depend on temperature"),
+    (edited(("210000., 0.3", "210000., 0.5")), r":44: \*MATERIAL: .*Poisson's ratio is 0.5"),
+    (edited(("*ELASTIC", "*ELASTIC, TYPE=ORTHO")), r"only isotropic"),
+    (edited(("*DENSITY", "*PLASTIC\n300., 0.\n*DENSITY")), r"\*PLASTIC: .*linear elastic"),
+    (edited(("ELSET=BRICKS, MATERIAL", "ELSET=LOWER, MATERIAL")),
+     r":29: .*element 2 has no \*SOLID"),
+    (edited(("MATERIAL=STEEL\n*BEAM", "MATERIAL=STEAL\n*BEAM")),
+     r"no material 'STEAL'; known are Steel"),
+    (edited(("SECTION=CIRC\n0.5", "SECTION=I\n0.5")), r"SECTION=I is not supported"),
+    (edited(("1, 1\n1.D3", "1, 7\n1.D3")), r"degree of freedom 7, expected 1 to 6"),
+    (edited(("*SPRING, ELSET", "*SPRING, NONLINEAR, ELSET")),
+     r"parameter NONLINEAR is not supported"),
+    (edited(("LOWER, S2", "LOWER, S7")), r"found 'S7', expected a face S1"),
+    (edited(("LOWER, S2", "BOLT, S2")), r"3 is no solid element"),
+    (edited(("=LINEAR\n1.E6", "=EXPONENTIAL\n1.E-3, 5.")), r"EXPONENTIAL is not supported"),
+    (edited(("*CONTACT PAIR", "*FRICTION\n0.2, 1.E5\n*CONTACT PAIR")),
+     r"\*FRICTION: friction is not"),
+    (edited(("SLAVE, MASTER", "SLAVE, MISTER")), r"no surface 'MISTER'; known are SLAVE, MASTER"),
+    (edited(("BEAM, 100", "PLANE, 100")), r"type PLANE is not supported"),
+    (edited(("1, 1., 15, 1, -1.", "1, 1., 15, 1")), r"\*EQUATION: expected node, degree"),
+    (edited(("*EQUATION\n2", "*EQUATION\n3")), r"found 2 terms, expected 3"),
+    (edited(("104, 1, 400.\n", "")), r"\*PRE-TENSION SECTION: .*has no force"),
+    (edited(("104, 1, 400.", "104, 1, -400.")), r"compressive force -400"),
+    (edited(("ELEMENT=3,", "ELEMENT=1,")), r"ELEMENT=1 is not one beam"),
+    (edited(("102, 1, 6", "102, 1, 6, 0.1")), r"node 102 is moved by 0.1; only zero"),
+    (edited(("102, 1, 6", "102, 3, 1")), r"last degree of freedom 1 is below the first 3"),
+    (edited(("102, 1, 6", "102, 11")), r"degree of freedom 11, expected 1 to 6"),
+    (edited(("*CLOAD", "*CLOAD, FOLLOWER")), r"parameter FOLLOWER is not supported"),
+    (edited(("*CLOAD", "*DLOAD\nLOWER, CENTRIF, 1.\n*CLOAD")), r"load CENTRIF is not supported"),
+    (edited(("*END STEP", "*END STEP\n*NODE\n300, 0., 0., 0.")),
+     r"move it before the first \*STEP"),
+    (edited(("*END STEP", "*STEP\n*END STEP")), r"a step before this one does not end"),
+    (edited(("*HEADING\n", "")), r"deck\.inp:1: data before the first keyword"),
+    ("", r"deck\.inp: the deck is empty"),
+    ("*NODE\n1, 0., 0., 0.\n", r"deck\.inp: the deck has no elements"),
+    ("*INCLUDE, INPUT=nowhere.inc\n",
+     r"deck\.inp:1: \*INCLUDE: input deck '.*nowhere.inc' is not there"),
+    ("*INCLUDE, INPUT=deck.inp\n", r"goes in a circle"),
+    (PARTS.replace("*END PART\n", ""), r":2: \*PART: it does not end"),
+    (PARTS.replace("PART=Brick\n-3", "PART=Trick\n-3"), r"no part 'TRICK'; known are BRICK"),
+    (PARTS.replace("Low.1, High", "Lo.1, High"), r"no instance 'Lo'"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "message"), REFUSED)
+def test_refused_with_place_and_reason(read, text, message):
+    with pytest.raises(FormatError, match=message):
+        read(text)
+
+
+def test_unknown_steps_and_missing_decks_are_refused(read, tmp_path):
+    with pytest.raises(FormatError, match=r"there is no step 2; the deck has 1"):
+        read(DECK, step=2)
+    with pytest.raises(FormatError, match=r"'.*none\.inp' is not there"):
+        read_joint(tmp_path / "none.inp")
