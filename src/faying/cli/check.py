@@ -20,7 +20,7 @@ def check(
     from rich.console import Console
 
     from faying.cli.description import described
-    from faying.model.diagnosis import check_held
+    from faying.model.diagnosis import check_held, free_parts
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads
     from faying.study.schema import read_study
@@ -31,13 +31,14 @@ def check(
     loaded = load_model(checked)
     model = build_loaded(loaded)
     check_loads(checked, model)
-    console = Console()
-    for table in described(checked, loaded, model):
+    console, free = Console(), free_parts(model)
+    for table in described(checked, loaded, model, free):
         console.print(table)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
-    # Last, so that what can move is seen in the tables and the picture first.
-    check_held(model)
+    if free.count:
+        # Last, so that what can move is seen in the tables and the picture first.
+        check_held(model)
 
 
 def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:

@@ -11,7 +11,7 @@ from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import FORCE_NAMES, Boundary
-from faying.model.diagnosis import free_parts
+from faying.model.diagnosis import FreeParts
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.model import Model
@@ -23,13 +23,13 @@ MOST_IDS = 6
 """Elements of a bolt that are named."""
 
 
-def described(study: Study, loaded: LoadedModel, model: Model) -> Iterator[Table]:
+def described(study: Study, loaded: LoadedModel, model: Model, free: FreeParts) -> Iterator[Table]:
     """Yield the tables of ``faying check``, in the order of the data flow."""
     yield _overview(study, model)
     yield _bodies(model.assembly.mesh)
     yield _materials(model.assembly)
     yield _connections(model.assembly)
-    yield _rigid_body_modes(model)
+    yield _rigid_body_modes(free)
     yield _interfaces(model)
     yield _sides(model)
     yield _bolts(study, loaded, model)
@@ -199,9 +199,8 @@ def _deck_loads(assembly: Assembly) -> Table:
     return _table(title, ["name", "nodes", "sum Fx", "sum Fy", "sum Fz"], rows)
 
 
-def _rigid_body_modes(model: Model) -> Table:
+def _rigid_body_modes(found: FreeParts) -> Table:
     """Say what can move while nothing but contact resists."""
-    found = free_parts(model)
     if found.count is None:
         rows = [("not looked for", "too many bodies and loose nodes")]
     elif found.count == 0:
