@@ -13,7 +13,7 @@ from small_abaqus_deck import DECK
 
 # Reading takes a few milliseconds; the file is written anew for every example.
 QUICK = settings(
-    max_examples=250, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 ALPHABET = "0123456789+-.,*=EeDd \nABCSTNO\"'\t_\0é"
 
