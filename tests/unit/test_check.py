@@ -47,6 +47,11 @@ def test_held_joint_has_no_rigid_body_modes(check):
     assert cells(lines, "none") == ["none", "everything", "is", "held"]
 
 
+def test_supports_say_what_they_hold(check):
+    _, lines, _ = check({})
+    assert cells(lines, "supports") == ["supports", "of", "ux", "uy", "uz", "1", "15"]
+
+
 def test_bolts_say_what_they_are(check):
     _, lines, _ = check({})
     bolt = " ".join(cells(lines, "M6"))

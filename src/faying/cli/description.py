@@ -10,7 +10,7 @@ from faying.contact.interface import Interface
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.bolt_axis import bolt_direction
-from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.model.diagnosis import FreeParts
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
@@ -118,7 +118,7 @@ def _materials(assembly: Assembly) -> Table:
 def _connections(assembly: Assembly) -> Table:
     """List what holds and joins the bodies, contact aside."""
     kinds = {
-        "supports": [len(one.nodes) for one in assembly.supports],
+        **_supports(assembly),
         "rigid couplings (RBE2)": [len(one.nodes) for one in assembly.rigid_couplings],
         "average couplings (RBE3)": [len(one.nodes) for one in assembly.average_couplings],
         "equations (MPC)": [len(one.terms) for one in assembly.equations],
@@ -127,6 +127,16 @@ def _connections(assembly: Assembly) -> Table:
     }
     rows = ((name, len(counts), sum(counts)) for name, counts in kinds.items() if counts)
     return _table("Supports and couplings", ["kind", "number", "nodes or terms"], rows)
+
+
+def _supports(assembly: Assembly) -> dict[str, list[int]]:
+    """Return the numbers of supported nodes by what is held of them."""
+    held: dict[str, list[int]] = {}
+    for one in assembly.supports:
+        names = " ".join(DISPLACEMENT_NAMES[component] for component in one.components)
+        own = "" if one.axes is None else ", in axes of their own"
+        held.setdefault(f"supports of {names}{own}", []).append(len(one.nodes))
+    return held
 
 
 def _interfaces(model: Model) -> Table:
