@@ -136,7 +136,7 @@ def _identifier(stem: str) -> str:
 
 
 def _step_size(given: HandOver) -> float:
-    """Return the time step of the run's first transient, or a hundredth of the lowest period [s]."""
+    """Return the time step of the run's first transient, or a part of the lowest period [s]."""
     cases = () if given.results is None else given.results.cases.values()
     for case in cases:
         if case.times is not None and len(case.times) > 1:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 from xml.etree import ElementTree as ET
 
 import faying
@@ -43,10 +42,10 @@ def fmi2_description(given: Description) -> bytes:
     """Return ``modelDescription.xml`` of FMI 2.0."""
     root = ET.Element(
         "fmiModelDescription",
+        _common(given),
         fmiVersion="2.0",
         guid=given.token,
         numberOfEventIndicators="0",
-        **_common(given),
     )
     kind = ET.SubElement(
         root,
@@ -67,11 +66,11 @@ def fmi2_description(given: Description) -> bytes:
         entry = ET.SubElement(
             variables,
             "ScalarVariable",
+            _meaning(variable),
             name=variable.name,
             valueReference=str(variable.reference),
-            **_meaning(variable),
         )
-        ET.SubElement(entry, TYPES_2[variable.type], **_value(variable, given))
+        ET.SubElement(entry, TYPES_2[variable.type], _value(variable, given))
     structure = ET.SubElement(root, "ModelStructure")
     for name in ("Outputs", "InitialUnknowns"):
         section = ET.SubElement(structure, name)
@@ -85,9 +84,9 @@ def fmi3_description(given: Description) -> bytes:
     """Return ``modelDescription.xml`` of FMI 3.0."""
     root = ET.Element(
         "fmiModelDescription",
+        _common(given),
         fmiVersion="3.0",
         instantiationToken=given.token,
-        **_common(given),
     )
     ET.SubElement(
         root,
@@ -115,10 +114,9 @@ def fmi3_description(given: Description) -> bytes:
         entry = ET.SubElement(
             variables,
             TYPES_3[variable.type],
+            _meaning(variable) | _value(variable, given),
             name=variable.name,
             valueReference=str(variable.reference),
-            **_meaning(variable),
-            **_value(variable, given),
         )
         if variable.size is not None:
             ET.SubElement(entry, "Dimension", start=str(variable.size))
@@ -187,8 +185,8 @@ def _add_units(root: ET.Element, given: Description) -> None:
         entry = ET.SubElement(section, "Unit", name=unit.name)
         if unit.factor is not None:
             powers = zip(("kg", "m", "s", "rad"), unit.exponents, strict=True)
-            base: dict[str, Any] = {name: str(power) for name, power in powers if power}
-            ET.SubElement(entry, "BaseUnit", **base, factor=repr(unit.factor))
+            base = {name: str(power) for name, power in powers if power}
+            ET.SubElement(entry, "BaseUnit", base, factor=repr(unit.factor))
 
 
 def _add_log(root: ET.Element) -> None:

@@ -126,7 +126,7 @@ def _token(content: bytes) -> str:
 
 
 def _checksum(payload: bytes) -> int:
-    """Sum of words times odd numbers, modulo 2⁶⁴: no change of a single word leaves it as it was."""
+    """Sum of words times odd numbers modulo 2⁶⁴, which no change of a single word survives."""
     words = np.frombuffer(payload, dtype="<u8").astype(np.uint64)
     factors = 2 * np.arange(len(words), dtype=np.uint64) + 1
     return int(np.sum(words * factors, dtype=np.uint64))

@@ -20,7 +20,11 @@
 #define PROXIMAL_FRACTION 1e-7
 #define PROXIMAL_STEPS 200
 /* Points from which systems of pairs are smaller and faster. */
+#ifndef MANY_POINTS
 #define MANY_POINTS 1000
+#endif
+/* Smallest over largest pivot below which H counts as singular (condition 1e14). */
+#define SINGULAR_PIVOT 1e-7
 /* Added to the diagonal of B, relative: it is singular where a facet has one active point. */
 #define SINGULAR_SPRINGS 1e-12
 
@@ -43,8 +47,9 @@ struct contact {
     size_t *index;   /* active points */
     size_t *touched; /* pairs they touch */
     size_t *place;   /* of a pair among those touched */
-    double *U;       /* of H at the active points, or of I + U_B S U_B' */
-    double *U_B;     /* of B at the pairs touched */
+    size_t *order;   /* row exchanges of an LU factorization */
+    double *U;       /* of H at the active points; or LU factors of I + B S at the pairs touched */
+    double *U_B;     /* of B at the pairs touched, made regular */
 
     double *work, *pairs, *slack, *target; /* (n), (3 n_relative), (n), (n) */
     unsigned char *wrong;
@@ -69,12 +74,15 @@ static int create_contact(struct contact *c, const struct joint *joint)
     c->joint = joint;
     c->n = n;
     c->by_pairs = n >= MANY_POINTS && 2 * r <= n;
+    for (size_t i = 0; i < joint->n_interface; i++)
+        if (!isfinite(joint->penalty[i]))
+            c->by_pairs = 0; /* B needs a penalty */
     const size_t size = c->by_pairs ? r : n;
     c->H = c->by_pairs ? NULL : malloc((n * n + 1) * sizeof *c->H);
     c->S = malloc((r * r + 1) * sizeof *c->S);
     c->D = calloc(5 * n + 3 * r + 1, sizeof *c->D);
     c->factored_active = calloc(2 * n + 1, 1);
-    c->index = calloc(n + 2 * r + 1, sizeof *c->index);
+    c->index = calloc(n + 3 * r + 1, sizeof *c->index);
     c->U = malloc(((c->by_pairs ? 2 : 1) * size * size + 1) * sizeof *c->U);
     if (!(c->H || c->by_pairs) || !c->S || !c->D || !c->factored_active || !c->index || !c->U) {
         free_contact(c);
@@ -88,6 +96,7 @@ static int create_contact(struct contact *c, const struct joint *joint)
     c->wrong = c->factored_active + n;
     c->touched = c->index + n;
     c->place = c->touched + r;
+    c->order = c->place + r;
     c->U_B = c->by_pairs ? c->U + size * size : NULL;
     return 0;
 }
@@ -165,54 +174,56 @@ static int factorize_points(struct contact *c)
             c->U[i * a + k] = row[c->index[k]];
         c->U[i * a + i] += c->D[c->index[i]] + c->delta;
     }
-    return cholesky(c->U, a);
+    return cholesky(c->U, a, SINGULAR_PIVOT);
 }
 
-/* Factorize B = N'D^-1 N of the active points, then I + U_B S U_B'. With forces r = U_B'z at the
- * pairs, the active gaps close where (I + U_B S U_B') z = U_B'^-1 b; its eigenvalues are at least
- * one, however stiff the penalty. */
-static int factorize_pairs(struct contact *c)
+/* Number the pairs that the active points touch. */
+static void find_touched(struct contact *c)
 {
     const struct joint *j = c->joint;
-    const size_t r = j->n_relative, none = r;
-    for (size_t i = 0; i < r; i++)
+    const size_t none = j->n_relative;
+    for (size_t i = 0; i < j->n_relative; i++)
         c->place[i] = none;
     for (size_t i = 0; i < c->n_active; i++)
         for (uint64_t e = j->row_start[c->index[i]]; e < j->row_start[c->index[i] + 1]; e++)
             c->place[j->column[e]] = 0;
     c->n_touched = 0;
-    for (size_t i = 0; i < r; i++)
+    for (size_t i = 0; i < j->n_relative; i++)
         if (c->place[i] != none) {
             c->place[i] = c->n_touched;
             c->touched[c->n_touched++] = i;
         }
+}
+
+/* Factorize I + B S and B = N'D^-1 N of the active points, at the pairs they touch: the active gaps
+ * close where the forces r at the pairs obey (I + B S) r = -N'D^-1 g. */
+static int factorize_pairs(struct contact *c)
+{
+    const struct joint *j = c->joint;
+    find_touched(c);
     const size_t t = c->n_touched;
     memset(c->U_B, 0, t * t * sizeof *c->U_B);
+    memset(c->U, 0, t * t * sizeof *c->U);
     for (size_t i = 0; i < c->n_active; i++) {
         const size_t p = c->index[i];
-        const double stiffness = 1.0 / (c->D[p] + c->delta);
-        for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-            for (uint64_t f = j->row_start[p]; f < j->row_start[p + 1]; f++)
-                c->U_B[c->place[j->column[e]] * t + c->place[j->column[f]]]
-                    += j->interpolation[e] * stiffness * j->interpolation[f];
-    }
-    for (size_t i = 0; i < t; i++)
-        c->U_B[i * t + i] *= 1.0 + SINGULAR_SPRINGS;
-    if (cholesky(c->U_B, t) != 0)
-        return -1;
-    /* Rows of U_B S, then U_B S U_B'; U_B is sparse, so entries that vanish are skipped. */
-    for (size_t i = 0; i < t; i++) {
-        double *half = c->pairs;
-        memset(half, 0, r * sizeof *half);
-        for (size_t k = i; k < t; k++)
-            if (c->U_B[i * t + k] != 0.0)
-                add_row(half, c->S + c->touched[k] * r, c->U_B[i * t + k], r);
+        const double stiffness = 1.0 / c->D[p];
+        double *full = c->pairs, *seen = full + j->n_relative;
+        interpolate_row(c, full, p);
         for (size_t k = 0; k < t; k++)
-            half[r + k] = half[c->touched[k]];
-        for (size_t k = i; k < t; k++)
-            c->U[i * t + k] = dot(c->U_B + k * t + k, half + r + k, t - k) + (i == k ? 1.0 : 0.0);
+            seen[k] = full[c->touched[k]];
+        for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++) {
+            const size_t row = c->place[j->column[e]];
+            const double force = stiffness * j->interpolation[e];
+            add_row(c->U + row * t, seen, force, t);
+            for (uint64_t f = j->row_start[p]; f < j->row_start[p + 1]; f++)
+                c->U_B[row * t + c->place[j->column[f]]] += force * j->interpolation[f];
+        }
     }
-    return cholesky(c->U, t);
+    for (size_t i = 0; i < t; i++) {
+        c->U[i * t + i] += 1.0;
+        c->U_B[i * t + i] *= 1.0 + SINGULAR_SPRINGS;
+    }
+    return cholesky(c->U_B, t, 0.0) != 0 || factorize_lu(c->U, t, c->order) != 0 ? -1 : 0;
 }
 
 /* Factorize for an active set unless that is the last one. */
@@ -224,11 +235,8 @@ static int factorize_active(struct contact *c, const unsigned char *active)
     c->factored = 0;
     c->n_active = 0;
     for (size_t p = 0; p < c->n; p++)
-        if (active[p]) {
-            if (!(c->D[p] + c->delta > 0.0) && c->by_pairs)
-                return -1;
+        if (active[p])
             c->index[c->n_active++] = p;
-        }
     if ((c->by_pairs ? factorize_pairs(c) : factorize_points(c)) != 0)
         return -1;
     memcpy(c->factored_active, active, c->n);
@@ -257,33 +265,50 @@ static void multiply(struct contact *c, double *slack, const double *forces, con
     add_interpolated(c->joint, slack, c->pairs + r);
 }
 
+/* Gap (before contact) of an active point that displacements of the pairs touched add to. */
+static double opened(const struct contact *c, size_t p, const double *moved)
+{
+    const struct joint *j = c->joint;
+    double sum = 0.0;
+    for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
+        sum += j->interpolation[e] * moved[c->place[j->column[e]]];
+    return sum;
+}
+
+/* y += N'x at the pairs touched, for the active points; x as a function of the point in c->work. */
+static void add_to_touched(const struct contact *c, double *y)
+{
+    const struct joint *j = c->joint;
+    for (size_t i = 0; i < c->n_active; i++)
+        for (uint64_t e = j->row_start[c->index[i]]; e < j->row_start[c->index[i] + 1]; e++)
+            y[c->place[j->column[e]]] += j->interpolation[e] * c->work[c->index[i]];
+}
+
 /* Forces of the active points by way of the pairs they touch. */
 static void close_by_pairs(struct contact *c, const double *gap, double *forces)
 {
-    const struct joint *j = c->joint;
-    const size_t r = j->n_relative, t = c->n_touched;
-    double *right = c->pairs, *z = right + r, *moved = z + r;
-    memset(right, 0, r * sizeof *right);
-    for (size_t i = 0; i < c->n_active; i++) {
-        const size_t p = c->index[i];
-        c->work[p] = -gap[p] / (c->D[p] + c->delta);
-        for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-            right[c->place[j->column[e]]] += j->interpolation[e] * c->work[p];
-    }
-    solve_lower(c->U_B, t, right);
-    memcpy(z, right, t * sizeof *z);
-    solve_cholesky(c->U, t, z);
-    /* Displacements y of the pairs from U_B y = U_B'^-1 b - z: y = S r would lose as many digits
-     * as the structure is softer than the penalty. */
+    const size_t r = c->joint->n_relative, t = c->n_touched;
+    double *missing = c->pairs, *change = missing + r, *moved = change + r;
+    memset(change, 0, t * sizeof *change);
+    for (size_t i = 0; i < c->n_active; i++)
+        c->work[c->index[i]] = -gap[c->index[i]] / c->D[c->index[i]];
+    add_to_touched(c, change);
+    memcpy(missing, change, t * sizeof *missing);
+    solve_lu(c->U, t, c->order, change);
+    /* Displacements y of the pairs from B y = b - r: y = S r would lose as many digits as the
+     * structure is softer than the penalty. Twice, for B was made regular. */
     for (size_t i = 0; i < t; i++)
-        moved[i] = right[i] - z[i];
-    solve_upper(c->U_B, t, moved);
+        missing[i] -= change[i];
+    memcpy(moved, missing, t * sizeof *moved);
+    solve_cholesky(c->U_B, t, moved);
+    for (size_t i = 0; i < c->n_active; i++)
+        c->work[c->index[i]] = -opened(c, c->index[i], moved) / c->D[c->index[i]];
+    add_to_touched(c, missing);
+    solve_cholesky(c->U_B, t, missing);
+    add_row(moved, missing, 1.0, t);
     for (size_t i = 0; i < c->n_active; i++) {
         const size_t p = c->index[i];
-        double opened = 0.0;
-        for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-            opened += j->interpolation[e] * moved[c->place[j->column[e]]];
-        forces[p] = c->work[p] - opened / (c->D[p] + c->delta);
+        forces[p] = -(gap[p] + opened(c, p, moved)) / c->D[p];
     }
 }
 

@@ -56,7 +56,7 @@ typedef struct {
 
 static fmi2Status status_of(enum outcome outcome)
 {
-    return outcome == OUTCOME_OK ? fmi2OK : outcome == OUTCOME_DISCARD ? fmi2Discard : fmi2Error;
+    return outcome == OUTCOME_OK ? fmi2OK : fmi2Error;
 }
 
 static fmi2Status refuse(fmi2Component c, const char *what)

@@ -59,7 +59,7 @@ static void log_message(void *environment, const char *name, int is_error, const
 
 static fmi3Status status_of(enum outcome outcome)
 {
-    return outcome == OUTCOME_OK ? fmi3OK : outcome == OUTCOME_DISCARD ? fmi3Discard : fmi3Error;
+    return outcome == OUTCOME_OK ? fmi3OK : fmi3Error;
 }
 
 static fmi3Status refuse(fmi3Instance instance, const char *what)

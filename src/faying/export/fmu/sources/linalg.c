@@ -6,9 +6,6 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Smallest over largest pivot below which a matrix counts as singular (condition 1e14). */
-#define SINGULAR_PIVOT 1e-7
-
 static void add_row(double *restrict y, const double *restrict x, double factor, size_t n)
 {
     for (size_t i = 0; i < n; i++)
@@ -37,8 +34,9 @@ static double dot(const double *x, const double *y, size_t n)
 }
 
 /* Replace the upper triangle of A by U. Four rows at a time: each pass over the rest of the matrix
- * then does four times the work. Returns 0, or -1 where A is singular to working precision. */
-static int cholesky(double *A, size_t n)
+ * then does four times the work. Returns 0, or -1 where a pivot is not positive, or smaller than a
+ * fraction of the largest one. */
+static int cholesky(double *A, size_t n, double least_ratio)
 {
     double least = INFINITY, most = 0.0;
     for (size_t start = 0; start < n; start += 4) {
@@ -64,7 +62,7 @@ static int cholesky(double *A, size_t n)
                 subtract_four_rows(A + i * n + i, a + i, b + i, c + i, d + i, f, n - i);
         }
     }
-    return least < SINGULAR_PIVOT * most ? -1 : 0;
+    return least < least_ratio * most ? -1 : 0;
 }
 
 /* Solve U'y = b in place. */
@@ -91,6 +89,47 @@ static void solve_cholesky(const double *U, size_t n, double *b)
 {
     solve_lower(U, n, b);
     solve_upper(U, n, b);
+}
+
+/* Replace A (n, n) by its LU factors with rows exchanged as in ``order``; -1 where it is singular. */
+static int factorize_lu(double *A, size_t n, size_t *order)
+{
+    for (size_t k = 0; k < n; k++) {
+        size_t best = k;
+        for (size_t i = k + 1; i < n; i++)
+            if (fabs(A[i * n + k]) > fabs(A[best * n + k]))
+                best = i;
+        order[k] = best;
+        for (size_t j = 0; best != k && j < n; j++) {
+            const double swapped = A[k * n + j];
+            A[k * n + j] = A[best * n + j];
+            A[best * n + j] = swapped;
+        }
+        const double pivot = A[k * n + k];
+        if (!(fabs(pivot) > 0.0) || !isfinite(pivot))
+            return -1;
+        for (size_t i = k + 1; i < n; i++) {
+            double *row = A + i * n;
+            if (row[k] == 0.0)
+                continue;
+            row[k] /= pivot;
+            add_row(row + k + 1, A + k * n + k + 1, -row[k], n - k - 1);
+        }
+    }
+    return 0;
+}
+
+/* Solve L U x = b in place. */
+static void solve_lu(const double *A, size_t n, const size_t *order, double *b)
+{
+    for (size_t k = 0; k < n; k++) {
+        const double swapped = b[k];
+        b[k] = b[order[k]];
+        b[order[k]] = swapped;
+    }
+    for (size_t i = 0; i < n; i++)
+        b[i] -= dot(A + i * n, b, i);
+    solve_upper(A, n, b);
 }
 
 /* Solve U'Y = B in place for B (n, k). */

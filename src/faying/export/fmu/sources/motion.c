@@ -18,7 +18,7 @@
 
 enum mode { MODE_INSTANTIATED, MODE_INITIALIZING, MODE_STEPPING, MODE_TERMINATED };
 enum integrator { IMPLICIT_EULER, GENERALIZED_ALPHA };
-enum outcome { OUTCOME_OK, OUTCOME_DISCARD, OUTCOME_ERROR };
+enum outcome { OUTCOME_OK, OUTCOME_ERROR };
 
 /* Scalars of the state block. */
 enum scalar {
@@ -216,7 +216,7 @@ static enum outcome contact_problem(struct motion *m, enum contact_status status
     if (status == CONTACT_SOLVED)
         return OUTCOME_OK;
     report(m, "at time %g: %s", m->state[AT_TIME], reasons[status]);
-    return OUTCOME_DISCARD;
+    return OUTCOME_ERROR;
 }
 
 /* Solve for the contact forces that coordinates without them call up. */
@@ -269,8 +269,8 @@ static enum outcome check_parameters(struct motion *m)
                scheme);
     else {
         for (size_t i = 0; i < m->joint.n_interface; i++)
-            if (!(m->penalty[i] > 0.0)) {
-                report(m, "the penalty of interface %lu is %g; it must be positive",
+            if (!(m->penalty[i] > 0.0) || (isinf(m->penalty[i]) && !isinf(m->joint.penalty[i]))) {
+                report(m, "the penalty of interface %lu is %g; it must be positive and finite",
                        (unsigned long)i + 1, m->penalty[i]);
                 return OUTCOME_ERROR;
             }
@@ -289,7 +289,7 @@ static enum outcome find_acceleration(struct motion *m)
         return OUTCOME_OK;
     for (size_t i = 0; i < n * n; i++)
         m->A[i] = j->M[i] + span * span * j->K[i];
-    if (cholesky(m->A, n) != 0) {
+    if (cholesky(m->A, n, 0.0) != 0) {
         report(m, "M + (%g)^2 K is not positive definite", span);
         return OUTCOME_ERROR;
     }
@@ -312,7 +312,7 @@ static enum outcome start_motion(struct motion *m)
     if (outcome != OUTCOME_OK)
         return outcome;
     memcpy(m->A, j->K, n * n * sizeof(double));
-    if (cholesky(m->A, n) != 0) {
+    if (cholesky(m->A, n, 0.0) != 0) {
         report(m, "the stiffness matrix is not positive definite");
         return OUTCOME_ERROR;
     }
@@ -330,7 +330,7 @@ static enum outcome start_motion(struct motion *m)
         m->active[p] = m->gap[p] < 0.0;
     outcome = solve_forces(m, m->q);
     if (outcome != OUTCOME_OK)
-        return OUTCOME_ERROR;
+        return outcome;
     pull_of_contact(m);
     memcpy(m->q, m->right, n * sizeof(double));
     add_row(m->q, m->pull, 1.0, n);
@@ -380,7 +380,7 @@ static enum outcome prepare_step(struct motion *m, const struct scheme *s, doubl
     }
     for (size_t i = 0; i < j->n_mode * j->n_mode; i++)
         m->A[i] = mass * j->M[i] + damping * j->C[i] + s->force_weight * j->K[i];
-    if (cholesky(m->A, j->n_mode) != 0) {
+    if (cholesky(m->A, j->n_mode, 0.0) != 0) {
         report(m, "the effective matrix of a step of %g is not positive definite", h);
         return OUTCOME_ERROR;
     }
