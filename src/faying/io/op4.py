@@ -128,8 +128,10 @@ def _assembled(file: Op4File, header: Header, strings: Strings) -> SparseMatrix:
     if not np.isfinite(values).all():
         message = f"matrix '{header.name}' ({header.place}) holds NaN or infinity"
         raise DamageError(message)
+    starts = np.zeros(header.columns + 1, dtype=np.int64)
+    np.add.at(starts, strings.column + 1, strings.count)
     rows = spread(strings.row, strings.count)
-    columns = np.repeat(strings.column, strings.count)
-    kept = np.flatnonzero(values)
-    where = (rows[kept], columns[kept])
-    return sp.csr_array((values[kept], where), shape=(header.rows, header.columns))
+    shape = (header.rows, header.columns)
+    matrix = sp.csc_array((values, rows, np.cumsum(starts)), shape=shape)
+    matrix.eliminate_zeros()
+    return sp.csr_array(matrix)
