@@ -22,6 +22,7 @@ __version__ = version("faying")
 
 if TYPE_CHECKING:
     from faying.contact.problem import contact_problem
+    from faying.io.transient_stream import stream_transient
     from faying.linalg.factorization import factorize
     from faying.model.assembly import Material
     from faying.model.build import build_model
@@ -97,6 +98,7 @@ _HOMES = {
     "solve_static_cases": "faying.simulation.static",
     "solve_static_newton": "faying.simulation.newton",
     "solve_transient": "faying.simulation.transient",
+    "stream_transient": "faying.io.transient_stream",
     "ImplicitEuler": "faying.simulation.integrators",
     "GeneralizedAlpha": "faying.simulation.integrators",
     "Solution": "faying.simulation.solution",
@@ -172,6 +174,7 @@ __all__ = [
     "solve_transient",
     "static_snapshots",
     "step_snapshots",
+    "stream_transient",
     "tighten",
     "worst_case_load",
 ]

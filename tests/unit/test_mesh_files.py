@@ -28,8 +28,12 @@ MESHIO = {
     "hex8": "hexahedron",
     "hex20": "hexahedron20",
     "wedge6": "wedge",
+    "wedge15": "wedge15",
 }
-TO_MESHIO = {"hex20": [*range(12), *range(16, 20), *range(12, 16)]}
+TO_MESHIO = {
+    "hex20": [*range(12), *range(16, 20), *range(12, 16)],
+    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
+}
 
 
 def fragmented(kind):

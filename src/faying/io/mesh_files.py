@@ -2,8 +2,8 @@
 
 import contextlib
 import io
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.io.mesh_groups import FACE_KINDS, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock, Mesh
@@ -38,7 +39,6 @@ SOLID_KINDS = {
     "wedge": "wedge6",
     "wedge15": "wedge15",
 }
-FACE_KINDS = {"triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8"}
 
 # meshio numbers top edges before upright ones, as VTK does; our elements the other way round.
 _ORDER = {
@@ -53,18 +53,6 @@ _REMEDIES = {
     "pyramid13": "mesh with tetrahedra, wedges or bricks",
     "pyramid14": "mesh with tetrahedra, wedges or bricks",
 }
-
-_TAGS = ("gmsh:physical", "medit:ref", "cell_tags", "CellEntityIds", "property", "material")
-"""Cell data that number the groups, the first one found."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Group:
-    """Cells of one group: name, number, and which of each block of meshio (None for none)."""
-
-    name: str
-    number: int
-    cells: tuple[Indices | None, ...]
 
 
 def read_mesh_file(
@@ -107,11 +95,11 @@ def read_mesh_file(
         return replace(archive, mesh=separated(archive.mesh, separate))
     found = _read(path)
     points = _points(path, found)
-    groups = _groups(found)
-    blocks = _blocks(path, found, points, _volume_groups(found, groups))
+    groups = groups_of(found)
+    blocks = _blocks(path, found, points, volume_groups(found, groups))
     element_sets, node_sets = _sets(found, groups, blocks)
     used = sorted({int(number) for block in blocks for number in np.unique(block.properties)})
-    names = {group.number: group.name for group in _volume_groups(found, groups)}
+    names = {group.number: group.name for group in volume_groups(found, groups)}
     mesh = separated(
         Mesh(
             nodes=points,
@@ -190,83 +178,10 @@ def _points(path: Path, found: Any) -> Matrix:
     return points
 
 
-def _groups(found: Any) -> list[_Group]:
-    """Return named groups of cells; unnamed numbers are named by themselves."""
-    named = {
-        name: [None if cells is None else np.asarray(cells, dtype=np.int64) for cells in blocks]
-        for name, blocks in found.cell_sets.items()
-        if not name.startswith("gmsh:")
-    }
-    if not named:
-        named = _tagged(found)
-    groups = []
-    for number, (name, blocks) in enumerate(named.items(), start=1):
-        cells = tuple(None if one is None or not len(one) else one for one in blocks)
-        groups.append(_Group(name=name, number=number, cells=cells))
-    return groups
-
-
-def _tagged(found: Any) -> dict[str, list[Any]]:
-    """Return groups by number and dimension, as cell data tell them."""
-    key = next((key for key in _TAGS if key in found.cell_data), None)
-    if key is None:
-        return {}
-    names = {
-        (int(tag), int(dimension)): name
-        for name, (tag, dimension) in found.field_data.items()
-        if np.size(tag) == 1
-    }
-    tags = [np.asarray(values) for values in found.cell_data[key]]
-    kinds = [_dimension(block.type) for block in found.cells]
-    present = sorted(
-        {
-            (dimension, int(tag))
-            for dimension, values in zip(kinds, tags, strict=True)
-            for tag in np.unique(values)
-            if tag != 0
-        }
-    )
-    return {
-        names.get((tag, dimension), f"{['point', 'line', 'surface', 'volume'][dimension]} {tag}"): [
-            np.flatnonzero(values == tag) if kind == dimension else None
-            for kind, values in zip(kinds, tags, strict=True)
-        ]
-        for dimension, tag in present
-    }
-
-
-def _dimension(kind: str) -> int:
-    if kind in FACE_KINDS or kind.startswith(("triangle", "quad")):
-        return 2
-    if kind.startswith("line"):
-        return 1
-    return 0 if kind == "vertex" else 3
-
-
-def _volume_groups(found: Any, groups: list[_Group]) -> list[_Group]:
-    """Return groups that hold solids; one of all solids where there is none."""
-    solid = [_dimension(block.type) == 3 for block in found.cells]
-    holding = [
-        group
-        for group in groups
-        if any(
-            is_solid and cells is not None
-            for is_solid, cells in zip(solid, group.cells, strict=True)
-        )
-    ]
-    if holding:
-        return holding
-    everything = tuple(
-        np.arange(len(block.data)) if is_solid else None
-        for is_solid, block in zip(solid, found.cells, strict=True)
-    )
-    return [_Group(name="solids", number=len(groups) + 1, cells=everything)]
-
-
-def _blocks(path: Path, found: Any, points: Matrix, groups: list[_Group]) -> tuple[CellBlock, ...]:
+def _blocks(path: Path, found: Any, points: Matrix, groups: list[Group]) -> tuple[CellBlock, ...]:
     blocks, first = [], 1
     for number, block in enumerate(found.cells):
-        if _dimension(block.type) != 3:
+        if dimension(block.type) != 3:
             continue
         if block.type not in SOLID_KINDS:
             remedy = _REMEDIES.get(block.type, f"mesh with {', '.join(SOLID_KINDS)}")
@@ -307,7 +222,7 @@ def _connectivity(path: Path, block: Any, n_points: int) -> Indices:
     return nodes
 
 
-def _properties(path: Path, groups: list[_Group], block: int, n_cells: int) -> Indices:
+def _properties(path: Path, groups: list[Group], block: int, n_cells: int) -> Indices:
     """Return the group (n_cells,) of each solid of a block; a later group overrides."""
     properties = np.zeros(n_cells, dtype=np.int64)
     for group in groups:
@@ -325,15 +240,15 @@ def _properties(path: Path, groups: list[_Group], block: int, n_cells: int) -> I
 
 
 def _sets(
-    found: Any, groups: list[_Group], blocks: tuple[CellBlock, ...]
+    found: Any, groups: list[Group], blocks: tuple[CellBlock, ...]
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
     """Element sets of volume groups and node sets of all groups."""
     ids: list[Indices | None] = []
     solids = iter(blocks)
-    ids = [next(solids).ids if _dimension(block.type) == 3 else None for block in found.cells]
+    ids = [next(solids).ids if dimension(block.type) == 3 else None for block in found.cells]
     element_sets: dict[str, Indices] = {}
     node_sets: dict[str, Indices] = {}
-    for group in _volume_groups(found, groups):
+    for group in volume_groups(found, groups):
         parts = [
             numbers[cells]
             for numbers, cells in zip(ids, group.cells, strict=True)
@@ -342,21 +257,15 @@ def _sets(
         element_sets[group.name] = np.concatenate(parts)
     for group in groups:
         if group.name not in element_sets:
-            nodes = [np.ravel(block.data[cells]) for block, cells in _taken(found, group)]
+            nodes = [np.ravel(block.data[cells]) for block, cells in cells_of(found, group)]
             node_sets[group.name] = np.unique(np.concatenate([*nodes, np.empty(0, np.int64)]))
     for name, members in found.point_sets.items():
         node_sets.setdefault(name, np.unique(np.asarray(members, dtype=np.int64)))
     return element_sets, node_sets
 
 
-def _taken(found: Any, group: _Group) -> Iterator[tuple[Any, Indices]]:
-    for block, cells in zip(found.cells, group.cells, strict=True):
-        if cells is not None:
-            yield block, cells
-
-
 def _face_sets(
-    found: Any, groups: list[_Group], exterior: Facets
+    found: Any, groups: list[Group], exterior: Facets
 ) -> tuple[dict[str, FaceSet], list[str]]:
     """Surface groups as facets of the solids, which know what is outside.
 
@@ -368,7 +277,7 @@ def _face_sets(
     for group in groups:
         tables = [
             padded(np.asarray(block.data[cells], dtype=np.int64))
-            for block, cells in _taken(found, group)
+            for block, cells in cells_of(found, group)
             if np.shape(block.data)[1:] == (N_NODES.get(FACE_KINDS.get(block.type, ""), -1),)
         ]
         if not tables:

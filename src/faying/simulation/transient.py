@@ -1,10 +1,11 @@
 """Transient contact solutions of full and reduced models, Eqs. (15.13) and (15.16)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Mask, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.exceptions import ModelError
 from faying.linalg.factorization import Factorization, factorize
@@ -21,6 +22,25 @@ INITIAL_FRACTION = 1e-3
 It bounds the acceleration of massless degrees of freedom; modes the step resolves see a relative
 error of its square.
 """
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Restart:
+    """Where a transient stands.
+
+    Attributes
+    ----------
+    done
+        Steps behind it.
+    motion
+        Displacement, velocity, acceleration and force there.
+    active : (n_point,)
+        Points in contact.
+    """
+
+    done: int
+    motion: Motion
+    active: Mask
 
 
 def solve_transient(
@@ -65,6 +85,53 @@ def solve_transient(
     contact problem. Contact is implicit: the forces at the end of a step obey Eq. (15.7) or
     (15.12) there.
     """
+    pieces = transient_pieces(
+        system,
+        load,
+        step=step,
+        duration=duration,
+        length=None,
+        integrator=integrator,
+        initial=initial,
+        progress=progress,
+    )
+    return next(pieces)[0]
+
+
+def transient_pieces(
+    system: System,
+    load: Load,
+    *,
+    step: float,
+    duration: float,
+    length: int | None,
+    integrator: Integrator | None = None,
+    initial: Solution | None = None,
+    restart: Restart | None = None,
+    progress: Callable[[int], object] | None = None,
+) -> Iterator[tuple[Solution, Restart]]:
+    """Integrate as :func:`solve_transient`, a piece of the instants at a time.
+
+    Parameters
+    ----------
+    length
+        Steps of a piece; None is all at once. Memory is that of one piece.
+    restart
+        Where an earlier run ended, to go on from there.
+
+    Yields
+    ------
+    Solution
+        Consecutive instants: the first piece begins with ``initial``, every later one with the
+        instant after the piece before.
+    Restart
+        Where the piece ended.
+
+    Raises
+    ------
+    ModelError
+        As :func:`solve_transient`.
+    """
     if not 0 < step <= duration:
         message = (
             f"the time step is {step:g} and the duration {duration:g}; "
@@ -72,49 +139,93 @@ def solve_transient(
         )
         raise ModelError(message)
     scheme = ImplicitEuler() if integrator is None else integrator
-    start = solve_static(system) if initial is None else initial
-    times: Vector = step * np.arange(round(duration / step) + 1, dtype=np.float64)
-    inputs = load.inputs(system, times)
-    external = input_forces(system, inputs)
     effective = factorize(scheme.effective_matrix(system, step))
-    condensed = _condense_step(system, scheme, effective)
-
-    motion = _initial_motion(system, scheme, start, external[0], step)
-    n_time, n_dof = len(times), len(motion.u)
-    states, velocities, accelerations = (np.zeros((n_time, n_dof)) for _ in range(3))
-    forces = np.zeros((n_time, system.contact.n_points))
-    gaps, iterations = np.zeros_like(forces), np.zeros(n_time, dtype=np.int64)
-    errors = np.zeros(n_time)
-    states[0], accelerations[0] = motion.u, motion.a
-    forces[0], gaps[0] = start.contact_forces, start.gap
-    active = start.contact_forces > 0
-    with threads_for(system.contact.n_points):
-        for n in range(1, n_time):
-            right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * external[n]
-            free = system.contact.relative_operator @ effective.solve(right)
-            contact = condensed.solve(free, active)
-            from_contact = relative_forces(system, contact.forces)
-            u = effective.solve(right + scheme.force_weight * from_contact)
-            motion = scheme.advance(motion, u, external[n] + from_contact, step)
-            states[n], velocities[n], accelerations[n] = motion.u, motion.v, motion.a
-            forces[n], gaps[n] = contact.forces, condensed.gap(contact)
-            iterations[n], active = contact.iterations, contact.active
-            errors[n] = contact.error
-            if progress is not None:
-                progress(1)
-    return Solution(
-        name=load.name,
+    stepping = _Stepping(
         system=system,
-        states=states,
-        contact_forces=forces,
-        gap=gaps,
-        inputs=np.concatenate([start.inputs[None], inputs[1:]]),
-        iterations=iterations,
-        contact_error=errors,
-        times=times,
-        velocities=velocities,
-        accelerations=accelerations,
+        scheme=scheme,
+        step=step,
+        effective=effective,
+        condensed=_condense_step(system, scheme, effective),
     )
+    last = round(duration / step)
+    here = restart
+    if here is None:
+        start = solve_static(system) if initial is None else initial
+        motion = _initial_motion(
+            system, scheme, start, input_forces(system, load.inputs(system, np.zeros(1)))[0], step
+        )
+        here = Restart(done=0, motion=motion, active=start.contact_forces > 0)
+    else:
+        start = None
+    size = max(last - here.done, 1) if length is None else length
+    while here.done < last:
+        times = step * np.arange(here.done + 1, min(here.done + size, last) + 1, dtype=np.float64)
+        piece, here = stepping.advanced(here, load, times, start, progress)
+        start = None
+        yield piece, here
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Stepping:
+    """What all steps of a transient have in common."""
+
+    system: System
+    scheme: Integrator
+    step: float
+    effective: Factorization
+    condensed: CondensedContact
+
+    def advanced(
+        self,
+        here: Restart,
+        load: Load,
+        times: Vector,
+        start: Solution | None,
+        progress: Callable[[int], object] | None,
+    ) -> tuple[Solution, Restart]:
+        """Return the instants ``times``, after the start where there is one, and their end."""
+        system, scheme, step = self.system, self.scheme, self.step
+        inputs = load.inputs(system, times)
+        external = input_forces(system, inputs)
+        motion, active = here.motion, here.active
+        n_time, first = len(times) + (start is not None), int(start is not None)
+        states, velocities, accelerations = (np.zeros((n_time, len(motion.u))) for _ in range(3))
+        forces = np.zeros((n_time, system.contact.n_points))
+        gaps, iterations = np.zeros_like(forces), np.zeros(n_time, dtype=np.int64)
+        errors = np.zeros(n_time)
+        if start is not None:
+            states[0], accelerations[0] = motion.u, motion.a
+            forces[0], gaps[0] = start.contact_forces, start.gap
+            inputs = np.concatenate([start.inputs[None], inputs])
+            times = np.concatenate([[0.0], times])
+        with threads_for(system.contact.n_points):
+            for n, loads in enumerate(external, start=first):
+                right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * loads
+                free = system.contact.relative_operator @ self.effective.solve(right)
+                contact = self.condensed.solve(free, active)
+                from_contact = relative_forces(system, contact.forces)
+                u = self.effective.solve(right + scheme.force_weight * from_contact)
+                motion = scheme.advance(motion, u, loads + from_contact, step)
+                states[n], velocities[n], accelerations[n] = motion.u, motion.v, motion.a
+                forces[n], gaps[n] = contact.forces, self.condensed.gap(contact)
+                iterations[n], active = contact.iterations, contact.active
+                errors[n] = contact.error
+                if progress is not None:
+                    progress(1)
+        piece = Solution(
+            name=load.name,
+            system=system,
+            states=states,
+            contact_forces=forces,
+            gap=gaps,
+            inputs=inputs,
+            iterations=iterations,
+            contact_error=errors,
+            times=times,
+            velocities=velocities,
+            accelerations=accelerations,
+        )
+        return piece, Restart(done=here.done + len(external), motion=motion, active=active)
 
 
 def _condense_step(

@@ -1,0 +1,104 @@
+"""Groups of a mesh file's cells: what names and numbers of meshio stand for."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from faying._typing import Indices
+
+FACE_KINDS = {"triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8"}
+
+_TAGS = ("gmsh:physical", "medit:ref", "cell_tags", "CellEntityIds", "property", "material")
+"""Cell data that number the groups, the first one found."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Group:
+    """Cells of one group: name, number, and which of each block of meshio (None for none)."""
+
+    name: str
+    number: int
+    cells: tuple[Indices | None, ...]
+
+
+def groups_of(found: Any) -> list[Group]:
+    """Return named groups of cells; unnamed numbers are named by themselves."""
+    named = {
+        name: [None if cells is None else np.asarray(cells, dtype=np.int64) for cells in blocks]
+        for name, blocks in found.cell_sets.items()
+        if not name.startswith("gmsh:")
+    }
+    if not named:
+        named = _tagged(found)
+    groups = []
+    for number, (name, blocks) in enumerate(named.items(), start=1):
+        cells = tuple(None if one is None or not len(one) else one for one in blocks)
+        groups.append(Group(name=name, number=number, cells=cells))
+    return groups
+
+
+def _tagged(found: Any) -> dict[str, list[Any]]:
+    """Return groups by number and dimension, as cell data tell them."""
+    key = next((key for key in _TAGS if key in found.cell_data), None)
+    if key is None:
+        return {}
+    names = {
+        (int(tag), int(size)): name
+        for name, (tag, size) in found.field_data.items()
+        if np.size(tag) == 1
+    }
+    tags = [np.asarray(values) for values in found.cell_data[key]]
+    kinds = [dimension(block.type) for block in found.cells]
+    present = sorted(
+        {
+            (size, int(tag))
+            for size, values in zip(kinds, tags, strict=True)
+            for tag in np.unique(values)
+            if tag != 0
+        }
+    )
+    return {
+        names.get((tag, size), f"{['point', 'line', 'surface', 'volume'][size]} {tag}"): [
+            np.flatnonzero(values == tag) if kind == size else None
+            for kind, values in zip(kinds, tags, strict=True)
+        ]
+        for size, tag in present
+    }
+
+
+def dimension(kind: str) -> int:
+    """Return the dimension of a kind of cells, 3 for those it does not know."""
+    if kind in FACE_KINDS or kind.startswith(("triangle", "quad")):
+        return 2
+    if kind.startswith("line"):
+        return 1
+    return 0 if kind == "vertex" else 3
+
+
+def volume_groups(found: Any, groups: list[Group]) -> list[Group]:
+    """Return groups that hold solids; one of all solids where there is none."""
+    solid = [dimension(block.type) == 3 for block in found.cells]
+    holding = [
+        group
+        for group in groups
+        if any(
+            is_solid and cells is not None
+            for is_solid, cells in zip(solid, group.cells, strict=True)
+        )
+    ]
+    if holding:
+        return holding
+    everything = tuple(
+        np.arange(len(block.data)) if is_solid else None
+        for is_solid, block in zip(solid, found.cells, strict=True)
+    )
+    return [Group(name="solids", number=len(groups) + 1, cells=everything)]
+
+
+def cells_of(found: Any, group: Group) -> Iterator[tuple[Any, Indices]]:
+    """Yield blocks of meshio and the cells of a group in them."""
+    for block, cells in zip(found.cells, group.cells, strict=True):
+        if cells is not None:
+            yield block, cells

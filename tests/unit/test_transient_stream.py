@@ -1,0 +1,120 @@
+"""Long transients: written as they come, the same numbers, memory of one piece, resumable."""
+
+import tracemalloc
+
+import h5py
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import FormatError, ModelError
+from faying.io import transient_stream
+from faying.io.transient_stream import FIELDS
+
+STEP = 1e-5
+
+
+@pytest.fixture(scope="module")
+def rom(joint, classic):
+    return fy.reduce(joint, classic, compliance=True)
+
+
+@pytest.fixture(scope="module")
+def load():
+    times = np.linspace(0, 0.01, 101)
+    return fy.Load({"tip.Fz": fy.History(times, -500 * np.sin(2000 * times)), "tip.Mx": 5e3})
+
+
+@pytest.fixture(autouse=True)
+def short_pieces(monkeypatch):
+    monkeypatch.setattr(transient_stream, "PIECE", 30)
+
+
+def compare(path, solution, n_step):
+    with h5py.File(path) as file:
+        assert file.attrs["complete"]
+        found = {
+            "states": file["states"][()],
+            "times": file["times"][()],
+            "max_pressure": file["max_pressure"][()],
+            "tip": file["displacements/tip"][()],
+            "force": file["contact_forces/joint"][()],
+            "bolt": file["bolt_forces/bolt"][()],
+        }
+    expected = {
+        "states": solution.states,
+        "times": solution.times,
+        "max_pressure": solution.max_pressure,
+        "tip": solution.displacement("tip"),
+        "force": solution.contact_force("joint"),
+        "bolt": solution.bolt_force("bolt"),
+    }
+    for name, values in expected.items():
+        assert len(found[name]) == n_step + 1
+        # the same arithmetic; contact blocks may be solved from other factorizations
+        np.testing.assert_allclose(
+            found[name], values, rtol=0, atol=1e-10 * np.abs(values).max(), err_msg=name
+        )
+
+
+@pytest.mark.parametrize("integrator", [None, fy.GeneralizedAlpha(0.8)])
+def test_streamed_is_solved(rom, load, integrator, tmp_path):
+    solution = fy.solve_transient(rom, load, step=STEP, duration=100 * STEP, integrator=integrator)
+    path = fy.stream_transient(
+        rom, load, tmp_path / "long.h5", step=STEP, duration=100 * STEP, integrator=integrator
+    )
+    compare(path, solution, 100)
+
+
+def test_stopped_runs_keep_their_pieces_and_go_on(rom, load, tmp_path):
+    path = tmp_path / "long.h5"
+
+    steps = iter(range(1000))
+
+    def stop(done):
+        if next(steps) == 70:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fy.stream_transient(rom, load, path, step=STEP, duration=100 * STEP, progress=stop)
+    with h5py.File(path) as file:
+        assert not file.attrs["complete"]
+        assert len(file["times"]) == 61  # two whole pieces and the start
+    fy.stream_transient(rom, load, path, step=STEP, duration=100 * STEP, resume=True)
+    compare(path, fy.solve_transient(rom, load, step=STEP, duration=100 * STEP), 100)
+    # a finished run can be prolonged
+    fy.stream_transient(rom, load, path, step=STEP, duration=130 * STEP, resume=True)
+    compare(path, fy.solve_transient(rom, load, step=STEP, duration=130 * STEP), 130)
+
+
+def test_memory_does_not_grow_with_the_history(rom, load, tmp_path):
+    def peak(n_step):
+        tracemalloc.start()
+        fy.stream_transient(
+            rom, load, tmp_path / "long.h5", step=STEP, duration=n_step * STEP, fields=()
+        )
+        _, highest = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        return highest
+
+    peak(40)  # imports and caches
+    # five times the steps; what Python keeps for itself is some kilobytes
+    assert peak(500) < 1.1 * peak(100)
+
+
+def test_what_cannot_go_on_is_refused(rom, load, tmp_path):
+    path = tmp_path / "long.h5"
+    with pytest.raises(ModelError, match="no field 'stress'"):
+        fy.stream_transient(rom, load, path, step=STEP, duration=STEP, fields=("stress",))
+    fy.stream_transient(rom, load, path, step=STEP, duration=10 * STEP)
+    with pytest.raises(FormatError, match="has step 1e-05, expected 2e-05"):
+        fy.stream_transient(rom, load, path, step=2 * STEP, duration=20 * STEP, resume=True)
+    with pytest.raises(FormatError, match="cannot write"):
+        fy.stream_transient(rom, load, tmp_path / "no" / "a.h5", step=STEP, duration=STEP)
+
+
+def test_every_field_can_be_kept(rom, load, tmp_path):
+    path = tmp_path / "all.h5"
+    fy.stream_transient(rom, load, path, step=STEP, duration=5 * STEP, fields=tuple(FIELDS))
+    with h5py.File(path) as file:
+        assert {name: len(file[name]) for name in FIELDS} == dict.fromkeys(FIELDS, 6)
