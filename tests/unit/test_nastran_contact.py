@@ -118,7 +118,7 @@ REFUSED = [
     ((FACES, "BCTSET,4,5,6,,,,7"), "behind MAXD"),
     ((FACES, "BCTSET,4,5,6\n,51,61"), "leave that field blank"),
     ((SIMCENTER, "BCTPARM,4,FRICMOD,2"), FRICTION),
-    ((SIMCENTER, "BCTPARM,4,OFFSET,.1"), "OFFSET = .1 may change the contact"),
+    ((SIMCENTER, "BCTPARM,4,OFFSET,.1"), "OFFSET = .1 is not supported; give"),
     ((SIMCENTER, "BCTPARM,4,10.,PENN"), "is no parameter with its value"),
     ((SIMCENTER, "BCTPARA,4,TIED,1"), "glued contact"),
     ((SIMCENTER, "BCRPARA,5,TOP,.2"), "OFFSET of a contact region"),

@@ -190,6 +190,16 @@ class Card:
         """Return file:line and the name."""
         return self.cards.where(self.number)
 
+    def refuse_given(self, fields: Sequence[int]) -> None:
+        """Raise if one of the fields, which must be blank, is not."""
+        for field in fields:
+            if self.text(field):
+                text = (
+                    f"field {field % 8 + 2} holds '{self.text(field)}' but must be blank; are "
+                    "fields shifted?"
+                )
+                raise self.error(text, field)
+
     def refuse_non_zero(self, fields: Sequence[int], what: str, remedy: str) -> None:
         """Raise if one of the fields holds anything but zero."""
         for field in fields:

@@ -50,6 +50,7 @@ def read_msc_pairs(
     if not groups:
         return []
     for card in cards.get("BCPARA", ()):
+        card.integer(0, 0)
         read_parameters(card, 1, ignored)
     bodies = _bodies(cards)
     pairs: dict[tuple[int, int], Pair] = {}
@@ -137,15 +138,16 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
             groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
         elif not word and section == "primary":
             groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
-        elif not word and section == "secondary":
-            # The first of these rows holds ISEARCH, ICOORD, JGLUE; the others begin with a word.
-            if texts[1] in _SECTIONS:
-                section = "parameters"
-                ignored[f"BCTABLE {texts[1]}"] = None
-            elif texts[2] not in ("", "0"):
-                groups[-1].closing = f"{card.where()}: ICOORD = {texts[2]}"
-        elif not word and section == "parameters":
+        elif not word and section and texts[1] in _SECTIONS:
+            section = "parameters"
             ignored[f"BCTABLE {texts[1]}"] = None
+        elif not word and section == "secondary":
+            # ISEARCH, ICOORD, JGLUE
+            flags = [card.integer(first + j, 0) for j in (1, 2, 3)]
+            if flags[1]:
+                groups[-1].closing = f"{card.where()}: ICOORD = {texts[2]}"
+        elif not word and section == "parameters" and not texts[1]:
+            pass
         elif any(texts):
             text = f"'{word}' stands where SECNDRY or PRIMARY is expected"
             raise card.error(text, first)

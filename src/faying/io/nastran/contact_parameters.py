@@ -35,6 +35,7 @@ GAP_CLOSING = {"INIPENE": ("", "0", "1"), "ICOORD": ("", "0")}
 
 _WORDS = frozenset(("METHOD",))
 _FRICTION = frozenset(("FRIC", "MU", "FRICMOD"))
+_OFFSETS = frozenset(("CINTERF", "OFFSET", "PDEPTH"))
 _GLUE = frozenset(("IGLUE", "TIED"))
 
 
@@ -75,12 +76,12 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
                 closing = f"{card.where()}: {name} = {value}"
         elif name in _FRICTION or name in _GLUE:
             pass
-        elif name == "CINTERF" or name not in HARMLESS:
-            if zero:
-                continue
-            text = f"{name} = {value} may change the contact and is not supported; remove it" + (
-                ", and give 'initial_gap' in the study" if name in ("CINTERF", "OFFSET") else ""
-            )
+        elif name in _OFFSETS:
+            if not zero:
+                text = f"{name} = {value} is not supported; give 'initial_gap' in the study"
+                raise card.error(text, at)
+        elif name not in HARMLESS:
+            text = f"{name} = {value} may change the contact and is not supported; remove it"
             raise card.error(text, at)
         else:
             ignored[f"{card.cards.name} {name}"] = None

@@ -42,17 +42,24 @@ def _rigid(card: Card, grids: Grids) -> RigidCoupling:
 
 
 def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[int]:
-    """Return ids from fields with single numbers and ranges ``a THRU b`` or ``a THRU b BY n``.
+    """Return ids from fields with single numbers and ranges ``a THRU b``, with BY and EXCEPT.
 
-    Ranges keep their known ids only, if those are given.
+    ``a THRU b BY n`` takes every n-th id; EXCEPT takes those behind it out of the range before it,
+    up to the first one that lies outside. Ranges keep their known ids only, if those are given.
     """
     ids: list[int] = []
     i = 0
     while i < len(texts):
         value = numbers.integer(texts[i])
         if texts[i] == "THRU" and ids and i + 1 < len(texts):
-            ids += _range(card, ids[-1], texts[i:], known)
+            first, last = ids.pop(), numbers.integer(texts[i + 1]) or 0
+            inside = [first, *_range(card, first, texts[i:], known)]
             i += 4 if texts[i + 2 : i + 3] == ["BY"] else 2
+            if texts[i : i + 1] == ["EXCEPT"]:
+                out = _exceptions(card, texts[i + 1 :], first, last)
+                inside = [number for number in inside if number not in set(out)]
+                i += 1 + len(out)
+            ids += inside
             continue
         if value is None:
             text = f"'{texts[i]}' stands where an id is expected"
@@ -60,6 +67,23 @@ def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[
         ids.append(value)
         i += 1
     return ids
+
+
+def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
+    """Ids behind EXCEPT that lie in the range before it."""
+    out: list[int] = []
+    for text, following in zip(texts, [*texts[1:], ""], strict=True):
+        value = numbers.integer(text)
+        if value is None or not low <= value <= high:
+            break
+        if following == "THRU":
+            message = f"EXCEPT {value} THRU is not supported; list the ids"
+            raise card.error(message)
+        out.append(value)
+    if not out:
+        message = f"EXCEPT names no id of the range {low} THRU {high} before it"
+        raise card.error(message)
+    return out
 
 
 def _range(card: Card, first: int, texts: list[str], known: Indices | None) -> list[int]:
@@ -105,6 +129,7 @@ def read_average_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[Ave
 
 
 def _average(card: Card, grids: Grids) -> AverageCoupling:
+    card.refuse_given([1])
     reference = grids.one(card, 2)
     tied = components(card.text(3), card.error)
     texts = [text for text in card.texts[4:] if text]

@@ -36,8 +36,10 @@ def read_equations(cards: Mapping[str, Cards], grids: Grids, chosen: int | None)
 
 def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equation:
     # Each row of eight fields holds two terms G, C, A behind its first field.
-    places = [row + j for row in range(0, len(card), 8) for j in (1, 4)]
-    groups = [_term(card, grids, at) for at in places if card.text(at)]
+    rows = range(0, len(card), 8)
+    card.refuse_given([*(row for row in rows if row), *(row + 7 for row in rows)])
+    places = [row + j for row in rows for j in (1, 4)]
+    groups = [_term(card, grids, at) for at in places if any(card.texts[at : at + 3])]
     if not groups:
         text = "it has no terms"
         raise card.error(text)

@@ -43,11 +43,7 @@ def _set1(
     if "SKIN" in texts:
         ignored.append(f"SET1 {card.integer(0)} (SKIN is not supported)")
         return
-    excluded = texts.index("EXCEPT") if "EXCEPT" in texts else len(texts)
-    ids = np.setdiff1d(
-        np.array(id_list(card, texts[:excluded]), dtype=np.int64),
-        np.array(id_list(card, texts[excluded + 1 :]), dtype=np.int64),
-    )
+    ids = np.unique(np.array(id_list(card, texts), dtype=np.int64))
     index = grids.index(ids)
     if len(ids) and (index >= 0).all():
         _extend(node_sets, name, index)

@@ -16,6 +16,7 @@ from faying.io.nastran.source import Lines
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
 _COLUMNS = 80
+_DATA = 72
 _Letters = npt.NDArray[np.uint8]
 
 
@@ -51,6 +52,7 @@ def read_cards(lines: Lines) -> Bulk:
         message = f"{lines.where(int(kept[0]))}: a continuation line without a card above it"
         raise FormatError(message)
     _check_markers(letters, continued, free, kept, lines)
+    _check_straddling(letters, continued, free, kept, lines)
     large = (head == _STAR).any(axis=1)
     count = np.where(large, 4, 8) + _padding(large, continued)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
@@ -88,6 +90,13 @@ def _letters(text: list[bytes]) -> _Letters:
 def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
     """Name and exactly eight (large: four) data fields of a free-field line."""
     parts = [part.strip() for part in line.split(b",")]
+    if len(parts[0]) > 8 or b" " in parts[0]:
+        shown = parts[0][:24].decode("latin-1")
+        message = (
+            f"{lines.where(i)}: a comma behind '{shown}' in a line of fixed fields; write points "
+            "for decimal commas, or separate all fields by commas"
+        )
+        raise FormatError(message)
     size = 4 if b"*" in parts[0] else 8
     extra = [part for part in parts[size + 1 :] if part]
     if len(extra) > 1 or (extra and (len(parts) > size + 2 or extra[0][:1] not in b"+*")):
@@ -116,6 +125,30 @@ def _check_markers(
             "differs); put continuation lines directly below their card"
         )
         raise FormatError(message)
+
+
+def _check_straddling(
+    letters: _Letters, continued: Mask, free: Mask, kept: Indices, lines: Lines
+) -> None:
+    """Refuse numbers that run over column 72, whose last digits would be lost.
+
+    A continuation that repeats columns 73 to 80 shows that they hold its mark.
+    """
+    tail, last = letters[:, _DATA], letters[:, _DATA - 1]
+    digit = ((tail >= ord("0")) & (tail <= ord("9"))) | (tail == ord("."))
+    over = np.flatnonzero(digit & (last != _BLANK) & ~free)
+    for i in over.tolist():
+        mark = letters[i, _DATA:].tobytes().strip()
+        below = (
+            letters[i + 1, :8].tobytes().strip(b"+* ") if continued[i + 1 : i + 2].any() else b""
+        )
+        if below != mark:
+            shown = letters[i, _DATA - 8 :].tobytes().decode("latin-1").strip()
+            message = (
+                f"{lines.where(int(kept[i]))}: '{shown}' runs over column {_DATA}, where the data "
+                "fields end; are fields shifted?"
+            )
+            raise FormatError(message)
 
 
 def _padding(large: Mask, continued: Mask) -> Indices:
