@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.io.extrn import read_extrn
 
 _Rows = list[tuple[int, list[str]]]
 
@@ -30,13 +31,16 @@ def read_node_table(path: str | PathLike[str]) -> tuple[Indices, Matrix]:
 def read_dof_table(path: str | PathLike[str]) -> Indices:
     """Return (n, 2) node id and component 1..6 of each matrix row, from rows of the same.
 
-    Files are those of :func:`read_node_table`.
+    Files are those of :func:`read_node_table`, or the ``.pch`` of an external superelement of
+    Nastran with its EXTRN card.
 
     Raises
     ------
     FormatError
         Naming the file and line.
     """
+    if Path(path).suffix.lower() == ".pch" and Path(path).is_file():
+        return read_extrn(Path(path))
     table = _numbers(Path(path), "dof table", ("node", "component"))
     return _whole(table, Path(path), "dof table entry")
 
