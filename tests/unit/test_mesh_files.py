@@ -5,6 +5,7 @@ from dataclasses import replace
 import meshio
 import numpy as np
 import pytest
+from meshio._mesh import topological_dimension
 
 from faying.exceptions import FormatError, ModelError
 from faying.io.mesh_files import read_mesh_file
@@ -17,6 +18,8 @@ from faying.model.separate import separated
 from faying.model.specs import BoundarySpec, InterfaceSpec
 from faying.simulation.load import Load
 from faying.simulation.static import solve_static
+
+topological_dimension.setdefault("wedge15", 3)  # as the reader does
 
 STEEL = Material(name="default", youngs_modulus=210e3, poissons_ratio=0.29, density=7.82e-9)
 MATERIALS = {"default": STEEL}

@@ -134,7 +134,10 @@ def _read(path: Path) -> Any:
         raise FormatError(message)
     _check_whole(path)
     import meshio
+    from meshio._mesh import topological_dimension
 
+    # meshio 5.3.5 reads fifteen-node wedges but forgot that they are solids.
+    topological_dimension.setdefault("wedge15", 3)
     said = io.StringIO()
     try:
         with (
