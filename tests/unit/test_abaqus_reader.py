@@ -429,6 +429,22 @@ def test_parts_and_instances(read):
     assert held == {1, 2, 3, 4, 18}
 
 
+def test_sides_of_triangles_and_quadrilaterals_are_told_by_their_nodes(read):
+    # A wedge under a brick on one side, so that the slave has both kinds of facets.
+    wedge = "*ELEMENT, TYPE=C3D6, ELSET=LOWER\n6, 21, 22, 23, 25, 26, 27\n*ELEMENT, TYPE=B31"
+    places = ["2., 0., 0.", "4., 0., 0.", "2., 3., 0.", "2., 0., 1.", "4., 0., 1.", "2., 3., 1."]
+    nodes = "".join(f"{i}, {p}\n" for i, p in zip((21, 22, 23, 25, 26, 27), places, strict=True))
+    text = edited(
+        ("100, 1., 1.5, 3.", nodes + "100, 1., 1.5, 3."),
+        ("*ELEMENT, TYPE=B31", wedge),
+        ("LOWER, S2", "LOWER, S2"),
+    )
+    described = read(text)
+    assert "SLAVE" not in described.assembly.face_sets
+    assert len(described.assembly.mesh.node_sets["SLAVE"]) == 7
+    fy.build_model(described.assembly, interfaces=described.interfaces, bolts=described.bolts)
+
+
 def test_harmless_keywords_are_listed_once(small):
     ignored = small.assembly.ignored
     assert "1 *HEADING" in ignored
@@ -461,6 +477,10 @@ REFUSED = [
     (edited(("210000., 0.3", "210000., 0.3, 20.\n200000., 0.3, 90.")), r"depend on temperature"),
     (edited(("210000., 0.3", "210000., 0.5")), r":44: \*MATERIAL: .*Poisson's ratio is 0.5"),
     (edited(("*ELASTIC", "*ELASTIC, TYPE=ORTHO")), r"only isotropic"),
+    (edited(("*DENSITY", "*ELASTIC\n1., 0.\n*DENSITY")), r"the \*MATERIAL above has one already"),
+    (edited(("*MASS", "*SPRING, ELSET=STICK\n1, 1\n5.\n*MASS")),
+     r"spring 4 has a stiffness already"),
+    (edited(("*MATERIAL", "*MASS, ELSET=TIP\n5.\n*MATERIAL")), r"element 5 has a value already"),
     (edited(("*DENSITY", "*PLASTIC\n300., 0.\n*DENSITY")), r"\*PLASTIC: .*linear elastic"),
     (edited(("ELSET=BRICKS, MATERIAL", "ELSET=LOWER, MATERIAL")),
      r":29: .*element 2 has no \*SOLID"),

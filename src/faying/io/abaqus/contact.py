@@ -19,7 +19,7 @@ from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import exterior_facets
 
-MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE", "CONTACT CONTROLS")
+MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
 _FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
 
 
@@ -64,7 +64,8 @@ def _pairs(
 ) -> list[Pair]:
     keyword.allow("INTERACTION", "TYPE", "SMALL SLIDING", "ADJUST", "EXTENSION ZONE", "CPSET",
                   "MECHANICAL CONSTRAINT", "GEOMETRIC CORRECTION", "SMOOTH", "HCRIT", "TRACKING",
-                  "SUPPLEMENTARY CONSTRAINTS", "SLIDING TRANSITION")  # fmt: skip
+                  "SUPPLEMENTARY CONSTRAINTS", "SLIDING TRANSITION",
+        "NO THICKNESS")  # fmt: skip
     name = keyword.required("INTERACTION")
     if name.upper() not in behaviours:
         message = f"there is no *SURFACE INTERACTION '{name}'; define it or correct the name"

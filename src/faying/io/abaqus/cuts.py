@@ -38,7 +38,9 @@ class Cut:
         Unit vector from the side that owns the surface to the side beyond.
     area : [length²]
     ends
-        Two new nodes whose first components move apart as the sides do.
+        Two new nodes that move apart as the sides do, along ``component``.
+    component
+        The one the normal is nearest to.
     owner
         Id of one element beside the section.
     """
@@ -49,6 +51,7 @@ class Cut:
     normal: Vector
     area: float
     ends: tuple[int, int]
+    component: int
     owner: int
 
 
@@ -81,6 +84,7 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
     if not area > 0:
         message = f"surface '{surface.name}' has no area as a whole; a section is nearly flat"
         raise section.keyword.error(message)
+    normal = _direction(section, vector / area)
     centre = mesh.nodes[kept].mean(axis=0)
     changed = replace(
         mesh,
@@ -92,9 +96,10 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
         section=section,
         kept=kept,
         copies=copy_of[kept],
-        normal=_direction(section, vector / area),
+        normal=normal,
         area=area,
         ends=ends,
+        component=int(np.abs(normal).argmax()),
         owner=int(surface.elements[0]),
     )
 
@@ -175,7 +180,11 @@ def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
         for kept, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
             for c in range(3):
                 number += 1
-                terms = ((copy, c, 1.0), (kept, c, -1.0), (moving, 0, float(cut.normal[c])))
+                terms = (
+                    (copy, c, 1.0),
+                    (kept, c, -1.0),
+                    (moving, cut.component, float(cut.normal[c])),
+                )
                 equations.append(
                     Equation(id=number, terms=tuple(term for term in terms if term[2] != 0.0))
                 )
@@ -183,7 +192,7 @@ def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
         springs.append(
             Spring(
                 id=spring_id,
-                ends=((fixed, 0), (moving, 0)),
+                ends=((fixed, cut.component), (moving, cut.component)),
                 stiffness=STIFFNESS_FACTOR * _layer_stiffness(assembly, cut),
             )
         )
@@ -191,7 +200,7 @@ def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
             Support(
                 id=len(assembly.supports) + len(supports) + 1,
                 nodes=np.array([fixed]),
-                components=(0,),
+                components=(cut.component,),
             )
         )
     return replace(

@@ -63,13 +63,16 @@ class Deck:
         Raises
         ------
         FormatError
-            If a member follows no head.
+            If a member follows no head, or one head twice.
         """
         found: list[tuple[Keyword, list[Keyword]]] = []
         for keyword in self.keywords:
             if keyword.name == head:
                 found.append((keyword, []))
             elif keyword.name in members and found:
+                if any(other.name == keyword.name for other in found[-1][1]):
+                    message = f"the *{head} above has one already; remove one of them"
+                    raise keyword.error(message)
                 found[-1][1].append(keyword)
             elif keyword.name in members:
                 message = f"it must follow *{head}"

@@ -65,7 +65,7 @@ def last_given(deck: Deck, dofs: Dofs) -> Forces:
 
 
 def _steps(deck: Deck, dofs: Dofs, ignored: list[str]) -> Iterator[tuple[bool, Forces]]:
-    """Forces that each step names, and whether it removes earlier ones."""
+    """Yield for each step whether it removes earlier forces, and those it names."""
     for step in range(deck.n_step + 1):
         here: Forces = {}
         new = False

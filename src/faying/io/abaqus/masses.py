@@ -26,6 +26,10 @@ def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[Poi
     inertias: dict[int, Tensor] = {}
     for keyword in deck.of("MASS", "ROTARY INERTIA"):
         ids = sets.find(keyword, keyword.required("ELSET")).tolist()
+        again = [i for i in ids if i in (values if keyword.name == "MASS" else inertias)]
+        if again:
+            message = f"element {again[0]} has a value already; remove one of them"
+            raise keyword.error(message)
         if keyword.name == "MASS":
             values.update(dict.fromkeys(ids, _mass(keyword)))
         else:

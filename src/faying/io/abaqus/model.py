@@ -181,6 +181,10 @@ def check_supported(deck: Deck, ignored: list[str]) -> None:
             raise keyword.error(message)
         counts[keyword.name] = counts.get(keyword.name, 0) + 1
     ignored += [f"{count} *{name}" for name, count in counts.items()]
+    if any(
+        k.choice("NLGEOM", "NO") != "NO" or k.value("NLGEOM", "-") == "" for k in deck.of("STEP")
+    ):
+        ignored.append("NLGEOM of *STEP: displacements are small here")
 
 
 def _loads(deck: Deck, forces: np.typing.NDArray[np.float64]) -> dict[str, NodalLoads]:

@@ -78,5 +78,5 @@ def _groups(
     if keyword.has("ELSET"):
         ids = by_element.find(keyword, keyword.required("ELSET"))
         parts = [b.nodes[np.isin(b.ids, ids)].ravel() for b in elements.blocks]
-        groups.append((np.unique(np.concatenate(parts)), tuple(range(3))))
+        groups.append((np.unique(np.concatenate(parts)), tuple(range(6))))
     return groups

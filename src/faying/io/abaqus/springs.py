@@ -26,10 +26,13 @@ def read_springs(
     FormatError
         Naming the line of a nonlinear or inclined spring, or one without *SPRING.
     """
-    stiffness = {}
+    stiffness: dict[int, Keyword] = {}
     for keyword in deck.of("SPRING"):
         keyword.allow("ELSET")
         for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
+            if element_id in stiffness:
+                message = f"spring {element_id} has a stiffness already; remove one of them"
+                raise keyword.error(message)
             stiffness[element_id] = keyword
     for block in elements.of("SPRING1", "SPRING2", "SPRINGA"):
         for i, element_id in enumerate(block.ids.tolist()):
