@@ -277,14 +277,14 @@ def _of_kinds(
         gap -= _arc(plus, nodes, segments.plus, other, normals[1])
     linear = minus.linear
     linear = np.pad(linear, ((0, 0), (0, 0), (0, 4 - linear.shape[2])))
-    weighted = size[..., None] * linear
+    weighted = (size[..., None] * linear).transpose(0, 2, 1)
     return _Integrals(
         rows=rows,
-        minus=np.einsum("nqa,nqb->nab", weighted, minus.shape),
-        plus=np.einsum("nqa,nqb->nab", weighted, plus.shape),
-        mass=np.einsum("nqa,nqb->nab", weighted, linear),
-        weight=weighted.sum(axis=1),
-        gap=np.einsum("nqa,nq->na", weighted, gap),
+        minus=weighted @ minus.shape,
+        plus=weighted @ plus.shape,
+        mass=weighted @ linear,
+        weight=weighted.sum(axis=2),
+        gap=np.einsum("naq,nq->na", weighted, gap),
     )
 
 

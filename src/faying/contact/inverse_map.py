@@ -1,11 +1,15 @@
 """Reference coordinates of points that are given in the plane of a facet."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from faying._typing import Matrix
 from faying.contact.facets import shape_functions, shape_gradients
 from faying.exceptions import ModelError
 from faying.model.surface import N_CORNERS
+
+_Position = Callable[[Matrix], tuple[Matrix, Matrix]]
 
 _LIMIT = 25
 """Newton steps; a parallelogram takes one, a distorted facet four or five."""
@@ -42,26 +46,25 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     """
     corner = 2 if N_CORNERS[kind] == 3 else 3
     affine = np.stack([nodes[:, 1] - nodes[:, 0], nodes[:, corner] - nodes[:, 0]], axis=-1)
-    place: Matrix = np.einsum("nij,nqj->nqi", np.linalg.inv(affine), points - nodes[:, None, 0])
+    first = (points - nodes[:, None, 0]) @ np.linalg.inv(affine).transpose(0, 2, 1)
     if kind == "tri3":
-        return place
+        return np.asarray(first)
+    position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)
+    # Components first: arrays of pairs are slow to work on.
+    wanted, place = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
     for _ in range(_LIMIT):
-        flat = place.reshape(-1, 2)
-        shape = shape_functions(kind, flat).reshape(*place.shape[:2], -1)
-        gradients = shape_gradients(kind, flat).reshape(*place.shape[:2], -1, 2)
-        missing = points - np.einsum("nqa,nad->nqd", shape, nodes)
-        tangents = np.einsum("nqaj,nad->nqdj", gradients, nodes)
+        here, tangents = position(place)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = _solved(tangents, missing)
+            step = _solved(tangents, wanted - here)
         place = place + step
         if not np.isfinite(place).all():
             break
         if np.abs(step).max(initial=0.0) < _CLOSE:
-            return place
+            return np.moveaxis(place, 0, 2)
     largest = 1e3 * _CLOSE
     if np.isfinite(place).all() and np.abs(step).max() < largest:
-        return place
-    row = int(np.nan_to_num(np.abs(step), nan=np.inf).max(axis=(1, 2)).argmax())
+        return np.moveaxis(place, 0, 2)
+    row = int(np.nan_to_num(np.abs(step), nan=np.inf).max(axis=(0, 2)).argmax())
     message = (
         f"a {kind} facet of {np.ptp(nodes[row], axis=0).max():g} in size folds over itself where "
         "the other side lies on it; repair the mesh there"
@@ -69,11 +72,36 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     raise ModelError(message)
 
 
+def _interpolated(kind: str, nodes: Matrix) -> _Position:
+    """Positions (2, n, n_q) and tangents (2, 2, n, n_q) at reference coordinates (2, n, n_q)."""
+
+    def position(place: Matrix) -> tuple[Matrix, Matrix]:
+        flat = np.moveaxis(place, 0, 2).reshape(-1, 2)
+        shape = shape_functions(kind, flat).reshape(*place.shape[1:], -1)
+        gradients = shape_gradients(kind, flat).reshape(*place.shape[1:], -1, 2)
+        tangents = np.stack([gradients[..., i] @ nodes for i in range(2)])
+        return np.moveaxis(shape @ nodes, 2, 0), np.moveaxis(tangents, 3, 0)
+
+    return position
+
+
+def _bilinear(nodes: Matrix) -> _Position:
+    """Spell out the same for quad4, of which there are the most."""
+    first, second, third, fourth = np.moveaxis(nodes[..., None], (1, 2), (0, 1))
+    along, across = second - first, fourth - first
+    twist = first - second + third - fourth
+
+    def position(place: Matrix) -> tuple[Matrix, Matrix]:
+        xi, eta = place
+        right, up = along + twist * eta, across + twist * xi
+        return first + right * xi + across * eta, np.stack([right, up], axis=1)
+
+    return position
+
+
 def _solved(tangents: Matrix, right: Matrix) -> Matrix:
-    """Solve 2 × 2 systems (n, n_q, 2, 2) by Cramer's rule."""
-    (a, b), (c, d) = np.moveaxis(tangents, (-2, -1), (0, 1))
-    x, y = np.moveaxis(right, -1, 0)
-    solution: Matrix = (
-        np.stack([d * x - b * y, a * y - c * x], axis=-1) / (a * d - b * c)[..., None]
-    )
+    """Solve 2 × 2 systems (2, 2, n, n_q) by Cramer's rule."""
+    (a, b), (c, d) = tangents
+    x, y = right
+    solution: Matrix = np.stack([d * x - b * y, a * y - c * x]) / (a * d - b * c)
     return solution
