@@ -1,0 +1,136 @@
+"""A small joint as FMU, and what compares it with our integrators; for the tests of FMUs."""
+
+import ctypes
+
+import fmpy
+import numpy as np
+from fmpy import fmi2, fmi3
+
+import faying as fy
+from faying.export.hand_over import hand_over_of
+
+STEP = 1e-5
+N_STEP = 40
+FORCES = {"tip.Fz": -500.0, "tip.Mx": 20e3}
+
+EQUAL = 1e-9
+"""Relative. Both solve every step to round-off; what is left is round-off times the condition of
+the contact problem, measured 1e-11 at most."""
+
+BOLT = ("bolt.initial_force", float)
+
+
+def handed_over(**parameters):
+    model = fy.lap_joint(
+        element_size=5.0, damping=fy.Rayleigh(alpha=160.0, beta=5e-7), **parameters
+    )
+    joint = fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking())
+    basis = fy.craig_bampton(joint, normal_modes=8)
+    return hand_over_of(fy.reduce(joint, basis, compliance=True), title="lap joint")
+
+
+def outputs(system):
+    """Output name to what a solution of ours has in its place."""
+    found = {
+        f"tip.{name}": lambda solution, i=i: solution.displacement("tip")[..., i]
+        for i, name in enumerate(("ux", "uy", "uz", "rx", "ry", "rz"))
+    }
+    return found | {
+        "tip.vz": lambda solution: solution.velocities[..., system.boundaries["tip"].dofs[2]],
+        "bolt.force": lambda solution: solution.bolt_force("bolt"),
+        "joint.contact_force": lambda solution: solution.contact_force("joint"),
+        "joint.max_pressure": lambda solution: solution.max_pressure,
+        "joint.open_fraction": lambda solution: solution.open_fraction("joint"),
+        "modal.a[1]": lambda solution: solution.accelerations[..., 0],
+    }
+
+
+def held(time, forces, initial_force):
+    """Input table of fmpy: all inputs, those not named are zero."""
+    names = ["tip.Fx", "tip.Fy", "tip.Fz", "tip.Mx", "tip.My", "tip.Mz"]
+    columns = [np.broadcast_to(forces.get(name, 0.0), np.shape(time)) for name in names]
+    columns.append(np.full(np.shape(time), initial_force))
+    table = np.zeros(len(time), dtype=[("time", float), *((n, float) for n in names), BOLT])
+    table["time"] = time
+    for name, column in zip([*names, BOLT[0]], columns, strict=True):
+        table[name] = column
+    return table
+
+
+def assert_equal(result, solution, chosen, every=1):
+    for name, value in chosen.items():
+        ours = value(solution)[::every]
+        scale = np.abs(ours).max()
+        # Lateral motions vanish by symmetry but for round-off.
+        scale = max(scale, 1e-3 * np.abs(solution.displacement("tip")).max())
+        np.testing.assert_allclose(result[name], ours, rtol=0, atol=EQUAL * scale, err_msg=name)
+
+
+def simulate(place, table, start, *, interval=STEP, count=N_STEP, **options):
+    return fmpy.simulate_fmu(
+        str(place),
+        stop_time=STEP * count,
+        output_interval=interval,
+        input=table,
+        start_values={"step_size": STEP, "start_loaded": False, **start},
+        **options,
+    )
+
+
+class Instance:
+    """One instance of an FMU under direct control."""
+
+    def __init__(self, place, version):
+        self.description = fmpy.read_model_description(str(place))
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.version = version
+        kind = fmi2.FMU2Slave if version == 2 else fmi3.FMU3Slave
+        self.fmu = kind(
+            guid=self.description.guid,
+            unzipDirectory=str(place),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="joint",
+        )
+        self.fmu.instantiate()
+
+    def start(self, time=0.0, **parameters):
+        if self.version == 2:
+            self.fmu.setupExperiment(startTime=time)
+        for name, value in {"step_size": STEP, **parameters}.items():
+            self.set(name, value)
+        if self.version == 2:
+            self.fmu.enterInitializationMode()
+        else:
+            self.fmu.enterInitializationMode(startTime=time)
+        self.fmu.exitInitializationMode()
+        self.time = time
+
+    def set(self, name, value):
+        reference = [self.references[name]]
+        if isinstance(value, bool):
+            self.fmu.setBoolean(reference, [value])
+        elif isinstance(value, int):
+            (self.fmu.setInteger if self.version == 2 else self.fmu.setInt32)(reference, [value])
+        else:
+            (self.fmu.setReal if self.version == 2 else self.fmu.setFloat64)(reference, [value])
+
+    def set_rate(self, name, value):
+        reference = (ctypes.c_uint * 1)(self.references[name])
+        order, rate = (ctypes.c_int * 1)(1), (ctypes.c_double * 1)(value)
+        self.fmu.fmi2SetRealInputDerivatives(self.fmu.component, reference, 1, order, rate)
+
+    def get(self, *names):
+        getter = self.fmu.getReal if self.version == 2 else self.fmu.getFloat64
+        return getter([self.references[name] for name in names])
+
+    def run(self, count, force, length=STEP):
+        seen = []
+        for step in range(count):
+            self.set("tip.Fz", force * np.cos(step))
+            self.fmu.doStep(self.time, length)
+            self.time += length
+            seen.append(self.get("tip.uz", "tip.vz", "bolt.force", "joint.max_pressure"))
+        return np.array(seen)
+
+    def close(self):
+        self.fmu.freeInstance()
