@@ -1,4 +1,4 @@
-"""A small deck with one of almost everything, for tests of the reader."""
+"""Small decks for tests of the reader: one of almost everything, parts, a solid bolt."""
 
 # Two bricks on top of each other, a bolt of one beam beside them, a load at a coupled node.
 DECK = """\
@@ -90,5 +90,111 @@ BEAM, 100, 103
 100, 3, -7.
 *NODE FILE
 U
+*END STEP
+"""
+
+# The same brick twice, moved and turned.
+PARTS = """\
+*HEADING
+*PART, NAME=Brick
+*NODE
+1, 0., 0., 0.
+2, 2., 0., 0.
+3, 2., 3., 0.
+4, 0., 3., 0.
+5, 0., 0., 1.
+6, 2., 0., 1.
+7, 2., 3., 1.
+8, 0., 3., 1.
+*ELEMENT, TYPE=C3D8, ELSET=All
+1, 1, 2, 3, 4, 5, 6, 7, 8
+*SURFACE, NAME=Over
+All, S2
+*SURFACE, NAME=Under
+All, S1
+*SOLID SECTION, ELSET=All, MATERIAL=Steel
+*END PART
+*ASSEMBLY, NAME=Both
+*INSTANCE, NAME=Low, PART=Brick
+*END INSTANCE
+*INSTANCE, NAME=High, PART=Brick
+-3., 0., 1.
+0., 0., 0., 0., 0., 1., -90.
+*END INSTANCE
+*NODE
+1, 0., 0., 5.
+*NSET, NSET=Held, INSTANCE=Low
+1, 2, 3, 4
+*NSET, NSET=Mixed
+Low.1, High.5, Held
+*NSET, NSET=Point
+1,
+*END ASSEMBLY
+*MATERIAL, NAME=Steel
+*ELASTIC
+210000., 0.3
+*SURFACE INTERACTION, NAME=Joint
+*CONTACT PAIR, INTERACTION=Joint
+Low.Over, High.Under
+*BOUNDARY
+Held, ENCASTRE
+High.8, 1
+*STEP
+*STATIC
+*CLOAD
+High.5, 3, 2.
+*END STEP
+"""
+
+# A brick shank in two halves beside a wall.
+SHANK = """\
+*NODE
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 2.
+6, 1., 0., 2.
+7, 1., 1., 2.
+8, 0., 1., 2.
+9, 0., 0., 3.
+10, 1., 0., 3.
+11, 1., 1., 3.
+12, 0., 1., 3.
+21, 1., 0., 0.
+22, 2., 0., 0.
+23, 2., 1., 0.
+24, 1., 1., 0.
+25, 1., 0., 2.
+26, 2., 0., 2.
+27, 2., 1., 2.
+28, 1., 1., 2.
+99, 0., 0., 0.
+*ELEMENT, TYPE=C3D8, ELSET=BOLT
+1, 1, 2, 3, 4, 5, 6, 7, 8
+2, 5, 6, 7, 8, 9, 10, 11, 12
+*ELEMENT, TYPE=C3D8, ELSET=WALL
+3, 21, 22, 23, 24, 25, 26, 27, 28
+*MATERIAL, NAME=M
+*ELASTIC
+1000., 0.
+*SOLID SECTION, ELSET=BOLT, MATERIAL=M
+*SOLID SECTION, ELSET=WALL, MATERIAL=M
+*SURFACE, NAME=CUT
+1, S2
+*SURFACE, NAME=SIDE
+1, S4
+*SURFACE, NAME=OTHER
+3, S6
+*SURFACE INTERACTION, NAME=J
+*CONTACT PAIR, INTERACTION=J
+SIDE, OTHER
+*PRE-TENSION SECTION, SURFACE=CUT, NODE=99
+*BOUNDARY
+1, 1, 3
+*STEP
+*STATIC
+*CLOAD
+99, 1, 10.
 *END STEP
 """

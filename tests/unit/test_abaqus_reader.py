@@ -8,7 +8,7 @@ from faying.exceptions import FormatError
 from faying.io.abaqus import read_deck, read_joint
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices
-from small_abaqus_deck import DECK
+from small_abaqus_deck import DECK, PARTS, SHANK
 
 
 @pytest.fixture
@@ -357,59 +357,6 @@ def test_pressure_and_gravity_add_up(read):
     assert of[100][2] == -7.0
 
 
-PARTS = """\
-*HEADING
-*PART, NAME=Brick
-*NODE
-1, 0., 0., 0.
-2, 2., 0., 0.
-3, 2., 3., 0.
-4, 0., 3., 0.
-5, 0., 0., 1.
-6, 2., 0., 1.
-7, 2., 3., 1.
-8, 0., 3., 1.
-*ELEMENT, TYPE=C3D8, ELSET=All
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*SURFACE, NAME=Over
-All, S2
-*SURFACE, NAME=Under
-All, S1
-*SOLID SECTION, ELSET=All, MATERIAL=Steel
-*END PART
-*ASSEMBLY, NAME=Both
-*INSTANCE, NAME=Low, PART=Brick
-*END INSTANCE
-*INSTANCE, NAME=High, PART=Brick
--3., 0., 1.
-0., 0., 0., 0., 0., 1., -90.
-*END INSTANCE
-*NODE
-1, 0., 0., 5.
-*NSET, NSET=Held, INSTANCE=Low
-1, 2, 3, 4
-*NSET, NSET=Mixed
-Low.1, High.5, Held
-*NSET, NSET=Point
-1,
-*END ASSEMBLY
-*MATERIAL, NAME=Steel
-*ELASTIC
-210000., 0.3
-*SURFACE INTERACTION, NAME=Joint
-*CONTACT PAIR, INTERACTION=Joint
-Low.Over, High.Under
-*BOUNDARY
-Held, ENCASTRE
-High.8, 1
-*STEP
-*STATIC
-*CLOAD
-High.5, 3, 2.
-*END STEP
-"""
-
-
 def test_parts_and_instances(read):
     described = read(PARTS)
     mesh = described.assembly.mesh
@@ -443,6 +390,37 @@ def test_sides_of_triangles_and_quadrilaterals_are_told_by_their_nodes(read):
     assert "SLAVE" not in described.assembly.face_sets
     assert len(described.assembly.mesh.node_sets["SLAVE"]) == 7
     fy.build_model(described.assembly, interfaces=described.interfaces, bolts=described.bolts)
+
+
+def test_a_section_through_solids_doubles_its_nodes(read):
+    described = read(SHANK)
+    assembly = described.assembly
+    lower, upper = assembly.mesh.blocks[0].nodes
+    assert not np.intersect1d(lower, upper).size
+    np.testing.assert_array_equal(assembly.mesh.nodes[lower[4:]], assembly.mesh.nodes[upper[:4]])
+    assert set(assembly.mesh.node_ids[upper[:4]]) == {5, 6, 7, 8}
+    (spring,) = assembly.springs
+    # Ten thousand times E A / h of the brick below: 1000 x 1 / 2.
+    assert spring.stiffness == pytest.approx(1e4 * 500.0)
+    assert described.bolts == (fy.BoltSpec(name="CUT", elements=(spring.id,)),)
+    assert described.preloads == {"CUT": 10.0}
+    # The face of a contact pair beside the cut moves with the brick that owns the cut.
+    assert set(assembly.face_sets["SIDE"].nodes[0]) <= set(lower)
+
+
+CUTS_REFUSED = [
+    (("1, S2\n", "1, S4\n"), "does not cut the solids it lies in"),
+    (("*CONTACT PAIR, INTERACTION=J\nSIDE, OTHER\n", ""), r"must define contact by \*CONTACT PAIR"),
+    (("NODE=99\n", "NODE=99\n1., 0., 0.\n"), "the direction is zero or lies in the section"),
+    (("SURFACE=CUT", "SURFACE=GASH"), "no surface 'GASH'"),
+    (("SURFACE=CUT,", "SURFACE=CUT, ELEMENT=1,"), "either SURFACE= or ELEMENT="),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), CUTS_REFUSED)
+def test_sections_that_cut_nothing_are_refused(read, change, message):
+    with pytest.raises(FormatError, match=message):
+        read(edited(change, text=SHANK))
 
 
 def test_harmless_keywords_are_listed_once(small):

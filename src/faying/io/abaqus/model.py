@@ -124,6 +124,12 @@ def _cut(
             raise section.keyword.error(message)
         mesh, cut = cut_mesh(mesh, section, surface)
         cuts.append(cut)
+    if cuts and not deck.of("CONTACT PAIR"):
+        message = (
+            "solids are cut here, so the deck must define contact by *CONTACT PAIR: faces found "
+            "automatically would be those of the cut too"
+        )
+        raise cuts[0].section.keyword.error(message)
     if cuts:
         ignored.append(
             "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, for minus = "
