@@ -3,6 +3,7 @@
 import contextlib
 import random
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -159,3 +160,51 @@ def test_digits_beyond_the_data_columns_are_refused(tmp_path: Path) -> None:
     # The same characters are a mark where the continuation repeats them.
     path.write_text(f"GRID,1\n{line}      .27\n+7{below[2:]}\n")
     assert read_joint(path).assembly.mesh.nodes.shape == (1, 3)
+
+
+def rewritten(line: str, form: str, rng: random.Random) -> str:
+    """A free-field line in small, large or free field, aligned and marked at random."""
+    name, *fields = line.split(",")
+    fields += [""] * (8 - len(fields))
+    if form == "free":
+        return line
+    wide = 16 if form == "large" else 8
+    texts = ["".join(rng.choice((text.ljust, text.rjust))(wide)) for text in fields]
+    head = name or rng.choice(["", "+"])
+    if form == "small":
+        return (head.ljust(8) + "".join(texts)).rstrip() or "+"
+    first = (f"{name}*" if name else "*").ljust(8) + "".join(texts[:4])
+    return f"{first}\n{'*'.ljust(8)}{''.join(texts[4:])}".rstrip()
+
+
+def same(one, other) -> bool:
+    """Whether two values are equal, field by field."""
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, other)
+    if hasattr(one, "__dataclass_fields__"):
+        return all(same(getattr(one, key), getattr(other, key)) for key in vars(one))
+    if isinstance(one, Mapping):
+        return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(same, one, other))
+    return bool(one == other)
+
+
+@fuzzed
+@given(seed=st.integers(0, 2**32 - 1), subcase=st.sampled_from(SUBCASES))
+def test_the_form_of_the_fields_does_not_matter(tmp_path: Path, seed: int, subcase: int) -> None:
+    rng = random.Random(seed)
+    path, lines = tmp_path / "a.bdf", []
+    for line in BULK.splitlines():
+        lines.append(rewritten(line, rng.choice(["free", "small", "large"]), rng))
+        if rng.random() < 0.1:
+            lines.append(rng.choice(["$ a comment", "", "$"]))
+    (tmp_path / "part.inc").write_text("\n".join(lines[90:]))
+    # The rest of the deck, and part of case control, come from other files.
+    control = CONTROL.replace("BEGIN BULK\n", "")
+    (tmp_path / "control.inc").write_text(control[control.index("SUBCASE 1") :])
+    head = control[: control.index("SUBCASE 1")] + "INCLUDE 'control.inc'\nBEGIN BULK\n"
+    path.write_text(head + "\n".join(lines[:90]) + "\nINCLUDE part.inc\nENDDATA\n")
+    found = read_joint(path, subcase=subcase)
+    path.write_text(CONTROL + BULK)
+    assert same(found, read_joint(path, subcase=subcase))

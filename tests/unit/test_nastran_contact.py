@@ -199,6 +199,9 @@ def test_triangles_and_quadrilaterals_in_one_region(tmp_path: Path) -> None:
     assert joint.assembly.mesh.node_ids[joint.assembly.mesh.node_sets["bsurfs:5"]].tolist() == [
         *(5, 6, 7, 8, 10)
     ]
+    # Not in contact, it is a set to be named in a study, or listed.
+    path.write_text(text.replace("BCTSET,4,5,6\n", ""))
+    assert "bsurfs:5" in read_joint(path).assembly.mesh.node_sets
     # With a second brick's side in between, the nodes of the region would span that too.
     path.write_text(text.replace("BSURFS,5,,,,1,5,6,7", "BSURFS,5,,,,1,5,6,7\n,1,2,3,1"))
     with pytest.raises(FormatError, match="divide it into one region per kind"):
@@ -310,5 +313,13 @@ def test_combinations_of_subcases(read: Read) -> None:
     assert any("SUBCOM 2" in note for note in joint.assembly.ignored)
     with pytest.raises(FormatError, match="subcase 2 is a SUBCOM"):
         read(BOLT, control="SUBCASE 1\n BOLTLD = 3\nSUBCOM 2", subcase=2)
+    steps = "SUBC 1\n STEP 1\n  BOLTLD = 3\n STEP 2\n  BOLTLD = 4"
+    joint = read(BOLT, control=steps)
+    assert joint.preloads == {"bolt-1": 5000.0}
+    assert "case control requests STEP after the first" in joint.assembly.ignored
+    with pytest.raises(FormatError, match="SUBCASE = 'ONE'; expected an id"):
+        read(BOLT, control="SUBCASE ONE")
+    with pytest.raises(FormatError, match="BOLTLD = 'X'; expected the number of a set"):
+        read(BOLT, control="BOLTLD = X")
     with pytest.raises(FormatError, match="SUBCASE 1 is already at"):
         read(BOLT, control="SUBCASE 1\nSUBCASE 1")

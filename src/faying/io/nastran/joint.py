@@ -7,17 +7,16 @@ from os import PathLike
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
 from faying.io.nastran.bolts import read_bolts
 from faying.io.nastran.contact_msc import read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_closed, check_distinct
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
-from faying.model.assembly import Assembly, FaceSet
+from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import exterior_facets
+from faying.model.surface import exterior_facets, unique_rows
 
 
 def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> JointDescription:
@@ -139,49 +138,49 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     assembly = deck.assembly
     element_sets = dict(assembly.mesh.element_sets)
     node_sets = dict(assembly.mesh.node_sets)
-    face_sets: dict[str, FaceSet] = {}
     used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
-    exterior = exterior_facets(assembly.mesh).nodes if used else np.zeros((0, 8), dtype=np.int64)
+    faces = {r.name: r.face_set for r in regions.values() if r.facets is not None}
+    mixed = {name for name, one in faces.items() if one is None}
+    exterior = np.zeros((0, 8), dtype=np.int64)
+    if used | mixed:
+        exterior = exterior_facets(assembly.mesh).nodes
     for region in regions.values():
         if region.elements is not None:
             element_sets[region.name] = region.elements
             if region.name in used and not len(region.elements):
                 text = "no solid of the deck belongs to this contact region; correct its ids"
                 raise region.card.error(text)
-            continue
-        faces = region.face_set
-        if faces is not None:
-            face_sets[region.name] = faces
-        if region.name in used:
-            inside = _inside(region, exterior, len(assembly.mesh.nodes))
-            if region.facets is not None and faces is None:
-                nodes = np.unique(region.facets[region.facets >= 0])
-                if inside != len(region.facets) or not len(nodes):
-                    text = (
-                        "a contact region of triangles and quadrilaterals whose grids span other "
-                        "faces too cannot be named; divide it into one region per kind of face"
-                    )
-                    raise region.card.error(text)
+        elif region.name in used:
+            _check_exterior(region, exterior)
+        if region.name in mixed and region.facets is not None:
+            nodes = np.unique(region.facets[region.facets >= 0])
+            if len(nodes) and _spanned(nodes, exterior) == len(region.facets):
                 node_sets[region.name] = nodes
+            elif region.name in used:
+                text = (
+                    "a contact region of triangles and quadrilaterals whose grids span other "
+                    "faces too cannot be named; divide it into one region per kind of face"
+                )
+                raise region.card.error(text)
+            else:
+                deck.ignored.append(f"{region.name} (faces of several kinds)")
     mesh = replace(assembly.mesh, element_sets=element_sets, node_sets=node_sets)
-    return replace(assembly, mesh=mesh, face_sets=face_sets)
+    named = {name: one for name, one in faces.items() if one is not None}
+    return replace(assembly, mesh=mesh, face_sets=named)
 
 
-def _inside(region: Region, exterior: Indices, n_node: int) -> int:
-    """Count the exterior faces with all nodes in the region.
-
-    Raises
-    ------
-    FormatError
-        If a face of the region lies inside a body.
-    """
-    facets = region.facets if region.facets is not None else exterior[:0]
-    within = np.zeros(n_node + 1, dtype=bool)
-    within[facets] = within[-1] = True
-    spanned = exterior[within[exterior].all(axis=1)]
-    rows = {tuple(sorted(row)) for row in spanned.tolist()}
-    if any(tuple(sorted(row)) not in rows for row in facets.tolist()):
+def _check_exterior(region: Region, exterior: Indices) -> None:
+    """Refuse a region with a face inside a body."""
+    own = region.facets if region.facets is not None else exterior[:0]
+    keys = np.sort(np.concatenate([exterior, own]), axis=1)
+    first, group, _ = unique_rows(keys)
+    if (first[group[len(exterior) :]] >= len(exterior)).any() or not len(own):
         text = "a face of this contact region lies inside a body; name exterior faces"
-        error: FormatError = region.card.error(text)
-        raise error
-    return len(spanned)
+        raise region.card.error(text)
+
+
+def _spanned(nodes: Indices, exterior: Indices) -> int:
+    """Count the exterior faces with all nodes among the given ones."""
+    within = np.zeros(max(int(exterior.max(initial=0)), int(nodes.max())) + 2, dtype=bool)
+    within[nodes] = within[-1] = True
+    return int(within[exterior].all(axis=1).sum())
