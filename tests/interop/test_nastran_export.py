@@ -16,6 +16,8 @@ from faying.export.formats import export
 from faying.export.hand_over import HandOver, hand_over_of
 from faying.export.linearized import linearized
 from faying.export.nastran import superelement_rows
+from faying.export.nastran_cards import assembly_cards, punch_cards
+from faying.io.extrn import read_extrn
 from faying.io.op4 import read_op4_matrices
 
 pyyeti = pytest.importorskip("pyyeti", reason="pyYeti (extra 'nastran') is not installed")
@@ -212,3 +214,28 @@ def test_text_names_every_matrix_and_row(given: HandOver, folder: Path) -> None:
 def test_other_suffix_is_refused(given: HandOver, tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"ends in '.txt'; Nastran takes .op4 or .dmig"):
         export(given, "nastran", out=tmp_path / "joint.txt")
+
+
+def test_several_grids_with_some_components(tmp_path: Path) -> None:
+    grids, places = {7: "123", 12: "123456"}, {7: (1.0, 2.0, 3.0), 12: (4.5, -1e-3, 1e6)}
+    for points in (np.array([], dtype=int), np.array([20]), np.arange(20, 24)):
+        (tmp_path / "joint.asm").write_text(assembly_cards("two", 100, grids, places, points))
+        (tmp_path / "joint.pch").write_text(punch_cards("two", 100, grids, places, points))
+        uset = nastran.bulk.asm2uset(str(tmp_path / "joint.asm"))[0]
+        rows = [(7, 1), (7, 2), (7, 3), *((12, c) for c in range(1, 7))]
+        assert [tuple(map(int, dof)) for dof in uset.index] == [*rows, *((p, 0) for p in points)]
+        assert read_extrn(tmp_path / "joint.pch").tolist() == [
+            list(row) for row in (*rows, *((p, 1) for p in points.tolist()))
+        ]
+
+
+def test_hard_contact(joint: fy.Model, tmp_path: Path) -> None:
+    hard = joint.with_penalty(np.inf)
+    rom = fy.reduce(hard, fy.craig_bampton(hard, normal_modes=10), compliance=True)
+    export(hand_over_of(rom), "nastran", out=tmp_path / "joint.op4")
+    held = read_op4_matrices(tmp_path / "joint.op4")
+    found = la.eigh(held["KAA"].toarray(), held["MAA"].toarray(), eigvals_only=True)
+    exact = fy.preloaded_frequencies(hard, 2)
+    # Ten normal modes with the residual compliance; the same linearization is exact in statics.
+    np.testing.assert_allclose(np.sqrt(found[:2]) / (2 * np.pi), exact, rtol=1e-3)
+    assert not read_op4_matrices(tmp_path / "joint_recovery.op4")["DLAW"].toarray().any()

@@ -107,6 +107,21 @@ def test_lost_characters_change_nothing_or_are_refused(
             np.testing.assert_array_equal(found, MATRIX)
 
 
+def test_record_lengths_are_checked(folder: Path, files: dict[str, bytes]) -> None:
+    content, place, markers = files["binary"], 0, []
+    while place < len(content):
+        length = int.from_bytes(content[place : place + 4], "little")
+        markers += [place, place + 4 + length]
+        place += 8 + length
+    assert len(markers) == 10
+    for marker in markers:
+        for change in (1, 4, 8, 128):
+            changed = bytearray(content)
+            changed[marker] ^= change
+            with pytest.raises(FormatError, match=r"byte|binary"):
+                read(folder, "binary", bytes(changed))
+
+
 @pytest.mark.parametrize("kind", ["dense", "nonbigmat", "bigmat"])
 def test_a_changed_digit_is_read_as_it_stands(
     folder: Path, files: dict[str, bytes], kind: str
