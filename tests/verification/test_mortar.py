@@ -573,6 +573,27 @@ class TestSides:
             mortar(pair("hex8", "hex8"), quadrature="nodal", order=3)
         assert mortar(pair("hex8", "hex8"), order=4).n_points == 16 * 16
 
+    def test_quadrilaterals_with_a_collapsed_corner(self):
+        """Bricks degenerated to wedges have quadrilaterals of three corners, and some of none."""
+        assembly = pair("hex8", "hex8", move=INSIDE)
+        lower, upper = assembly.mesh.blocks
+        bricks = lower.nodes
+        halves = [bricks[:, [0, 1, 2, 2, 4, 5, 6, 6]], bricks[:, [0, 2, 3, 3, 4, 6, 7, 7]]]
+        wedges = replace(
+            lower,
+            nodes=np.vstack(halves),
+            ids=np.arange(1001, 1001 + 2 * len(bricks)),
+            properties=np.ones(2 * len(bricks)),
+        )
+        mesh = replace(assembly.mesh, blocks=(wedges, upper), element_sets={})
+        joint = mortar(replace(assembly, mesh=mesh), minus=1, plus=2)
+        # Shape functions have no limit at the collapsed corner: measured 1e-8.
+        assert joint.area == pytest.approx(SIZE[0] * SIZE[1] * 0.62**2, rel=1e-7)
+        forces = nodal_forces(joint, np.ones(joint.n_points))
+        np.testing.assert_allclose(forces.sum(axis=0), 0, atol=1e-10)
+        swapped = mortar(replace(assembly, mesh=mesh), minus=2, plus=1)
+        assert swapped.area == pytest.approx(joint.area, rel=1e-7)
+
     def test_graded_meshes(self, caplog):
         """Facets of a hundredth of the others' size: none is missed."""
         with caplog.at_level(logging.WARNING):

@@ -42,11 +42,19 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
 
     Notes
     -----
-    Newton's method on all points at once, from the affine map of three corners.
+    Newton's method on all points at once, from the affine map at the centre.
     """
-    corner = 2 if N_CORNERS[kind] == 3 else 3
-    affine = np.stack([nodes[:, 1] - nodes[:, 0], nodes[:, corner] - nodes[:, 0]], axis=-1)
-    first = (points - nodes[:, None, 0]) @ np.linalg.inv(affine).transpose(0, 2, 1)
+    corner = [nodes[:, i] for i in range(N_CORNERS[kind])]
+    if len(corner) == 3:
+        origin, centre = corner[0], 0.0
+        sides = [corner[1] - corner[0], corner[2] - corner[0]]
+    else:
+        # At the centre, for a corner may have collapsed.
+        origin, centre = nodes[:, :4].mean(axis=1), 0.5
+        sides = [corner[1] + corner[2] - corner[0] - corner[3]]
+        sides = [side / 2 for side in (*sides, corner[2] + corner[3] - corner[0] - corner[1])]
+    affine = np.linalg.inv(np.stack(sides, axis=-1))
+    first = centre + (points - origin[:, None]) @ affine.transpose(0, 2, 1)
     if kind == "tri3":
         return np.asarray(first)
     position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)

@@ -22,7 +22,10 @@ from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import N_NODES, Facets
+from faying.model.surface import N_NODES, Facets, facet_area_vectors
+
+_COLLAPSED = 1e-9
+"""Jacobian at a corner, over the area of the facet, that is rounding."""
 
 _TWICE = 1e-3
 """Share of a facet covered beyond the whole that cannot be rounding."""
@@ -49,6 +52,9 @@ def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Couplin
         If a side has no facets, the sides nowhere touch, or something is covered twice.
     """
     facets, side = candidates(assembly, spec)
+    # Bricks that are collapsed to wedges have facets without area, which touch nothing.
+    extended = np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1) > 0
+    facets, side = facets.taken(extended), side[extended]
     tolerance = touching_tolerance(assembly.mesh.nodes, facets, spec)
     found = []
     with naming(f"interface '{spec.name}'"):
@@ -161,5 +167,9 @@ def _pair_normals(nodes: Matrix, coupling: Coupling) -> Matrix:
     for kind, rows in by_kind(facets).items():
         corners = reference_nodes(LINEAR[kind])
         vectors = area_vectors(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], corners)
+        whole = facet_area_vectors(nodes, facets.taken(rows))[:, None]
+        # A corner that has collapsed has no Jacobian, but lies in the plane of its facet.
+        collapsed = np.linalg.norm(vectors, axis=2) < _COLLAPSED * np.linalg.norm(whole, axis=2)
+        vectors = np.where(collapsed[..., None], whole, vectors)
         np.add.at(total, coupling.columns[rows, : len(corners)], vectors)
     return unit(total)

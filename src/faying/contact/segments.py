@@ -153,7 +153,9 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
 
 def _frames(corners: Matrix, normals: Matrix) -> Matrix:
     """Two tangents and the normal of each facet (n, 3, 3)."""
-    first = corners[:, 1] - corners[:, 0]
+    edges = np.roll(corners, -1, axis=1) - corners
+    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
+    first = edges[np.arange(len(edges)), longest]
     first = first - np.einsum("nd,nd->n", first, normals)[:, None] * normals
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     return np.stack([first, np.cross(normals, first), normals], axis=1)
