@@ -1,10 +1,10 @@
 """A bolted arm that swings: contact in the loop in Exudyn, pressures recovered from its motion.
 
-Run it with ``python examples/exudyn_swing.py``; it needs ``pip install exudyn`` and two minutes. The
-lap joint of the default cantilever is an arm whose clamped end a drive turns to and fro, 60 times a
-second by ±20°; its own inertia bends the joint, tightened to no more than 3 kN. The arm is a
-flexible body in a floating frame (``ObjectFFRFreducedOrder``) with the contact of the joint on its
-modal coordinates. What comes back is compared three times:
+Run it with ``python examples/exudyn_swing.py``; it needs ``pip install exudyn`` and two minutes.
+The lap joint of the default cantilever is an arm whose clamped end a drive turns to and fro, 60
+times a second by ±20°; its own inertia bends the joint, tightened to no more than 3 kN. The arm is
+a flexible body in a floating frame (``ObjectFFRFreducedOrder``) with the contact of the joint on
+its modal coordinates. What comes back is compared three times:
 
 * *recovered*: pressures of the full model from q̇, q̈ and the motion of the frame, with the pressures
   that the contact in the loop had;

@@ -272,7 +272,7 @@ def test_swinging_needs_the_motion_of_the_frame(given, module):
     )
     back = swing.recovered(given, found)
     frame = module.frame_fields(*_frame(swing.frame_motion(found.times)))
-    there = module.joint().recover(found.q_t, found.q_tt, np.zeros((len(found.times), 6)), frame)
+    there = module.joint().recover(found.q_t, found.q_tt, frame=frame)
     # The same matrices in two programs.
     np.testing.assert_allclose(there, back.pressure, atol=1e-6 * back.pressure.max())
     errors = [np.abs(one.pressure - found.pressure).max() for one in (still, back)]
@@ -319,7 +319,7 @@ def test_force_on_a_body_turns_it(module, given):
 
 def test_unknown_load_is_named(module):
     with pytest.raises(ValueError, match=r"no load 'tip\.Fq'; it takes tip\.Fx"):
-        module.joint().coordinates("tip.Fq")
+        module.joint().boundary_forces("tip.Fq")
 
 
 def test_hard_contact_needs_compliance(joint, classic, tmp_path):

@@ -189,30 +189,31 @@ class Joint:
         clamps = [f"{name}.clamp" for name in self.data["interface_names"]]
         return ["max_pressure", *clamps, *(f"{name}.N" for name in self.data["bolt_names"])]
 
-    def coordinates(self, name: str) -> tuple[list[int], list[int]]:
-        """Return coordinates and node ids of a boundary force such as ``"tip.Fz"``.
+    def boundary_forces(self, name: str) -> list[int]:
+        """Return which boundary degrees of freedom a force such as ``"tip.Fz"`` acts on.
 
         ``"tip.17.Fz"`` is the force on node 17 of a boundary of several nodes; without a number it
-        is shared evenly between them.
+        is shared evenly between them. ``data["boundary"]`` has the coordinate of each.
         """
         parts = [text.rsplit(".", 2) for text in self.data["boundary_names"]]
-        known = {f"{boundary}.{FORCES[COMPONENTS.index(c)]}" for boundary, _, c in parts}
+        names = [(boundary, node, FORCES[COMPONENTS.index(c)]) for boundary, node, c in parts]
+        known = sorted({f"{boundary}.{force}" for boundary, _, force in names})
         chosen = [
-            (int(coordinate), int(node))
-            for coordinate, (boundary, node, c) in zip(self.data["boundary"], parts, strict=True)
-            if name
-            in (
-                f"{boundary}.{FORCES[COMPONENTS.index(c)]}",
-                f"{boundary}.{node}.{FORCES[COMPONENTS.index(c)]}",
-            )
+            place
+            for place, (boundary, node, force) in enumerate(names)
+            if name in (f"{boundary}.{force}", f"{boundary}.{node}.{force}")
         ]
         if not chosen:
-            message = f"the joint takes no load '{name}'; it takes {', '.join(sorted(known))}"
+            message = f"the joint takes no load '{name}'; it takes {', '.join(known)}"
             raise ValueError(message)
-        return [place for place, _ in chosen], [node for _, node in chosen]
+        return chosen
 
     def recover(
-        self, velocity: Array, acceleration: Array, loads: Array, frame: Array | None = None
+        self,
+        velocity: Array,
+        acceleration: Array,
+        loads: dict[str, Array] | None = None,
+        frame: Array | None = None,
     ) -> Array:
         """Return the pressures of the full finite element model in a moving state.
 
@@ -223,8 +224,8 @@ class Joint:
         ----------
         velocity, acceleration : (n_time, n_mode)
             q̇ and q̈.
-        loads : (n_time, n_boundary)
-            Boundary forces in the order of ``data["boundary_names"]``.
+        loads
+            ``"tip.Fz"`` and the like to forces (n_time,); all others are zero.
         frame : (n_time, 12), optional
             Accelerations of a moving frame, see :func:`frame_fields`.
 
@@ -235,8 +236,13 @@ class Joint:
         data, n = self.data, self.N.shape[1]
         compliance = data["recovery_compliance"]
         law = self._law(self.N @ compliance[:n, :n] @ self.N.T)
-        bolts = np.broadcast_to(-data["N0"], (len(loads), len(data["N0"])))
-        ports = np.hstack([loads, bolts]) @ compliance[n:, :n]
+        n_boundary = len(data["boundary"])
+        inputs = np.zeros((len(velocity), len(compliance) - n))
+        inputs[:, n_boundary:] = -data["N0"]
+        for name, force in (loads or {}).items():
+            places = self.boundary_forces(name)
+            inputs[:, places] += np.asarray(force)[:, None] / len(places)
+        ports = inputs @ compliance[n:, :n]
         ports = ports - acceleration @ data["recovery_inertia"][:n].T
         ports -= velocity @ data["recovery_damping"][:n].T
         if frame is not None:
@@ -362,15 +368,17 @@ def add_load(
     list of int
         Load numbers.
     """
-    coordinates, nodes = joint().coordinates(name)
-    share = 1.0 / len(nodes)
+    places = joint().boundary_forces(name)
+    share = 1.0 / len(places)
     if added.body is None:
+        coordinates = joint().data["boundary"][places].tolist()
         return [_coordinate_load(mbs, added.node, place, load, share) for place in coordinates]
     axis = FORCES.index(name.rsplit(".", 1)[1])
     if axis > 2:
         message = f"'{name}' is a moment; on a body only forces can be added here"
         raise ValueError(message)
     direction = share * np.eye(3)[axis]
+    nodes = [int(joint().data["boundary_names"][place].split(".")[-2]) for place in places]
     return [_force(mbs, boundary_marker(mbs, added, node), load, direction) for node in nodes]
 
 

@@ -2,10 +2,11 @@
 
 A CSV file names its columns in the first line: ``time``; ``q1, q2, …`` (and ``v1, …``, ``a1, …``)
 for coordinates, velocities and accelerations in the order of the basis; ``BOUNDARY.COMPONENT``, as
-``tip.Fz``, for boundary forces. An HDF5 file has the datasets ``times``, ``coordinates``,
+``tip.Fz``, for boundary forces; ``frame.ax``, ``frame.wy``, ``frame.alphaz`` and so on for supports
+that move. An HDF5 file has the datasets ``times``, ``coordinates``,
 ``velocities``, ``accelerations`` (n_time, n_mode) and ``inputs``: a group with one dataset
 ``BOUNDARY.COMPONENT`` (n_time,) each, or one array (n_time, n_boundary [+ n_bolt]) like the
-``inputs`` of a faying solution.
+``inputs`` of a faying solution; and ``frame`` (n_time, 9).
 """
 
 import csv
@@ -22,12 +23,16 @@ from faying.exceptions import FormatError
 from faying.model.boundary import FORCE_NAMES
 from faying.model.system import boundary_slices, initial_bolt_forces
 from faying.reduction.portable import PortableJoint
+from faying.simulation.frame_motion import FrameMotion
 from faying.study.errors import nearest, quoted
 
 MODAL = {"q": "coordinates", "v": "velocities", "a": "accelerations"}
 """First letter of a modal column to what it is; HDF5 datasets have the long name."""
 
 MODAL_COLUMN = re.compile(r"([qva])([1-9]\d*)")
+FRAME = tuple(f"frame.{kind}{axis}" for kind in ("a", "w", "alpha") for axis in "xyz")
+"""Acceleration, angular velocity and angular acceleration of supports that move, in their axes."""
+
 ROUND_OFF = 1e-9
 """Relative difference of forces that may be rounding."""
 
@@ -45,6 +50,8 @@ class ImportedHistory:
     loads
         ``"boundary.component"`` to forces or moments (n_time,).
     coordinates, velocities, accelerations : (n_time, n_mode) or None
+    frame
+        Motion of the supports; None where they are at rest.
     """
 
     path: Path
@@ -53,6 +60,7 @@ class ImportedHistory:
     coordinates: Matrix | None = None
     velocities: Matrix | None = None
     accelerations: Matrix | None = None
+    frame: FrameMotion | None = None
 
 
 def read_imported_history(path: Path, joint: PortableJoint) -> ImportedHistory:
@@ -110,7 +118,20 @@ def _read_csv(path: Path, joint: PortableJoint) -> ImportedHistory:
         for letter, count in counts.items()
     }
     loads = {name: table[:, header.index(name)] for name in header if name in known}
-    return ImportedHistory(path=path, times=times, loads=loads, **modal)
+    frame = None
+    if not set(header).isdisjoint(FRAME):
+        still = np.zeros(len(times))
+        moving = [table[:, header.index(name)] if name in header else still for name in FRAME]
+        frame = _frame(np.column_stack(moving))
+    return ImportedHistory(path=path, times=times, loads=loads, frame=frame, **modal)
+
+
+def _frame(values: Matrix) -> FrameMotion:
+    return FrameMotion(
+        acceleration=values[:, :3],
+        angular_velocity=values[:, 3:6],
+        angular_acceleration=values[:, 6:],
+    )
 
 
 def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
@@ -149,12 +170,12 @@ def _numbers(path: Path, line: int, header: Sequence[str], row: Sequence[str]) -
 
 
 def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> None:
-    known = ["time", "q1", "v1", "a1", *loads]
+    known = ["time", "q1", "v1", "a1", *loads, *FRAME]
     for name in header:
         if name not in known and not MODAL_COLUMN.fullmatch(name):
             message = (
                 f"{path}: unknown column '{name}'; {nearest(name, known)} (columns are time; q1, "
-                "q2, …, v1, …, a1, …; boundary forces)"
+                "q2, …, v1, …, a1, …; boundary forces; motion of the supports, as frame.ax)"
             )
             raise FormatError(message)
     twice = [name for name in header if header.count(name) > 1]
@@ -223,7 +244,7 @@ def _read_hdf5(path: Path, joint: PortableJoint) -> ImportedHistory:
 
 
 def _members(path: Path, file: h5py.File, joint: PortableJoint) -> ImportedHistory:
-    known = ["times", *MODAL.values(), "inputs"]
+    known = ["times", *MODAL.values(), "inputs", "frame"]
     for name in file:
         if name not in known:
             message = f"{path}: unknown dataset '{name}'; {nearest(name, known)}"
@@ -249,7 +270,20 @@ def _members(path: Path, file: h5py.File, joint: PortableJoint) -> ImportedHisto
             )
             raise FormatError(message)
     loads = _hdf5_loads(path, file["inputs"], joint, len(times)) if "inputs" in file else {}
-    return ImportedHistory(path=path, times=times, loads=loads, **modal)
+    frame = _array(path, file["frame"]) if "frame" in file else None
+    if frame is not None and frame.shape != (len(times), len(FRAME)):
+        message = (
+            f"{path}: 'frame' has shape {frame.shape}, expected {(len(times), len(FRAME))}: "
+            "acceleration, angular velocity and angular acceleration, three columns each"
+        )
+        raise FormatError(message)
+    return ImportedHistory(
+        path=path,
+        times=times,
+        loads=loads,
+        frame=None if frame is None else _frame(frame),
+        **modal,
+    )
 
 
 def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:

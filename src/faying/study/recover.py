@@ -14,6 +14,7 @@ from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
 from faying.simulation.recovery import (
     Recovered,
+    Recovery,
     backward_differences,
     recover_from_modal,
     recover_reduced,
@@ -112,7 +113,9 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
     method = options.method or (MODAL_METHODS[0] if modal else "compliance")
     count, record = _chosen(results, method, options.joint_modes)
     if modal:
-        recovered, derivatives = _from_modal(joint, record, history, options, method)
+        ports = results.ports
+        recovery = restored_recovery(joint, record, ports.frame_recovery if ports else None)
+        recovered, derivatives = _from_modal(recovery, record, history, options, method)
     else:
         recovered, derivatives = _from_loads(joint, record, history, options)
     return RecoveredRecord(
@@ -201,7 +204,7 @@ def _chosen(results: Results, method: str, joint_modes: int | None) -> tuple[int
 
 
 def _from_modal(
-    joint: PortableJoint,
+    recovery: Recovery,
     record: ReducedRecord,
     history: ImportedHistory,
     options: RecoverOptions,
@@ -222,12 +225,13 @@ def _from_modal(
         raise StudyError(message)
     v, a, derivatives = _derivatives(history, q, options)
     recovered = recover_from_modal(
-        restored_recovery(joint, record),
+        recovery,
         history.times,
         q,
         Load(_histories(history), name=history.path.name),
         velocities=v,
         accelerations=a,
+        frame_motion=history.frame,
     )
     return recovered, derivatives
 
@@ -267,6 +271,12 @@ def _from_loads(
     """Simulate under boundary forces, then recover."""
     if options.derivatives is not None:
         message = f"{history.path} has boundary forces only; remove --derivatives"
+        raise StudyError(message)
+    if history.frame is not None:
+        message = (
+            f"{history.path} has supports that move but no coordinates; give q1, q2, … too, for "
+            "only supports at rest are simulated here"
+        )
         raise StudyError(message)
     if len(history.times) < 2 or history.times[0] != 0:
         message = (
