@@ -183,6 +183,37 @@ def test_whole_elements_as_a_surface_give_their_exterior(read):
     assert len(read(text).assembly.face_sets["HEAD"].nodes) == 6
 
 
+def test_blanks_in_names_may_be_left_out(read, small):
+    text = edited(
+        ("*SOLID SECTION", "*solidsection"),
+        ("*CONTACT PAIR", "*Contactpair"),
+        ("REF NODE=103", "refnode=103"),
+        ("*RIGID BODY, NSET=BOTTOM, REF NODE=102", "*RIGIDBODY, NSET=BOTTOM, REFNODE=102"),
+    )
+    described = read(text)
+    assert described.interfaces == small.interfaces
+    assert [c.reference for c in described.assembly.rigid_couplings] == [
+        c.reference for c in small.assembly.rigid_couplings
+    ]
+
+
+def test_a_slave_of_nodes_is_the_facets_between_them(read):
+    nodes = "*SURFACE, NAME=SLAVE, TYPE=NODE\n5\n6\n7, 1.\nEIGHT, 1.\n"
+    text = edited(
+        ("*SURFACE, NAME=SLAVE, TYPE=ELEMENT\nLOWER, S2\n", nodes),
+        ("*NSET, NSET=Bottom", "*NSET, NSET=EIGHT\n8\n*NSET, NSET=Bottom"),
+    )
+    described = read(text)
+    model = fy.build_model(
+        described.assembly, interfaces=described.interfaces, bolts=described.bolts
+    )
+    assert model.interfaces["Joint"].weights.sum() == pytest.approx(6.0)
+    with pytest.raises(FormatError, match="'SLAVE' does not have all nodes of any facet"):
+        read(text.replace("5\n6\n7, 1.\n", "5\n6\n", 1))
+    with pytest.raises(FormatError, match="master surface 'SLAVE' has no facets"):
+        read(text.replace("SLAVE, MASTER", "MASTER, SLAVE", 1))
+
+
 def test_hard_contact_and_contact_without_behaviour(read):
     behaviour = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.E6\n"
     for other in ("*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n", "*FRICTION\n0.0\n"):

@@ -80,13 +80,13 @@ def _pairs(
             message = f"found {len(fields)} fields, expected the slave and the master surface"
             raise keyword.error(message, row)
         slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
-        for side in (slave, master):
-            if not side.facets:
-                message = (
-                    f"surface '{side.name}' has no facets; contact needs TYPE=ELEMENT surfaces "
-                    "on both sides"
-                )
-                raise keyword.error(message, row)
+        if not master.facets:
+            message = f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT"
+            raise keyword.error(message, row)
+        if not slave.facets:
+            ignored.append(
+                f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
+            )
         pairs.append(
             Pair(
                 keyword=keyword,
@@ -172,25 +172,35 @@ def interface_names(pairs: list[Pair]) -> list[str]:
 
 
 def with_mixed_sides(mesh: Mesh, pairs: list[Pair]) -> Mesh:
-    """Name sides of triangles and quadrilaterals as node sets, for a face set has one kind.
+    """Name sides that are no face set as node sets: mixed facets, and surfaces of nodes.
 
     Raises
     ------
     FormatError
-        If other facets lie between the nodes of such a surface too.
+        If other facets lie between the nodes of a surface of facets too, or none between those of
+        a surface of nodes.
     """
     for pair in pairs:
         for side in (pair.slave, pair.master):
-            if len(side.facets) < 2:
+            if len(side.facets) == 1:
                 continue
             exterior = exterior_facets(mesh)
             inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
             inside[side.nodes] = inside[-1] = True
             count = int(inside[exterior.nodes].all(axis=1).sum())
-            if side.name in mesh.node_sets or count != sum(map(len, side.facets.values())):
+            if not side.facets and not count:
                 message = (
-                    f"surface '{side.name}' mixes triangles and quadrilaterals and cannot be told "
-                    "by its nodes; make one surface, and one contact pair, of each kind"
+                    f"surface '{side.name}' does not have all nodes of any facet; give it "
+                    "TYPE=ELEMENT with element faces"
+                )
+                raise side.keyword.error(message)
+            other = mesh.node_sets.get(side.name)
+            if (other is not None and not np.array_equal(np.unique(other), side.nodes)) or (
+                side.facets and count != sum(map(len, side.facets.values()))
+            ):
+                message = (
+                    f"surface '{side.name}' cannot be told by its nodes; name no node set like it, "
+                    "and give triangles and quadrilaterals a surface and a contact pair each"
                 )
                 raise side.keyword.error(message)
             mesh = mesh.with_node_set(side.name, side.nodes)
@@ -257,7 +267,7 @@ def _coincide(nodes: Matrix, pair: Pair) -> bool:
     """Whether paired nodes lie on one another, to a millionth of the size of the slave."""
     distance, _ = cKDTree(nodes[pair.master.nodes]).query(nodes[pair.slave.nodes])
     size = float(np.ptp(nodes[pair.slave.nodes], axis=0).max(initial=0.0))
-    facets = np.concatenate([part[:, :2] for part in pair.slave.facets.values()])
+    facets = np.concatenate([part[:, :2] for part in pair.master.facets.values()])
     edge = float(np.linalg.norm(nodes[facets[:, 1]] - nodes[facets[:, 0]], axis=1).min())
     paired = distance[distance < 0.1 * edge]
     return bool(paired.max(initial=0.0) <= 1e-6 * size)

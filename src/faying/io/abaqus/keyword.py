@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.io.abaqus.keyword_names import without_blanks
 from faying.io.abaqus.source import Lines
 
 
@@ -39,7 +40,8 @@ class Keyword:
     name
         Upper case, single blanks: ``"SOLID SECTION"``.
     parameters
-        Upper-case names to values as written; flags have an empty value.
+        Upper-case names without blanks to values as written; flags have an empty value. The
+        methods take names with or without blanks.
     data
         Data lines as written, without comments and blank lines.
     line
@@ -66,19 +68,19 @@ class Keyword:
 
     def has(self, name: str) -> bool:
         """Whether a parameter is given."""
-        return name in self.parameters
+        return without_blanks(name) in self.parameters
 
     def value(self, name: str, default: str = "") -> str:
         """Return the value of a parameter."""
-        return self.parameters.get(name, default)
+        return self.parameters.get(without_blanks(name), default)
 
     def choice(self, name: str, default: str = "") -> str:
         """Return the value of a parameter in upper case with single blanks."""
-        return " ".join(self.parameters.get(name, default).upper().split())
+        return " ".join(self.value(name, default).upper().split())
 
     def required(self, name: str) -> str:
         """Return the value of a parameter that must be there."""
-        value = self.parameters.get(name, "")
+        value = self.value(name)
         if not value:
             message = f"the parameter {name} is missing; give {name}=…"
             raise self.error(message)
@@ -86,8 +88,9 @@ class Keyword:
 
     def allow(self, *names: str) -> None:
         """Refuse parameters other than these."""
+        known_names = {without_blanks(name) for name in names}
         for name in self.parameters:
-            if name not in names:
+            if name not in known_names:
                 known = f"known here are {', '.join(names)}" if names else "it takes none here"
                 message = (
                     f"the parameter {name} is not supported and may change the structure; {known}"

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying.io.abaqus import contact, couplings, materials, pretension
+from faying.io.abaqus import contact, materials, pretension
 from faying.io.abaqus.beams import read_beams
 from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
 from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh
@@ -15,6 +15,7 @@ from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations, read_mpcs
 from faying.io.abaqus.harmless import HARMLESS, REMEDIES
+from faying.io.abaqus.keyword_names import READ
 from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.nodes import read_nodes
@@ -27,20 +28,6 @@ from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
-
-_READ = frozenset(
-    (
-        *("NODE", "SYSTEM", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "SOLID SECTION"),
-        *("SPRING", "TRANSFORM", "BOUNDARY", "CLOAD", "EQUATION", "MPC", "RIGID BODY"),
-        *("CONTACT PAIR", "SURFACE INTERACTION", "PRE-TENSION SECTION", "COUPLING", "DLOAD"),
-        "CLEARANCE",
-        *("DSLOAD", "DISTRIBUTING COUPLING", "MASS", "ROTARY INERTIA", "BEAM SECTION"),
-        *("BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS"),
-        *couplings.MEMBERS,
-        *contact.MEMBERS,
-        *materials.MEMBERS,
-    )
-)
 
 
 def description(deck: Deck, ignored: list[str]) -> JointDescription:
@@ -179,7 +166,7 @@ def check_supported(deck: Deck, ignored: list[str]) -> None:
     """
     counts: dict[str, int] = {}
     for keyword in deck.keywords:
-        if keyword.name in _READ:
+        if keyword.name in READ:
             continue
         if keyword.name not in HARMLESS:
             remedy = REMEDIES.get(keyword.name, "remove it, or model it with supported keywords")

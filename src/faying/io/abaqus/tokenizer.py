@@ -7,6 +7,7 @@ import numpy as np
 
 from faying.exceptions import FormatError
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword_names import keyword_name, without_blanks
 from faying.io.abaqus.source import Lines
 
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
@@ -49,7 +50,7 @@ def _keyword(lines: Lines, content: list[int]) -> Keyword:
     data = np.array(content[used:], dtype=np.int64)
     where = lines.where(content[0])
     return Keyword(
-        name=" ".join(name.upper().split()),
+        name=keyword_name(name),
         parameters=dict(_parameters(rest, where)),
         data=[lines.text[i] for i in content[used:]],
         line=content[0],
@@ -92,7 +93,7 @@ def _parameters(parts: list[str], where: str) -> Iterator[tuple[str, str]]:
     seen = set()
     for part in parts:
         name, _, value = part.partition("=")
-        name = " ".join(name.upper().split())
+        name = without_blanks(name)
         if not part:
             continue
         if not name or name in seen:
