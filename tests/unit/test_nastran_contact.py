@@ -171,10 +171,19 @@ def test_glue_and_tables_that_are_not_selected_do_no_harm(read: Read) -> None:
     assert any("BGSET" in note for note in joint.assembly.ignored)
     with pytest.raises(FormatError, match="BGSET: glued"):
         read(SIMCENTER, "BGSET,1,5,6", control="BCSET = 4\nBGSET = 1")
-    with pytest.raises(FormatError, match="BCONTACT = ALLBODY"):
-        read(MSC, control="BCONTACT = ALLBODY")
+    with pytest.raises(FormatError, match="BCONTACT = AUTO"):
+        read(MSC, control="BCONTACT = AUTO,PGLUE")
     with pytest.raises(FormatError, match="selects BCONTACT = 4"):
         read(MSC, control="BCONTACT = 4")
+
+
+def test_contact_of_all_bodies_finds_what_touches(read: Read) -> None:
+    (spec,) = read(BODIES, control="BCONTACT = ALLBODY").interfaces
+    assert (spec.name, spec.minus, spec.plus) == ("contact", "auto", "auto")
+    with pytest.raises(FormatError, match="element 2 belongs to no contact body"):
+        read("BCPROP,31,1\nBCBODY1,7,,3D,DEFORM,31", control="BCONTACT = ALLBODY")
+    with pytest.raises(FormatError, match="BEHAV = SYMM"):
+        read(BODIES.replace("DEFORM,31", "SYMM,31"), control="BCONTACT = ALLBODY")
 
 
 def test_closing_of_gaps_is_harmless_where_nodes_coincide(read: Read, tmp_path: Path) -> None:

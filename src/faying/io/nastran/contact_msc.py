@@ -7,6 +7,9 @@ MASTERS in earlier versions.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
@@ -76,6 +79,45 @@ def read_msc_pairs(
     return list(pairs.values())
 
 
+def all_bodies_touch(
+    cards: Mapping[str, Cards],
+    control: CaseControl,
+    regions: dict[int, Region],
+    elements: Indices,
+    ignored: dict[str, None],
+) -> bool:
+    """Whether case control asks for contact of everything with everything (BCONTACT = ALLBODY).
+
+    Parameters
+    ----------
+    elements : (n,)
+        Ids of all solids, which the contact bodies must comprise.
+
+    Raises
+    ------
+    FormatError
+        If they do not, or a body is not deformable or has friction.
+    """
+    if control.bcontact != "ALLBODY":
+        return False
+    for card in cards.get("BCPARA", ()):
+        card.integer(0, 0)
+        read_parameters(card, 1, ignored)
+    bodies = _bodies(cards)
+    found = [
+        _region(cards, bodies, regions, card, number, ignored) for number, card in bodies.items()
+    ]
+    named = [region.elements for region in found if region.elements is not None]
+    left = np.setdiff1d(elements, np.concatenate([elements[:0], *named]))
+    if left.size:
+        message = (
+            f"case control asks for BCONTACT = ALLBODY, but element {left[0]} belongs to no "
+            "contact body; add it to a BCPROP or BSURF, or name the pairs by BCTABL1 and BCONECT"
+        )
+        raise FormatError(message)
+    return True
+
+
 def _selected_groups(
     cards: Mapping[str, Cards], control: CaseControl, ignored: dict[str, None]
 ) -> list[_Group]:
@@ -85,12 +127,14 @@ def _selected_groups(
             ignored[f"{name} 0 (initial contact)"] = None
     chosen = control.bcontact
     known = [*tables, *(lists or pairs)]
-    if chosen in ("ALLBODY", "AUTO"):
+    if chosen == "AUTO":
         message = (
-            f"case control asks for BCONTACT = {chosen}; name the pairs by BCTABL1 and BCONECT, or "
-            'take it out and let the study find them (minus = plus = "auto")'
+            "case control asks for BCONTACT = AUTO; name the pairs by BCTABL1 and BCONECT, or take "
+            'it out and let the study find them (minus = plus = "auto")'
         )
         raise FormatError(message)
+    if chosen == "ALLBODY":
+        return []
     if chosen == "NONE" or (chosen is None and control.present):
         if known:
             shown = ", ".join(map(str, known))

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.nastran.bolts import read_bolts
-from faying.io.nastran.contact_msc import read_msc_pairs
+from faying.io.nastran.contact_msc import all_bodies_touch, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_closed, check_distinct
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.reader import Deck, read_parts
@@ -24,7 +24,8 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
 
     Contact is BCTSET (Simcenter, selected by BCSET) or BCTABLE, BCTABL1, BCONECT (MSC, selected by
     BCONTACT); interfaces are called ``contact-<source>-<target>`` by the ids of regions or bodies,
-    source (secondary, slave) being the minus side. Bolts are BOLT of CBAR and CBEAM with BOLTFOR,
+    source (secondary, slave) being the minus side, or ``contact`` where all bodies may touch
+    (BCONTACT = ALLBODY). Bolts are BOLT of CBAR and CBEAM with BOLTFOR,
     selected by BOLTLD, called ``bolt-<id>``.
 
     Parameters
@@ -53,6 +54,11 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
         *read_msc_pairs(deck.cards, deck.control, regions, notes),
     ]
     check_distinct(pairs)
+    interfaces = [
+        InterfaceSpec(name=pair.name, minus=pair.minus.name, plus=pair.plus.name) for pair in pairs
+    ]
+    if all_bodies_touch(deck.cards, deck.control, regions, deck.assembly.mesh.element_ids, notes):
+        interfaces.append(InterfaceSpec(name="contact"))
     bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
     assembly = _with_regions(deck, regions, pairs)
     for pair in pairs:
@@ -60,10 +66,7 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
     ignored = (*deck.ignored, *_grouped(notes))
     return JointDescription(
         assembly=replace(assembly, ignored=ignored),
-        interfaces=tuple(
-            InterfaceSpec(name=pair.name, minus=pair.minus.name, plus=pair.plus.name)
-            for pair in pairs
-        ),
+        interfaces=tuple(interfaces),
         bolts=bolts,
         preloads=preloads,
     )
