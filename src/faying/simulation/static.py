@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Matrix
-from faying.contact.warm_start import WarmStarts
+from faying.contact.warm_start import experience
 from faying.linalg.threads import threads_for
 from faying.model.system import PortCompliance, System, input_forces
 from faying.simulation.load import Load
@@ -52,7 +52,7 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
     Notes
     -----
     Free gaps and displacements of all cases are one matrix product each; the contact problems
-    follow one another, each started from the most similar one before it.
+    follow one another, each started from the most similar one the system has solved before.
     """
     start = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, start) for load in loads])
@@ -66,7 +66,7 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     shape = (len(inputs), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(inputs), dtype=np.int64), np.empty(len(inputs))
-    starts = WarmStarts(contact.n_points)
+    starts = experience(condensed, contact.n_points)
     with threads_for(contact.n_points):
         for case, gap in enumerate(condensed.free_gap(free)):
             solution = condensed.solve_gap(gap, starts.nearest(gap))
