@@ -5,13 +5,16 @@ import os
 import shutil
 import subprocess
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import faying as fy
+from faying.exceptions import StudyError
 from faying.export import fmu as fmu_export
-from faying.export.fmu import archive, library
+from faying.export.fmu import archive, library, resources
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
 
@@ -216,3 +219,12 @@ def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
     assert_equal({"tip.uz": result["tip.uz"], "tip.vz": result["tip.vz"],
                   "joint.max_pressure": 1e3 * result["joint.max_pressure"]},
                  ours, {name: values[name] for name in chosen})  # fmt: skip
+
+
+def test_hard_contact_at_very_many_points_is_refused(given, monkeypatch, tmp_path):
+    contact = given.model.contact
+    penalty = np.full(contact.n_points, np.inf)
+    hard = replace(given.model, contact=replace(contact, penalty=penalty))
+    monkeypatch.setattr(resources, "MOST_HARD_POINTS", contact.n_points - 1)
+    with pytest.raises(StudyError, match="hard contact at 112 points is too large for an FMU"):
+        fmu_export.write(replace(given, model=hard), tmp_path / "hard.fmu")

@@ -18,6 +18,9 @@ MAGIC = int.from_bytes(b"FYJOINT1", "little")
 TOKEN_LENGTH = 64
 N_HEADER = 16
 
+MOST_HARD_POINTS = 8192
+"""Points of hard contact, which is solved between points: two dense matrices, 1 GB."""
+
 
 def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
     """Return ``joint.bin`` and the instantiation token that it holds.
@@ -25,7 +28,8 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
     Raises
     ------
     StudyError
-        If the residual compliance of the model is not a dense matrix.
+        If the residual compliance of the model is not a dense matrix, or there are too many points
+        of hard contact.
 
     Notes
     -----
@@ -36,6 +40,12 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
     residual = contact.residual_compliance
     if residual is not None and not isinstance(residual, np.ndarray):
         message = "the interface is too large for an FMU: its compliance is compressed"
+        raise StudyError(message)
+    if contact.n_points > MOST_HARD_POINTS and not np.isfinite(contact.penalty).all():
+        message = (
+            f"hard contact at {contact.n_points} points is too large for an FMU, which takes "
+            f"{MOST_HARD_POINTS}; use nodal quadrature or a penalty"
+        )
         raise StudyError(message)
     rows = sp.csr_array(contact.interpolation)
     relative = np.asarray(contact.relative_operator)
