@@ -257,6 +257,18 @@ def test_single_increment_agrees_to_the_digits_printed(both, binary, tmp_path):
     check(solution, run_calculix(binary, path), 1, PRINTED)
 
 
+def test_initial_interference(binary, data, tmp_path):
+    """A negative initial gap, *CLEARANCE in the deck; the bolt has to close less."""
+    path = tmp_path / "joint.inp"
+    write_deck(replace(cantilever("standard", "LC1"), initial_gaps={"joint": -2e-3}), path)
+    theirs = run_calculix(binary, path)
+    model, preloads, _ = from_deck(path, 1)
+    assert read_joint(path).initial_gaps == {"joint": -2e-3}
+    interface = ccx_rule(model.interfaces["joint"], data).with_initial_gap(-2e-3)
+    tightened = fy.preload(model.with_interfaces({"joint": interface}), preloads, increments=1)
+    check(fy.solve_static(tightened), theirs, 1, PRINTED)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_fine_cantilever(case, binary, data, tmp_path):
