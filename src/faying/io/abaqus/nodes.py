@@ -78,7 +78,13 @@ def _node_block(
         message = "INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE"
         raise keyword.error(message)
     expected = "id, x, y, z"
-    columns, _ = table(keyword).columns(1, 4, expected)
+    columns, counts = table(keyword).columns(1, 4, expected)
+    # Both programs read what is left out as zero; a lost coordinate must not pass for one. An id
+    # alone is a node whose place does not matter, such as that of a pretension section.
+    short = np.flatnonzero((counts > 1) & (counts < 4))
+    if short.size:
+        message = f"found {counts[short[0]]} fields, expected {expected}; write zeros too"
+        raise keyword.error(message, int(short[0]))
     rows = np.arange(len(keyword.data), dtype=np.int64)
     ids = integers(columns[0], keyword, rows, "a node id")
     if ids.size and ids.min() < 1:
