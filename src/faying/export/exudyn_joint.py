@@ -2,7 +2,7 @@
 
 Needs NumPy and Exudyn, and the file of the same name ending in ``.npz`` beside it::
 
-    import compliance                                    # this file
+    import compliance_exudyn as compliance               # this file
 
     added = compliance.add_joint(mbs)                    # supports rest: ObjectGenericODE2
     added = compliance.add_body(mbs, frame=(-55, 0, 0))  # or move: ObjectFFRFreducedOrder
