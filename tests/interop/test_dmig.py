@@ -1,24 +1,19 @@
 """DMIG files of Nastran and pyYeti are read to the bit, and ours by pyYeti."""
 
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError
 from faying.io.dmig import read_dmig, read_dmig_matrices
 from faying.io.dmig_writer import dmig_text
 from faying.io.matrix_files import read_matrix
 
-pyyeti = pytest.importorskip("pyyeti", reason="pyYeti (extra 'nastran') is not installed")
+bulk = pyyeti_nastran().bulk
 
-with warnings.catch_warnings():
-    # pyYeti's own deprecation warnings at import are not ours to mend.
-    warnings.simplefilter("ignore")
-    from pyyeti.nastran import bulk
-
-PUNCHED = Path(pyyeti.__file__).parent / "tests" / "nastran_dmig_data" / "matrix_factory.pch"
+PUNCHED = Path(bulk.__file__).parents[1] / "tests" / "nastran_dmig_data" / "matrix_factory.pch"
 
 
 @pytest.mark.parametrize("name", ["PATRN", "IDENT", "RANDM"])

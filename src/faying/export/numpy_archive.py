@@ -1,6 +1,7 @@
 """A contact-capable hand-over as one .npz file, for any program that has NumPy."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     rows, columns = (np.asarray(part, dtype=np.int64) for part in (sparse.row, sparse.col))
     names = {key: np.array(value, dtype=np.str_) for key, value in held.names.items()}
     texts = {key: np.array(value) for key, value in held.texts.items()}
-    arrays = {
+    arrays: dict[str, Any] = {
         **held.arrays,
         **held.indices,
         **names,
