@@ -1,5 +1,6 @@
 """Write a joint as an input deck that CalculiX runs, contact and bolts included."""
 
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
@@ -92,11 +93,13 @@ def write_deck(
     wanted = assembly.loads if loads is None else loads
     lines = _lines(description, wanted, modes, title or assembly.name)
     path = Path(path)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    text = "\n".join(lines) + "\n"
     try:
-        temporary = path.with_name(f".{path.name}.part")
-        temporary.write_text("\n".join(lines) + "\n", encoding="ascii", errors="replace")
+        temporary.write_text(text, encoding="ascii", errors="replace")
         temporary.replace(path)
     except OSError as error:
+        temporary.unlink(missing_ok=True)
         message = f"'{path}' cannot be written: {error.strerror}"
         raise FormatError(message) from error
 

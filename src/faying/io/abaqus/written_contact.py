@@ -12,7 +12,6 @@ from faying.exceptions import FormatError
 from faying.io.abaqus.written_nodes import real_text
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
-from faying.model.elements import SOLIDS
 from faying.model.specs import InterfaceSpec
 
 # Corners of S1, S2, … counted from zero.
@@ -69,12 +68,16 @@ def _behaviour(
 def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
     """Element and face number of facets (n_facet, n_node), given by node indices."""
     n_corner = 3 if facets.shape[1] in (3, 6) else 4
-    wanted = {tuple(row): None for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
+    wanted = {tuple(row) for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
+    touched = np.zeros(len(assembly.mesh.nodes), dtype=bool)
+    touched[facets] = True
     for block in assembly.mesh.blocks:
-        family = next(name for name in _FACES if SOLIDS[block.kind].kind.startswith(name))
+        family = next(name for name in _FACES if block.kind.startswith(name))
         for face, corners in enumerate(_FACES[family]):
             if len(corners) == n_corner:
-                rows = np.sort(block.nodes[:, list(corners)], axis=1).tolist()
-                for element, row in zip(block.ids.tolist(), rows, strict=True):
+                nodes = block.nodes[:, list(corners)]
+                near = np.flatnonzero(touched[nodes].all(axis=1))
+                rows = np.sort(nodes[near], axis=1).tolist()
+                for element, row in zip(block.ids[near].tolist(), rows, strict=True):
                     if tuple(row) in wanted:
                         yield f"{element},S{face + 1}"
