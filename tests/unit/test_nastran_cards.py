@@ -354,3 +354,19 @@ def test_sets(read: Read) -> None:
 def test_case_control_matrices_are_refused(read: Read) -> None:
     with pytest.raises(FormatError, match=r"a\.bdf:3: K2GG"):
         read(head="SOL 103\nCEND\nK2GG = STIFF\nBEGIN BULK\n")
+
+
+def test_default_orientations(read: Read) -> None:
+    bar = ("PBAR,5,9,1.,1.,1.,1.", "BAROR,,5,,,0.,1.,0.")
+    beams = read(*bar, "CBAR,1,,1,2", "CBAR,2,5,1,2,0.,0.,1.", "CBAR,3,,1,2,4").beams
+    assert [beam.orientation for beam in beams] == [(0, 1, 0), (0, 0, 1), (0, 1, 0)]
+    assert [beam.property for beam in beams] == [5, 5, 5]
+    # A node as the default, and a beam that gives a vector of its own.
+    beams = read(bar[0], "BAROR,,5,,,4", "CBAR,1,,1,2", "CBAR,2,,1,2,0.,1.,1.").beams
+    assert [beam.orientation for beam in beams] == [(0, 1, 0), (0, 1, 1)]
+    with pytest.raises(FormatError, match="give all of X1, X2, X3"):
+        read(*bar, "CBAR,1,,1,2,,1.")
+    with pytest.raises(FormatError, match="a second BAROR"):
+        read(*bar, bar[1])
+    with pytest.raises(FormatError, match="are fields shifted"):
+        read(bar[0], "BAROR,5,,,0.,1.,0.")

@@ -1,6 +1,7 @@
-"""CBAR, CBEAM: beam elements."""
+"""CBAR, CBEAM: beam elements; BAROR, BEAMOR: what their blank fields mean."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,11 +29,37 @@ def read_beams(
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):
-        for default in cards.get({"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name], ()):
-            text = "default orientations are not supported; write them on each beam"
-            raise default.error(text)
-        beams += [_beam(card, grids, sections[name]) for card in cards.get(name, ())]
+        default = _default(cards, {"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name])
+        beams += [
+            _beam(_filled(card, default), grids, sections[name]) for card in cards.get(name, ())
+        ]
     return beams
+
+
+def _default(cards: Mapping[str, Cards], name: str) -> Card | None:
+    """Return the card that fills blank fields of beams."""
+    found = list(cards.get(name, ()))
+    if len(found) > 1:
+        text = f"a second {name}; the first is at {found[0].where()}, keep one"
+        raise found[1].error(text)
+    for card in found:
+        card.refuse_given([0, 2, 3])
+    return found[0] if found else None
+
+
+def _filled(card: Card, default: Card | None) -> Card:
+    """Take property, orientation and OFFT from the default where the beam leaves them blank."""
+    if default is None:
+        return card
+    texts = [*card.texts, *[""] * (8 - len(card))]
+    own = [text for text in texts[4:7] if text]
+    is_grid = len(own) == 1 and bool(texts[4]) and numbers.integer(texts[4]) is not None
+    if own and not is_grid and len(own) < 3 and any(default.texts[4:7]):
+        text = f"give all of X1, X2, X3: {default.where()} fills the blank ones"
+        raise card.error(text, 4)
+    for field in (1, *(() if own else (4, 5, 6)), 7):
+        texts[field] = texts[field] or default.text(field)
+    return replace(card, texts=texts)
 
 
 def _beam(card: Card, grids: Grids, sections: Mapping[int, Property]) -> Beam:
