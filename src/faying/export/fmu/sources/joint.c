@@ -80,9 +80,10 @@ static void lay_out(struct joint *j)
     j->column = (const uint64_t *)(const void *)take(&place, j->n_entry);
 }
 
-static size_t payload_length(const struct joint *j)
+/* Length of the payload in words, which may be more than there are addresses. */
+static uint64_t payload_length(const struct joint *j)
 {
-    const size_t m = j->n_mode, r = j->n_relative;
+    const uint64_t m = j->n_mode, r = j->n_relative;
     return 3 * m * m + r * m + j->n_bolt * (m + 2) + 2 * j->n_point + j->n_interface + N_DEFAULT
            + j->n_entry + (j->has_residual ? r * r : 0) + j->n_boundary + (j->n_interface + 1)
            + (j->n_point + 1) + j->n_entry;
@@ -130,7 +131,10 @@ static const char *read_stream(struct joint *j, FILE *file)
     if (problem)
         return problem;
     j->token[TOKEN_LENGTH - 1] = '\0';
-    const size_t length = payload_length(j);
+    const uint64_t words = payload_length(j);
+    if (words > SIZE_MAX / sizeof(double))
+        return "needs more memory than there is";
+    const size_t length = (size_t)words;
     j->payload = malloc(length * sizeof(double));
     if (!j->payload)
         return "needs more memory than there is";
