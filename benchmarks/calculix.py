@@ -1,11 +1,11 @@
 """faying and CalculiX on the same cantilever in one run, processor time against processor time.
 
-    python benchmarks/calculix.py                      static (a minute)
-    python benchmarks/calculix.py --dynamic 62         and 62 of the 620 increments of LC2's step (3 minutes)
+    python benchmarks/calculix.py                   static (a minute)
+    python benchmarks/calculix.py --dynamic 62      and 62 of the 620 increments of LC2's step
 
-CalculiX solves the deck faying writes: preload, then LC2, one increment each. Its dynamic step response is run for some
-increments only and scaled to all, which favours it: contact changes most at the start.
-Everything runs on one thread; ratios are medians of the repetitions.
+CalculiX solves the deck faying writes: preload, then LC2, one increment each. Its step response is
+run for some increments only and scaled to all. Everything runs on one thread; times are medians of
+the repetitions.
 """
 
 import argparse
@@ -62,7 +62,7 @@ def main() -> None:
 
 
 def static(description, repeat: int) -> None:
-    """LC2 on top of the preload: CalculiX, one warm case, a thousand cases with all offline work."""
+    """Compare LC2 on top of the preload with one warm case, and with a thousand from scratch."""
     theirs, one, thousand = [], [], []
     for _ in range(repeat):
         theirs.append(calculix(description))
@@ -89,7 +89,7 @@ def static(description, repeat: int) -> None:
 
 
 def dynamic(description, repeat: int, increments: int) -> None:
-    """LC2 as a step, 620 increments of 1e-5 s."""
+    """Compare LC2 as a step, 620 increments of 1e-5 s."""
     both = calculix(description, increments) - calculix(description)
     theirs = [both * INCREMENTS / increments]
     stepping, everything = [], []
@@ -140,7 +140,7 @@ def cases(count: int) -> list[fy.Load]:
 
 
 def calculix(description, increments: int = 0) -> float:
-    """Return CalculiX's processor time for preload and LC2, or for a number of dynamic increments."""
+    """Return CalculiX's processor time for preload and LC2, or dynamic increments of it."""
     assembly = description.assembly
     tip = assembly.rigid_couplings[0].reference
     loads = {"LC2": NodalLoads(nodes=[tip], forces=[[0, 0, -500.0, 20e3, 0, 0]])}
@@ -150,9 +150,8 @@ def calculix(description, increments: int = 0) -> float:
         if increments:
             deck.write_text(as_dynamic(deck.read_text(), increments))
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run(
-            ["ccx", "joint"], cwd=folder, capture_output=True, text=True, check=False
-        )
+        command = ["ccx", "joint"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode != 0:
             sys.exit(f"CalculiX failed:\n{done.stdout[-2000:]}")
@@ -167,7 +166,8 @@ def as_dynamic(deck: str, increments: int) -> str:
         f"*DYNAMIC, DIRECT\n{STEP}, {STEP * increments}\n",
         last,
     )
-    return f"{head}*STEP, INC={10 * increments}{last.partition(chr(10))[1]}{last.partition(chr(10))[2]}"
+    _, newline, rest = last.partition("\n")
+    return f"{head}*STEP, INC={10 * increments}{newline}{rest}"
 
 
 if __name__ == "__main__":
