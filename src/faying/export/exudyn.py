@@ -10,8 +10,8 @@ from faying.exceptions import StudyError
 from faying.export.arrays import variables
 from faying.export.hand_over import HandOver
 
-MODULE = Path(__file__).with_name("exudyn_joint.py")
-"""What is handed over, word for word; it does not import faying."""
+PARTS = ("exudyn_joint.py", "exudyn_contact.py")
+"""What is handed over, word for word: the second takes the place of its import in the first."""
 
 
 def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
@@ -37,10 +37,18 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     _check_law(hand_over)
     module = path.with_name(f"{_importable(path.stem)}.py")
     data = module.with_suffix(".npz")
-    module.write_text(MODULE.read_text(encoding="utf-8"), encoding="utf-8")
+    module.write_text(_source(), encoding="utf-8")
     with data.open("wb") as file:
         np.savez_compressed(file, **_arrays(hand_over))
     return module, data
+
+
+def _source() -> str:
+    """Return the text of the module, one file that does not import faying."""
+    whole, contact = (Path(__file__).with_name(name).read_text(encoding="utf-8") for name in PARTS)
+    head, _, rest = whole.partition("from faying.")
+    body = rest.split("\n", 1)[1]
+    return head + contact[contact.index("Array = ") :] + body
 
 
 def _arrays(given: HandOver) -> dict[str, Any]:
