@@ -102,7 +102,8 @@ def test_msc_tables(read: Read) -> None:
     joint = read(BODIES, long, control="BCONTACT = 2")
     assert sides(joint) == expected
     assert any("both orders" in note for note in joint.assembly.ignored)
-    assert read(MSC, control="BCONTACT = NONE").interfaces == ()
+    for nothing in ("NONE", "0"):
+        assert read(MSC, control=f"BCONTACT = {nothing}").interfaces == ()
     unused = read(MSC, control="LOAD = 1")
     assert unused.interfaces == ()
     assert any("selects none by BCONTACT" in note for note in unused.assembly.ignored)

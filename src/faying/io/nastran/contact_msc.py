@@ -135,7 +135,7 @@ def _selected_groups(
         raise FormatError(message)
     if chosen == "ALLBODY":
         return []
-    if chosen == "NONE" or (chosen is None and control.present):
+    if chosen in ("NONE", 0) or (chosen is None and control.present):
         if known:
             shown = ", ".join(map(str, known))
             ignored[f"contact tables {shown} (case control selects none by BCONTACT)"] = None
