@@ -90,6 +90,13 @@ class Coupling:
         """Relative displacements (n_pair, n_node) from translations of the nodes."""
         return (self.plus - self.minus).tocsr()
 
+    @property
+    def face_coverage(self) -> Vector:
+        """Covered share of each facet (n_face,), in the order of ``Interface.faces``."""
+        order = np.concatenate(list(by_kind(self.segments.minus).values()))
+        share: Vector = np.minimum(self.segments.covered[order], 1.0)
+        return np.where(self.segments.whole[order], 1.0, share)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Integrals:

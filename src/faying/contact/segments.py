@@ -76,6 +76,15 @@ class Segments:
         """Areas (n_triangle,) in the plane of the minus facets."""
         return areas(self.triangles, np.full(len(self), 3))
 
+    @property
+    def partial(self) -> Matrix:
+        """Corners in space (n, 3, 3) of the triangles on facets that are covered in part."""
+        chosen = ~self.whole[self.minus_of]
+        own = self.minus_of[chosen]
+        flat = np.einsum("nia,nad->nid", self.triangles[chosen], self.frames[own, :2])
+        corners: Matrix = self.origins[own][:, None] + flat
+        return corners
+
     def touched(self, chosen: Mask) -> "Segments":
         """Return the chosen triangles (n_triangle,) with only the facets they lie on."""
         minus, minus_of = np.unique(self.minus_of[chosen], return_inverse=True)

@@ -76,6 +76,7 @@ def interface_records(model: Model, preload_pressure: Vector) -> dict[str, Inter
 
 def _interface(model: Model, name: str, preload_pressure: Vector) -> InterfaceRecord:
     interface, points = model.interfaces[name], model.contact.slices[name]
+    coupling = interface.coupling
     return InterfaceRecord(
         points=interface.points,
         normals=interface.normals,
@@ -90,6 +91,8 @@ def _interface(model: Model, name: str, preload_pressure: Vector) -> InterfaceRe
         quadrature=interface.quadrature,
         stuck=model.stuck.get(name, np.zeros(len(interface.pairs), dtype=bool)),
         preload_pressure=preload_pressure[points],
+        face_coverage=None if coupling is None else coupling.face_coverage,
+        overlap=None if coupling is None else coupling.segments.partial,
     )
 
 

@@ -125,6 +125,11 @@ class InterfaceRecord:
         Sticking area.
     preload_pressure : (n_point,)
         Pressure after tightening, before the sticking area was tied (Fig. 15.3).
+    face_coverage : (n_face,), optional
+        Share of each facet that the other side covers, through all entries of ``faces``; None
+        where the meshes match, and every facet is wholly covered.
+    overlap : (n_triangle, 3, 3), optional
+        Triangles of the common part on facets that are covered in part.
     """
 
     points: Matrix
@@ -140,6 +145,8 @@ class InterfaceRecord:
     quadrature: str
     stuck: Mask
     preload_pressure: Vector
+    face_coverage: Vector | None = None
+    overlap: Matrix | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

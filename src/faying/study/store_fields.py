@@ -172,6 +172,16 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "preload_pressure": Meaning(
             "pressure after tightening, nothing stuck yet", "force/length²", "(n_point,)"
         ),
+        "face_coverage": Meaning(
+            "share of each facet that the other side covers; absent where meshes match",
+            "1",
+            "(n_face,)",
+        ),
+        "overlap": Meaning(
+            "triangles of the common part of facets covered in part; absent where meshes match",
+            "length",
+            "(n_triangle, 3, 3)",
+        ),
     },
     FacePairs: {
         "kind": Meaning("tri3, tri6, quad4 or quad8"),

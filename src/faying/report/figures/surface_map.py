@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
@@ -67,12 +68,34 @@ def prepare(axes: Axes, record: InterfaceRecord, plane: Plane, units: Units) -> 
     low, high = flat.min(axis=0) - margin, flat.max(axis=0) + margin
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
-    for kind, nodes in pair_facets(record):
-        polygons = flat[nodes[:, list(RINGS[kind])]]
-        # Edges of the same colour close the hairlines between neighbours.
-        axes.add_collection(
-            PolyCollection(list(polygons), facecolors=OPEN_COLOUR, edgecolors=OPEN_COLOUR, lw=0.5)
+    # Edges of the same colour close the hairlines between neighbours.
+    axes.add_collection(
+        PolyCollection(
+            covered(record, plane), facecolors=OPEN_COLOUR, edgecolors=OPEN_COLOUR, lw=0.5
         )
+    )
+
+
+def covered(record: InterfaceRecord, plane: Plane) -> list[Matrix]:
+    """Return the polygons (n_corner, 2) where the two sides lie on each other, in the map."""
+    flat, first = plane.project(record.pair_points), 0
+    polygons: list[Matrix] = []
+    for kind, nodes in pair_facets(record):
+        share = None if record.face_coverage is None else record.face_coverage[first:]
+        whole = slice(None) if share is None else share[: len(nodes)] >= 1
+        polygons += list(flat[nodes[:, list(RINGS[kind])]][whole])
+        first += len(nodes)
+    if record.overlap is not None:
+        polygons += list(plane.project(record.overlap))
+    return polygons
+
+
+def _clipped(artist: Artist, axes: Axes, record: InterfaceRecord, plane: Plane) -> None:
+    """Show of an artist only what lies where the two sides lie on each other."""
+    region = Outline.make_compound_path(*map(_closed, covered(record, plane)))
+    patch = PathPatch(region, transform=axes.transData, facecolor="none", edgecolor="none")
+    axes.add_patch(patch)
+    artist.set_clip_path(patch)
 
 
 def draw_averages(
@@ -110,7 +133,7 @@ def draw_averages(
         offset += len(places) * len(shown)
     if offset:
         x, y = np.concatenate(points).T
-        axes.tripcolor(
+        field = axes.tripcolor(
             Triangulation(x, y, np.concatenate(corners)),
             np.concatenate(data),
             shading="gouraud",
@@ -118,6 +141,8 @@ def draw_averages(
             norm=scale.limits,
             zorder=1.5,
         )
+        if record.overlap is not None:
+            _clipped(field, axes, record, plane)
     draw_edges(axes, record, plane)
     return axes
 
@@ -172,11 +197,7 @@ def draw_points(
         aspect="equal",
         zorder=1.5,
     )
-    polygons = [p for kind, nodes in facets for p in flat[nodes[:, list(RINGS[kind])]]]
-    region = Outline.make_compound_path(*(_closed(polygon) for polygon in polygons))
-    patch = PathPatch(region, transform=axes.transData, facecolor="none", edgecolor="none")
-    axes.add_patch(patch)
-    image.set_clip_path(patch)
+    _clipped(image, axes, record, plane)
     margin = 0.03 * (high - low).max()
     axes.set_xlim(low[0] - margin, high[0] + margin)
     axes.set_ylim(low[1] - margin, high[1] + margin)
