@@ -10,6 +10,9 @@ from faying.export.fmu.variables import Kind, Variable
 
 TYPES_2 = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 TYPES_3 = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
+DEFAULT_STEPS = 1000
+"""Steps that masters simulate unless told otherwise."""
+
 LOG_CATEGORY = ("logStatusError", "what went wrong; always logged")
 
 
@@ -196,7 +199,13 @@ def _add_log(root: ET.Element) -> None:
 
 
 def _add_experiment(root: ET.Element, given: Description) -> None:
-    ET.SubElement(root, "DefaultExperiment", startTime="0.0", stepSize=repr(given.step_size))
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0.0",
+        stopTime=f"{DEFAULT_STEPS * given.step_size:.12g}",
+        stepSize=repr(given.step_size),
+    )
 
 
 def _text(root: ET.Element) -> bytes:
