@@ -317,6 +317,30 @@ def test_force_on_a_body_turns_it(module, given):
     assert moved[0] == pytest.approx(0.5 * 100.0 / mass * 2e-3**2, rel=5e-3)
 
 
+def test_two_joints_in_one_system_do_not_disturb_each_other(given, module):
+    mbs = exu.SystemContainer().AddSystem()
+    loads = [LC2, {"tip.Fz": 500.0}]
+    watched = []
+    for case in loads:
+        added = module.add_joint(mbs)
+        for name, value in case.items():
+            module.add_load(mbs, added, name, value)
+        watched.append(module.add_sensors(mbs, added).position)
+    mbs.Assemble()
+    mbs.SolveDynamic(settings(2e-5, 30))
+    for case, sensor in zip(loads, watched, strict=True):
+        own = fy.solve_transient(
+            given.model,
+            fy.Load(case),
+            step=2e-5,
+            duration=6e-4,
+            integrator=fy.GeneralizedAlpha(rho_infinity=0.8),
+        )
+        # As for one.
+        found = mbs.GetSensorStoredData(sensor)[:, 1:]
+        np.testing.assert_allclose(found, own.states, atol=1e-6 * np.abs(own.states).max(), rtol=0)
+
+
 def test_unknown_load_is_named(module):
     with pytest.raises(ValueError, match=r"no load 'tip\.Fq'; it takes tip\.Fx"):
         module.joint().boundary_forces("tip.Fq")

@@ -19,6 +19,7 @@ Units are those of the model, ``joint().data["units"]``; pressure is positive in
 """
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -268,14 +269,17 @@ def _coordinates(mbs: Any) -> int:
 
 def _contact(mbs: Any, node: int, M: Array, C: Array, K: Array, *, jacobian: bool) -> int:
     """Mass, damping, stiffness, bolts and contact on one node."""
+    # Several joints in one system each remember their own active set.
+    own = copy(joint())
+    own.contact = type(own.contact)(own.contact.flexibility)
     item = eii.ObjectGenericODE2(
         nodeNumbers=[node],
         massMatrix=M,
         dampingMatrix=C,
         stiffnessMatrix=K,
         forceVector=joint().bolt_forces,
-        forceUserFunction=joint().force,
-        jacobianUserFunction=joint().jacobian if jacobian else 0,
+        forceUserFunction=own.force,
+        jacobianUserFunction=own.jacobian if jacobian else 0,
     )
     return int(mbs.AddObject(item))
 
