@@ -159,15 +159,16 @@ def calculix(description, increments: int = 0) -> float:
 
 
 def as_dynamic(deck: str, increments: int) -> str:
-    """Turn the last step of a deck into implicit dynamics of fixed increments."""
-    head, _, last = deck.rpartition("*STEP")
-    last = re.sub(
-        r"\*STATIC[^\n]*\n[^\n*]*\n",
-        f"*DYNAMIC, DIRECT\n{STEP}, {STEP * increments}\n",
-        last,
-    )
-    _, newline, rest = last.partition("\n")
-    return f"{head}*STEP, INC={10 * increments}{newline}{rest}"
+    """Turn the last step of a deck into implicit dynamics of fixed increments, with damping.
+
+    CalculiX wants energies from the first step on and a density for the stiff stub of the bolt.
+    """
+    deck = deck.replace("*END STEP", "*EL FILE\nENER\n*END STEP")
+    deck = re.sub(r"(\*MATERIAL,NAME=CUT\d+\n)", r"\1*DENSITY\n1e-15\n", deck)
+    head, _, last = deck.rpartition("*STEP,INC=100")
+    timing = f"*DYNAMIC,ALPHA=-0.3\n1e-7,{STEP * increments},1e-12,{STEP}\n"
+    last = re.sub(r"\*STATIC[^\n]*\n[^\n*]*\n", timing, last)
+    return f"{head}*STEP,INC={10 * increments}{last}"
 
 
 if __name__ == "__main__":
