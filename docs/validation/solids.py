@@ -22,6 +22,7 @@ KINDS = (
     ("tet4", "standard"),
     ("tet10", "standard"),
     ("wedge6", "standard"),
+    ("wedge15", "standard"),
 )
 STEEL = fy.Material(youngs_modulus=210e3, poissons_ratio=0.29, density=7.82e-9)
 SIZE = np.array([3.0, 2.0, 4.0])
