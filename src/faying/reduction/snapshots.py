@@ -9,10 +9,10 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.model.system import System
-from faying.simulation.integrators import ImplicitEuler, Integrator
+from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.static import solve_static_cases
-from faying.simulation.transient import solve_transient
+from faying.simulation.transient import transient_solver
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,11 +110,6 @@ def step_snapshots(
     step, duration : [time]
         At least one period of the dominant vibration.
     """
-    scheme = ImplicitEuler() if integrator is None else integrator
-    runs = [
-        solve_transient(
-            system, load, step=step, duration=duration, integrator=scheme, progress=progress
-        )
-        for load in loads
-    ]
+    solver = transient_solver(system, step=step, integrator=integrator)
+    runs = [solver.solve(load, duration=duration, progress=progress) for load in loads]
     return np.concatenate([run.contact_forces for run in runs]).T

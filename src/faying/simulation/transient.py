@@ -85,17 +85,9 @@ def solve_transient(
     contact problem. Contact is implicit: the forces at the end of a step obey Eq. (15.7) or
     (15.12) there.
     """
-    pieces = transient_pieces(
-        system,
-        load,
-        step=step,
-        duration=duration,
-        length=None,
-        integrator=integrator,
-        initial=initial,
-        progress=progress,
-    )
-    return next(pieces)[0]
+    _check_times(step, duration)
+    solver = transient_solver(system, step=step, integrator=integrator)
+    return solver.solve(load, duration=duration, initial=initial, progress=progress)
 
 
 def transient_pieces(
@@ -132,42 +124,76 @@ def transient_pieces(
     ModelError
         As :func:`solve_transient`.
     """
-    if not 0 < step <= duration:
-        message = (
-            f"the time step is {step:g} and the duration {duration:g}; "
-            "the step must be positive and no longer than the duration"
-        )
-        raise ModelError(message)
+    _check_times(step, duration)
+    solver = transient_solver(system, step=step, integrator=integrator)
+    yield from solver.pieces(
+        load,
+        duration=duration,
+        length=length,
+        initial=initial,
+        restart=restart,
+        progress=progress,
+    )
+
+
+def transient_solver(
+    system: System, *, step: float, integrator: Integrator | None = None
+) -> "TransientSolver":
+    """Factorize what all transients of a system with one time step share.
+
+    Parameters
+    ----------
+    step : [time]
+    integrator
+        :class:`ImplicitEuler` unless given.
+
+    Raises
+    ------
+    ModelError
+        If the step is not positive.
+
+    Notes
+    -----
+    One factorization and the compliance of a step; :meth:`TransientSolver.solve` then has only the
+    steps left to do.
+    """
+    _check_times(step, step)
     scheme = ImplicitEuler() if integrator is None else integrator
     effective = factorize(scheme.effective_matrix(system, step))
-    stepping = _Stepping(
+    return TransientSolver(
         system=system,
         scheme=scheme,
         step=step,
         effective=effective,
         condensed=_condense_step(system, scheme, effective),
     )
-    last = round(duration / step)
-    here = restart
-    if here is None:
-        start = solve_static(system) if initial is None else initial
-        motion = _initial_motion(
-            system, scheme, start, input_forces(system, load.inputs(system, np.zeros(1)))[0], step
+
+
+def _check_times(step: float, duration: float) -> None:
+    if not 0 < step <= duration:
+        message = (
+            f"the time step is {step:g} and the duration {duration:g}; "
+            "the step must be positive and no longer than the duration"
         )
-        here = Restart(done=0, motion=motion, active=start.contact_forces > 0)
-    else:
-        start = None
-    size = max(last - here.done, 1) if length is None else length
-    while here.done < last:
-        times = step * np.arange(here.done + 1, min(here.done + size, last) + 1, dtype=np.float64)
-        piece, here = stepping.advanced(here, load, times, start, progress)
-        start = None
-        yield piece, here
+        raise ModelError(message)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Stepping:
-    """What all steps of a transient have in common."""
+class TransientSolver:
+    """What all transients of a system with one time step have in common.
+
+    Attributes
+    ----------
+    system
+        Full or reduced model.
+    scheme
+        Integrator.
+    step : [time]
+    effective
+        Factorization of its effective matrix.
+    condensed
+        Contact problem of one step.
+    """
 
     system: System
     scheme: Integrator
@@ -175,7 +201,51 @@ class _Stepping:
     effective: Factorization
     condensed: CondensedContact
 
-    def advanced(
+    def solve(
+        self,
+        load: Load,
+        *,
+        duration: float,
+        initial: Solution | None = None,
+        progress: Callable[[int], object] | None = None,
+    ) -> Solution:
+        """Integrate one response; see :func:`solve_transient`."""
+        pieces = self.pieces(
+            load, duration=duration, length=None, initial=initial, progress=progress
+        )
+        return next(pieces)[0]
+
+    def pieces(
+        self,
+        load: Load,
+        *,
+        duration: float,
+        length: int | None,
+        initial: Solution | None = None,
+        restart: Restart | None = None,
+        progress: Callable[[int], object] | None = None,
+    ) -> Iterator[tuple[Solution, Restart]]:
+        """Integrate a piece of the instants at a time; see :func:`transient_pieces`."""
+        _check_times(self.step, duration)
+        system, step = self.system, self.step
+        last = round(duration / step)
+        here = restart
+        if here is None:
+            start = solve_static(system) if initial is None else initial
+            external = input_forces(system, load.inputs(system, np.zeros(1)))[0]
+            motion = _initial_motion(system, self.scheme, start, external, step)
+            here = Restart(done=0, motion=motion, active=start.contact_forces > 0)
+        else:
+            start = None
+        size = max(last - here.done, 1) if length is None else length
+        while here.done < last:
+            end = min(here.done + size, last)
+            times = step * np.arange(here.done + 1, end + 1, dtype=np.float64)
+            piece, here = self._advanced(here, load, times, start, progress)
+            start = None
+            yield piece, here
+
+    def _advanced(
         self,
         here: Restart,
         load: Load,
