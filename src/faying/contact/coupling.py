@@ -15,14 +15,11 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
-from faying.contact.arcs import corner_normals, standing_off
+from faying.contact.arcs import FLATNESS, corner_normals, standing_off
 from faying.contact.facets import Rule, gauss_rule, shape_functions, surface
 from faying.contact.segment_points import LINEAR, FacetPoints, on_side
 from faying.contact.segments import Segments
 from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_normals
-
-_FLATNESS = 1e-6
-"""Normals that differ by less are one: coordinates of decks seldom have more digits."""
 
 _DEGREE = {"tri3": 1, "quad4": 2, "tri6": 2, "quad8": 3}
 """Polynomial degree of the shape functions on a parallelogram."""
@@ -138,6 +135,8 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
         np.add.at(weight, owner[part.rows], part.weight)
     dual = _dual(mass, weight)
     total = _at_pairs(columns, weight, len(pairs))
+    # Beyond a curved side shape functions are negative, and a node may see nothing but that.
+    total = np.where(total > 0, total, np.inf)
     sides = {
         name: _operator(name, parts, segments, dual, columns, (len(pairs), len(nodes)), total)
         for name in ("minus", "plus")
@@ -150,8 +149,9 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
         segments=segments,
         pairs=pairs,
         columns=columns,
-        weights=total,
-        coverage=total / _at_pairs(columns, whole_weights(nodes, segments.minus), len(pairs)),
+        weights=_at_pairs(columns, weight, len(pairs)),
+        coverage=np.where(np.isfinite(total), total, 0.0)
+        / _at_pairs(columns, whole_weights(nodes, segments.minus), len(pairs)),
         masses=mass,
         gap=gap / total,
         **sides,
@@ -297,8 +297,9 @@ def _of_kinds(
 
 def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
     """Tell whether facets are triangles or parallelograms, with mid-side nodes half way."""
-    for kind, members in by_kind(facets.taken(np.unique(rows))).items():
-        x = nodes[facets.taken(np.unique(rows)).nodes[members, : N_NODES[kind]]]
+    used = facets.taken(np.unique(rows))
+    for kind, members in by_kind(used).items():
+        x = nodes[used.nodes[members, : N_NODES[kind]]]
         corners = x[:, : N_CORNERS[kind]]
         away = np.zeros(1)
         if N_CORNERS[kind] == 4:
@@ -322,4 +323,4 @@ def _arc(side: FacetPoints, nodes: Matrix, facets: Facets, at: Indices, normals:
 
 def _is_flat(nodes: Matrix, facets: Facets) -> bool:
     normals = facet_normals(nodes, facets)
-    return bool(np.linalg.norm(normals - normals[0], axis=1).max() <= _FLATNESS)
+    return bool(np.linalg.norm(normals - normals[0], axis=1).max() <= FLATNESS)

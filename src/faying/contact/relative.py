@@ -4,11 +4,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.contact.arcs import FLATNESS
 from faying.contact.interface import Interface
 from faying.model.dofs import DofMap
-
-FLATNESS = 1e-6
-"""Normals that differ by less are one: coordinates of decks seldom have more digits."""
 
 
 def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
