@@ -107,7 +107,6 @@ def build_model(
         damping=damping,
         name=assembly.name,
         units=units,
-        nodal_mass=read_only(nodal.M),
     )
 
 

@@ -13,6 +13,7 @@ from faying.model.assembly import Assembly
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.model.dofs import DofMap
+from faying.model.matrices import assemble_matrices
 from faying.model.specs import Rayleigh
 from faying.model.structure import Structure
 from faying.model.system import PortCompliance
@@ -41,8 +42,6 @@ class Model:
         Label of the consistent unit set, carried into every output.
     stuck
         Interface name to the pairs (n_pair,) that stick in tangential direction.
-    nodal_mass : (6 n_node, 6 n_node) sparse or None
-        Mass matrix before couplings and supports, for supports that move.
     """
 
     structure: Structure
@@ -55,7 +54,14 @@ class Model:
     name: str = "model"
     units: str = "mm-t-s"
     stuck: Mapping[str, Mask] = field(default_factory=dict)
-    nodal_mass: SparseMatrix | None = None
+
+    @property
+    def nodal_mass(self) -> SparseMatrix:
+        """Mass matrix (6 n_node, 6 n_node) before couplings and supports, for supports that move.
+
+        Assembled again at every call: a large model should not keep it for the few who need it.
+        """
+        return assemble_matrices(self.assembly).M
 
     @property
     def M(self) -> SparseMatrix:

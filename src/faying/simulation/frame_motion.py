@@ -67,20 +67,22 @@ def affine_fields(nodes: Matrix) -> Matrix:
     return fields.reshape(-1, N_FIELD)
 
 
-def frame_loads(model: Model) -> Matrix | None:
+def frame_loads(model: Model) -> Matrix:
     """Return M A (n_dof, 12): forces per factor of the twelve fields; the load is −M A times them.
 
     Supported nodes accelerate with the frame, and their mass acts on free neighbours too; so this
-    takes the mass matrix before supports are applied. None where the model does not have it.
+    takes the mass matrix before supports are applied.
+
+    Notes
+    -----
+    One assembly.
     """
-    if model.nodal_mass is None:
-        return None
     nodal = model.nodal_mass @ affine_fields(model.assembly.mesh.nodes)
     loads: Matrix = model.dofs.transformation.T @ nodal
     return loads
 
 
-def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix | None:
+def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix:
     """Return ∫ρ a b dV of all pairs of the scalar fields 1, x, y, z and the shapes' components.
 
     Every inertia integral of the floating frame of reference follows from them (Shabana, Dynamics
@@ -96,8 +98,7 @@ def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix | N
     Returns
     -------
     ndarray (4 + 3 n_shape, 4 + 3 n_shape)
-        Components x, y, z of the first shape, then of the second, …; None where the model has no
-        mass matrix before supports.
+        Components x, y, z of the first shape, then of the second, …
 
     Notes
     -----
@@ -105,10 +106,9 @@ def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix | N
     out and the mass between two nodes is the mean over the three directions: exact for solids and
     point masses, and nearly so where only a slender bolt is a beam.
     """
-    loads = frame_loads(model)
-    if model.nodal_mass is None or loads is None:
-        return None
-    blocks = [model.nodal_mass[axis::6][:, axis::6] for axis in range(3)]
+    M = model.nodal_mass
+    loads = model.dofs.transformation.T @ (M @ affine_fields(model.assembly.mesh.nodes))
+    blocks = [M[axis::6][:, axis::6] for axis in range(3)]
     mass = (blocks[0] + blocks[1] + blocks[2]) / 3.0
     nodes = model.assembly.mesh.nodes
     components = np.transpose(shapes, (1, 0, 2)).reshape(len(nodes), -1)
