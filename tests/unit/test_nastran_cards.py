@@ -347,6 +347,15 @@ def test_sets(read: Read) -> None:
         BRICK, "PSOLID,1,9", "SET1,4,1,THRU,6,EXCEPT,3", "BSURFS,5,,,,1,1,2,3", "BCPROP,6,1"
     )
     assert assembly.mesh.node_sets["set:4"].tolist() == [0, 1, 3, 4, 5]
+    more = read("SET1,4,1,THRU,6,EXCEPT,3,5\n,8")
+    assert more.mesh.node_sets["set:4"].tolist() == [0, 1, 3, 5, 7]
+    for rest, message in (
+        ("", "names no id"),
+        (",9", "names no id"),
+        (",3,THRU,4", "list the ids"),
+    ):
+        with pytest.raises(FormatError, match=f"SET1: EXCEPT .*{message}"):
+            read(f"SET1,4,1,THRU,6,EXCEPT{rest}")
     assert assembly.face_sets["bsurfs:5"].nodes.tolist() == [[0, 3, 2, 1]]
     assert assembly.mesh.element_sets["bcprop:6"].tolist() == [1]
 

@@ -1,6 +1,7 @@
 """RBE2, RBE3: rigid and averaging couplings."""
 
 from collections.abc import Mapping
+from itertools import zip_longest
 
 import numpy as np
 
@@ -72,7 +73,7 @@ def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[
 def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
     """Ids behind EXCEPT that lie in the range before it."""
     out: list[int] = []
-    for text, following in zip(texts, [*texts[1:], ""], strict=True):
+    for text, following in zip_longest(texts, texts[1:]):
         value = numbers.integer(text)
         if value is None or not low <= value <= high:
             break
