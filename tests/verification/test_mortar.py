@@ -212,7 +212,28 @@ class TestBalance:
         np.testing.assert_allclose(coupling.plus @ field, own, atol=1e-10)
 
 
+def ring(nodes):
+    """Bend the blocks about z within the surface: radii from 4 to 12, 96 degrees."""
+    radius, angle = 8 + nodes[:, 1], -nodes[:, 0] / 6
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), nodes[:, 2]])
+
+
 class TestGeometry:
+    @pytest.mark.parametrize(
+        ("kinds", "off"),
+        # Facets of 12° below and 8° above. Quadratic ones follow the circles with half the
+        # chords; measured 1.1e-3, 6.6e-4, and 8.1e-3 where the coarse polygon is the overlap.
+        [(("hex20", "hex20"), 1.5e-3), (("tet10", "tet10"), 1.5e-3), (("hex8", "hex8"), 0.01)],
+    )
+    @both_rules
+    def test_sides_curved_within_the_surface(self, kinds, off, quadrature):
+        joint = mortar(bent(pair(*kinds, ((8, 4), (12, 6))), ring), quadrature=quadrature)
+        area = (12**2 - 4**2) / 2 * SIZE[0] / 6
+        assert joint.area == pytest.approx(area, rel=off)
+        assert joint.weights.min() > 0
+        forces = nodal_forces(joint, np.ones(joint.n_points))
+        np.testing.assert_allclose(forces.sum(axis=0), 0, atol=1e-10 * area)
+
     @every_kind
     @both_rules
     def test_area_is_that_of_the_overlap(self, below, above, quadrature):

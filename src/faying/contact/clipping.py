@@ -7,6 +7,9 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 
+_ROUNDING = 1e-13
+"""Distance from a line, over the extent of a polygon, that is none."""
+
 
 def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
     """Intersect convex polygons pairwise.
@@ -18,7 +21,7 @@ def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
 
     Returns
     -------
-    polygons : (n, 8, 2)
+    polygons : (n, most, 2)
         Corners of the intersections, counter-clockwise; columns beyond the count are zero.
     counts : (n,)
         Numbers of corners, 0 where nothing is left.
@@ -46,6 +49,11 @@ def _half_plane(
     following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
     away = polygons - start[:, None]
     left = along[:, None, 0] * away[..., 1] - along[:, None, 1] * away[..., 0]
+    # Corners on the line belong to both sides of it; rounding must not decide, or a side along
+    # the line would cross it several times.
+    reach = np.abs(np.where(used[..., None], away, 0.0)).max(axis=(1, 2))
+    rounding = _ROUNDING * np.linalg.norm(along, axis=1) * reach
+    left = np.where(np.abs(left) <= rounding[:, None], 0.0, left)
     next_left = np.take_along_axis(left, following, axis=1)
     next_corner = np.take_along_axis(polygons, following[..., None], axis=1)
     inside = used & (left >= 0)
@@ -55,10 +63,11 @@ def _half_plane(
     # A corner is followed by the point where its edge leaves or enters.
     every = np.stack([polygons, cut], axis=2).reshape(n, 2 * width, 2)
     kept = np.stack([inside, crossing], axis=2).reshape(n, 2 * width)
-    first = np.argsort(~kept, axis=1, kind="stable")[:, : width + 1]
-    left_over = np.take_along_axis(every, first[..., None], axis=1)
     counts = kept.sum(axis=1)
-    left_over[np.arange(width + 1) >= counts[:, None]] = 0.0
+    most = max(int(counts.max(initial=0)), 3)
+    first = np.argsort(~kept, axis=1, kind="stable")[:, :most]
+    left_over = np.take_along_axis(every, first[..., None], axis=1)
+    left_over[np.arange(most) >= counts[:, None]] = 0.0
     return left_over, counts
 
 

@@ -24,10 +24,10 @@ class DensePoints:
     H: Matrix
     noise: float = ROUND_OFF
 
-    @property
+    @cached_property
     def diagonal(self) -> Vector:
         """Diagonal of H."""
-        return np.diag(self.H)
+        return np.diag(self.H).copy()
 
     @cached_property
     def _blocks(self) -> BorderedFactor:

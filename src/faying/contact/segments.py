@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.arcs import arc_heights
+from faying.contact.cells import Cells, divided
 from faying.contact.clipping import areas, clip, fans
 from faying.contact.mismatch import FACING
 from faying.model.surface import Facets, facet_centres, facet_normals
@@ -112,7 +112,7 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
     ----------
     nodes : (n_node, 3) [length]
     minus, plus
-        Facets that may touch; of quadratic ones the straight-sided polygon of the corners.
+        Facets that may touch; quadratic ones are divided into four linear cells.
     tolerance : [length]
         Largest distance between the two surfaces along the normal of the minus facet, to which
         the heights of the arcs over both facets are added where the surfaces are curved.
@@ -127,24 +127,28 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
     A k-d tree finds facets that may touch, all pairs are clipped at once. Time and memory are
     proportional to the number of pairs whose boxes overlap.
     """
-    centres, normals = facet_centres(nodes, minus), facet_normals(nodes, minus)
-    frames = _frames(nodes[minus.corners], normals)
-    arcs = [arc_heights(nodes[f.corners], f, facet_normals(nodes, f)) for f in (minus, plus)]
-    first, second = _near(nodes, minus, plus, tolerance, arcs)
-    own = _in_planes(nodes[minus.corners], centres, frames)
-    full = areas(own, np.full(len(own), 4))
-    others = nodes[plus.corners[second]] - centres[first][:, None]
-    flat = np.einsum("ncd,nad->nca", others, frames[first, :2])
+    centres = facet_centres(nodes, minus)
+    frames = _frames(nodes[minus.corners], facet_normals(nodes, minus))
+    below, above = divided(nodes, minus), divided(nodes, plus)
+    one, other = _near(below, above, tolerance)
+    first, second = below.parents[one], above.parents[other]
+    own = _in_planes(below.corners, centres[below.parents], frames[below.parents])
+    size = areas(own, np.full(len(own), 4))
+    full = np.bincount(below.parents, size, len(minus))
     # The plus side is seen from inside: turned round, it runs counter-clockwise as well.
-    window = _turned_round(flat, plus.triangular[second])
-    polygons, counts = clip(own[first], window)
-    size = areas(polygons, counts)
-    window_size = np.abs(areas(window, np.full(len(window), 4)))
-    kept = size > _SLIVER * np.minimum(full[first], window_size)
+    window = _turned_round(
+        _in_planes(above.corners[other], centres[first], frames[first]),
+        above.facets.triangular[other],
+    )
+    polygons, counts = clip(own[one], window)
+    common = areas(polygons, counts)
+    smaller = np.minimum(size[one], np.abs(areas(window, np.full(len(window), 4))))
+    kept = common > _SLIVER * smaller
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
-    height = np.abs(_height(middle, centres, frames, nodes, plus, first, second))
-    kept &= height <= tolerance + arcs[0][first] + arcs[1][second] + 1e-9 * np.sqrt(full[first])
-    covered = np.bincount(first[kept], size[kept], len(minus)) / full
+    points = centres[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
+    height = np.abs(_height(points, frames[first, 2], below, one, above, other))
+    kept &= height <= tolerance + below.arcs[one] + above.arcs[other] + 1e-9 * np.sqrt(size[one])
+    covered = np.bincount(first[kept], common[kept], len(minus)) / full
     kept &= covered[first] >= NEGLIGIBLE
     triangles, owners = fans(polygons[kept], counts[kept])
     found = Segments(
@@ -157,7 +161,7 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
         plus_of=second[kept][owners],
         covered=covered,
     )
-    return found.touched(found.areas > 0)
+    return found.touched(found.areas > _SLIVER * full[found.minus_of])
 
 
 def _frames(corners: Matrix, normals: Matrix) -> Matrix:
@@ -183,32 +187,26 @@ def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
 
 
 def _height(
-    middle: Matrix,
-    origins: Matrix,
-    frames: Matrix,
-    nodes: Matrix,
-    plus: Facets,
-    first: Indices,
-    second: Indices,
+    points: Matrix, upwards: Matrix, below: Cells, one: Indices, above: Cells, other: Indices
 ) -> Vector:
-    """Height (n,) of the plane of the plus facet over points in the plane of the minus one."""
-    centres, normals = facet_centres(nodes, plus), facet_normals(nodes, plus)
-    points = origins[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
-    offset = np.einsum("nd,nd->n", centres[second] - points, normals[second])
-    height: Vector = offset / np.einsum("nd,nd->n", frames[first, 2], normals[second])
-    return height
+    """Distance (n,) between the planes of two cells at points (n, 3), along directions (n, 3)."""
+    heights = []
+    for cells, rows in ((below, one), (above, other)):
+        normals = cells.normals[rows]
+        offset = np.einsum("nd,nd->n", cells.centres[rows] - points, normals)
+        heights.append(offset / np.einsum("nd,nd->n", upwards, normals))
+    distance: Vector = heights[1] - heights[0]
+    return distance
 
 
-def _near(
-    nodes: Matrix, minus: Facets, plus: Facets, tolerance: float, arcs: list[Vector]
-) -> tuple[Indices, Indices]:
-    """Return the pairs of facets that face each other and whose boxes overlap."""
+def _near(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indices]:
+    """Return the pairs of cells that face each other and whose boxes overlap."""
     boxes = []
-    for facets, arc in zip((minus, plus), arcs, strict=True):
-        corners, reach = nodes[facets.corners], arc[:, None] + tolerance
+    for cells in (below, above):
+        corners, reach = cells.corners, cells.arcs[:, None] + tolerance
         boxes.append((corners.min(axis=1) - reach, corners.max(axis=1) + reach))
     (low, high), (from_, to) = boxes
-    normals = [facet_normals(nodes, facets) for facets in (minus, plus)]
+    normals = below.normals, above.normals
     pairs = [np.empty((0, 2), dtype=np.int64)]
     for one, other in _by_distance(*boxes):
         near = np.einsum("nd,nd->n", normals[0][one], normals[1][other]) < FACING
