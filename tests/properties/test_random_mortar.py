@@ -71,6 +71,29 @@ def test_clipping_finds_the_common_area(seed):
     np.testing.assert_allclose(total, found, atol=1e-13)
 
 
+def lattice(random, n):
+    """Rectangles and right triangles on a small lattice (n, 4, 2), with sides in common."""
+    low, size = random.integers(0, 3, (n, 2)), random.integers(1, 4, (n, 2))
+    unit = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    corners = (low[:, None] + size[:, None] * unit).astype(float)
+    corners[::3, 3] = corners[::3, 2]
+    return corners
+
+
+@settings(max_examples=30, deadline=None)
+@given(seeds, angles)
+def test_shared_sides_are_cut_by_no_rounding(seed, angle):
+    random = np.random.default_rng(seed)
+    one, other = lattice(random, 20), lattice(random, 20)
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[c, s], [-s, c]])
+    polygons, corners = clip(one @ turn, other @ turn)
+    expected = [common_area(a, b) for a, b in zip(one, other, strict=True)]
+    np.testing.assert_allclose(areas(polygons, corners), expected, atol=1e-9)
+    # A quadrilateral with a quadrilateral has eight corners at most.
+    assert corners.max() <= 8
+
+
 def overlap(below, above, angle, offset):
     rectangle = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * SIZE[:2] / 2
     flat = np.column_stack([rectangle, np.zeros(4)])
