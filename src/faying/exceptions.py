@@ -24,6 +24,10 @@ class ConvergenceError(FayingError):
     """An iteration ended without a solution; the message says how far it got and what to try."""
 
 
+class CampaignError(FayingError):
+    """Tasks could not be computed: workers that died or cannot be had, errors of a user's code."""
+
+
 @contextmanager
 def naming(culprit: str) -> Iterator[None]:
     """Put what a :class:`ModelError` raised inside speaks of in front of its message."""

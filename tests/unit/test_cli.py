@@ -27,7 +27,7 @@ def runner(monkeypatch):
     calls = []
     result = SimpleNamespace(converged=True, summary={"load_cases": {}})
 
-    def run(study, out, *, resume, progress):
+    def run(study, out, *, resume, progress, executor):
         calls.append((study, out, resume))
         return result
 

@@ -2,4 +2,6 @@
 
 from faying.cli import main
 
-main()
+# Worker processes read this module again under another name.
+if __name__ == "__main__":
+    main()

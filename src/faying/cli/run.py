@@ -1,12 +1,16 @@
 """``faying run``: compute a study."""
 
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from faying.cli.arguments import StudyPath, usable_folder
-from faying.exceptions import StudyError
+from faying.exceptions import CampaignError, StudyError
+
+if TYPE_CHECKING:
+    from faying.execution import Executor
 
 NOT_CONVERGED = 1
 """Exit status of a study that ran but did not converge somewhere."""
@@ -21,12 +25,22 @@ def run(
     resume: Annotated[
         bool, typer.Option("--resume", help="Keep what an interrupted run has finished.")
     ] = False,
+    workers: Annotated[
+        int, typer.Option(help="Processes that share transients of the full model.")
+    ] = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
+    ] = None,
 ) -> None:
     """Run a study: every method on every load case; results, pictures and a report in a folder."""
-    compute(study, out or Path(f"{study.stem}-results"), resume=resume)
+    folder = out or Path(f"{study.stem}-results")
+    compute(study, folder, resume=resume, workers=workers, scheduler=scheduler)
 
 
-def compute(path: Path, out: Path, *, resume: bool) -> None:
+def compute(
+    path: Path, out: Path, *, resume: bool, workers: int = 1, scheduler: str | None = None
+) -> None:
     """Run the study of a file into a folder and exit with 1 if something did not converge."""
     from faying.study.schema import read_study
 
@@ -44,10 +58,26 @@ def compute(path: Path, out: Path, *, resume: bool) -> None:
     console = Console(stderr=True)
     # A bar that is not seen would leave an empty line among the messages.
     hidden = not console.is_terminal
-    with Progress(console=console, transient=True, disable=hidden) as progress:
-        result = run_study(study, out, resume=resume, progress=progress)
+    with ExitStack() as stack:
+        executor = _executor(workers, scheduler, stack)
+        progress = stack.enter_context(Progress(console=console, transient=True, disable=hidden))
+        result = run_study(study, out, resume=resume, progress=progress, executor=executor)
     show_outcome(result.summary, out, Console())
     if not result.converged:
         message = f"Some solutions did not converge; {out / 'summary.json'} names them"
         typer.echo(message, err=True)
         raise typer.Exit(NOT_CONVERGED)
+
+
+def _executor(workers: int, scheduler: str | None, stack: ExitStack) -> "Executor | None":
+    """Return what shares the work, if anything; closed with the stack."""
+    if scheduler is None and workers == 1:
+        return None
+    from faying.execution import DaskExecutor, ProcessExecutor
+
+    if scheduler is None:
+        return ProcessExecutor(workers)
+    if workers != 1:
+        message = "--workers and --scheduler exclude each other; the cluster has its own workers"
+        raise CampaignError(message)
+    return stack.enter_context(DaskExecutor.connect(scheduler))

@@ -1,7 +1,7 @@
 """Load cases of a run: solved by the full model and by every reduced one, and compared."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -120,32 +120,47 @@ class CaseRunner:
         self, case: LoadCaseSection, system: System, label: str, refinement: int = 1
     ) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
-        static = case.kind == "static"
-        total = 1 if static else self._steps(case, refinement)
+        total = 1 if case.kind == "static" else self._steps(case, refinement)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
-                start = time.perf_counter()
-                if static:
-                    solution = solve_static(system, case_load(case))
-                else:
-                    solution = solve_transient(
-                        system,
-                        case_load(case),
-                        step=time_step(case, self.joint.period) / refinement,
-                        duration=time_span(case, self.joint.period),
-                        integrator=integrator_of(case),
-                        progress=advance,
-                    )
-                seconds = time.perf_counter() - start
+                solution, seconds = solve_case(self.joint, case, system, refinement, advance)
             response = respond(solution, self.joint.model, seconds)
-            if refinement == 1 and not static and isinstance(system, ReducedModel):
+            if refinement == 1 and case.kind != "static" and isinstance(system, ReducedModel):
                 with self.stages.stage("recovery"):
                     recovered = recover_pressure(self.joint.model, solution).pressure
                 response = replace(response, recovered_pressure=recovered)
-            return _packed(response)
+            return packed(response)
 
-        return _unpacked(self.checkpoint.bundle(f"{case.name} {label} {refinement}", compute))
+        return _unpacked(self.checkpoint.bundle(response_key(case, label, refinement), compute))
+
+
+def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
+    """Return the key that a response is kept under; that of the full model unless told."""
+    return f"{case.name} {label} {refinement}"
+
+
+def solve_case(
+    joint: PreparedJoint,
+    case: LoadCaseSection,
+    system: System,
+    refinement: int = 1,
+    progress: Callable[[int], object] | None = None,
+) -> tuple[Solution, float]:
+    """Solve a load case with one model; return how many seconds that took as well."""
+    start = time.perf_counter()
+    if case.kind == "static":
+        solution = solve_static(system, case_load(case))
+    else:
+        solution = solve_transient(
+            system,
+            case_load(case),
+            step=time_step(case, joint.period) / refinement,
+            duration=time_span(case, joint.period),
+            integrator=integrator_of(case),
+            progress=progress,
+        )
+    return solution, time.perf_counter() - start
 
 
 def integrator_of(case: LoadCaseSection) -> Integrator:
@@ -194,8 +209,8 @@ MAPPINGS = ("displacements", "bolt_forces", "contact_forces", "open_fraction")
 ARRAYS = ("pressure", "gap", "iterations", "seconds", "nodal_displacement", "recovered_pressure")
 
 
-def _packed(response: Response) -> dict[str, Matrix]:
-    """Flatten a response to named arrays."""
+def packed(response: Response) -> dict[str, Matrix]:
+    """Flatten a response to named arrays, as it is kept."""
     arrays = {
         f"{field}/{name}": value
         for field in MAPPINGS

@@ -1,44 +1,14 @@
-"""Finished pieces of a run, kept on disk until the whole is done, so that long runs resume."""
+"""The checkpoint of a run: its finished pieces on disk until the whole is done, to resume from."""
 
 import hashlib
-import os
 import shutil
-import tempfile
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from faying import __version__
-from faying._typing import Matrix
 from faying.exceptions import StudyError
+from faying.execution.checkpoint import Checkpoint
 
-Arrays = Mapping[str, Matrix]
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """A folder of named array bundles that belong to one study text and one version of faying."""
-
-    folder: Path
-
-    def bundle(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
-        """Return the arrays kept under a key, or compute and keep them."""
-        path = self.folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
-        if path.exists():
-            with np.load(path) as kept:
-                return {name: kept[name] for name in kept.files}
-        arrays = compute()
-        handle, temporary = tempfile.mkstemp(dir=self.folder, suffix=".tmp")
-        with os.fdopen(handle, "wb") as file:
-            np.savez(file, allow_pickle=False, **arrays)
-        Path(temporary).replace(path)
-        return arrays
-
-    def discard(self) -> None:
-        """Remove the folder once the results are written."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+__all__ = ["Checkpoint", "open_checkpoint"]
 
 
 def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:

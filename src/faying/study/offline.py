@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from faying.reduction.jim_b import jim_b
 from faying.reduction.methods import METHODS, Method
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.reduction.rivals import RIVALS, rival_system
-from faying.reduction.snapshots import static_snapshots, step_snapshots
+from faying.reduction.snapshots import static_snapshots
 from faying.simulation.frequencies import preloaded_frequencies
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
@@ -26,7 +27,7 @@ from faying.study.load_model import LoadedModel, build_loaded, load_model
 from faying.study.loads import check_loads, training_box
 from faying.study.progress import Stages
 from faying.study.tables import Study
-from faying.study.timing import time_span, time_step
+from faying.study.training import StepTraining, step_key, step_loads
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,7 +117,6 @@ def build_bases(
     """Build the bases that the study's methods need, and train where one must be."""
     reduction, model = study.reduction, joint.model
     own = [METHODS[name].joint_modes for name in reduction.methods if name in METHODS]
-    rivals = [RIVALS[name] for name in reduction.methods if name in RIVALS]
     most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
         classic = craig_bampton(model, normal_modes=reduction.normal_modes)
@@ -131,13 +131,22 @@ def build_bases(
                 classic=classic,
             )
     forces = np.zeros((model.contact.n_points, 0))
-    if "jim-b" in own or any(rival.trained for rival in rivals):
+    if is_trained(study):
         with stages.stage("training"):
             forces = _training_forces(study, joint, classic, stages, checkpoint)
     if "jim-b" in own:
         with stages.stage("jim-b"):
             bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
     return TrainedBases(bases=bases, contact_forces=forces)
+
+
+def is_trained(study: Study) -> bool:
+    """Say whether a method of the study learns from training runs."""
+    names = study.reduction.methods
+    return any(
+        RIVALS[name].trained if name in RIVALS else METHODS[name].joint_modes == "jim-b"
+        for name in names
+    )
 
 
 MOST_AUTOMATIC = 60
@@ -158,22 +167,24 @@ def _training_forces(
     box = training_box(training)
     with stages.stage("static training"):
         snapshots = [static_snapshots(model, box.static_loads(model))]
-    if training.dynamics:
-        prior = training.system == "reduced"
-        system = reduce(model, classic, compliance=True) if prior else model
-        loads = box.step_loads()
-        step, span = time_step(training, joint.period), time_span(training, joint.period)
-        with stages.stage("step training", len(loads) * round(span / step)) as advance:
-            kept = checkpoint.bundle(
-                "training steps",
-                lambda: {
-                    "forces": step_snapshots(
-                        system, loads, step=step, duration=span, progress=advance
-                    )
-                },
-            )
-        snapshots.append(kept["forces"])
+    steps = step_training(study, joint, classic)
+    loads = step_loads(training)
+    with stages.stage("step training", len(loads) * steps.n_steps) as advance:
+        for number in range(len(loads)):
+            compute = partial(steps.forces, number, advance)
+            snapshots.append(checkpoint.bundle(step_key(number), compute)["forces"])
     return np.hstack(snapshots)
+
+
+def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> StepTraining:
+    """Return the training steps of a study; a basis is needed where a reduced model trains."""
+    training, model = study.reduction.training, joint.model
+    reduced = training.system == "reduced" and classic is not None
+
+    def system() -> System:
+        return reduce(model, classic, compliance=True) if reduced and classic else model
+
+    return StepTraining(training=training, period=joint.period, system=system)
 
 
 def choose_counts(

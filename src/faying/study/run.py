@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from faying.execution.executor import Executor
 from faying.study.cases import CaseRunner
 from faying.study.checkpoint import open_checkpoint
 from faying.study.files import write_text
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
+from faying.study.pieces import compute_pieces
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
 from faying.study.results import Results
@@ -36,7 +38,12 @@ class RunSummary:
 
 
 def run(
-    study: Study, out: Path, *, resume: bool = False, progress: ProgressBar | None = None
+    study: Study,
+    out: Path,
+    *,
+    resume: bool = False,
+    progress: ProgressBar | None = None,
+    executor: Executor | None = None,
 ) -> RunSummary:
     """Compute a study and leave its results in a folder.
 
@@ -46,6 +53,8 @@ def run(
         Receives ``results.h5``, ``summary.json``, ``study.toml``, interface and report files.
     resume
         Take over what an interrupted run of the same study has finished.
+    executor
+        Computes transients of the full model beforehand, where there are some.
 
     Raises
     ------
@@ -56,6 +65,8 @@ def run(
     out.mkdir(parents=True, exist_ok=True)
     checkpoint = open_checkpoint(out, study.text, resume=resume)
     stages = Stages(progress)
+    if executor is not None:
+        compute_pieces(study, executor, checkpoint, stages)
     joint = prepare_joint(study, stages)
     trained = build_bases(study, joint, stages, checkpoint)
     choices = choose_counts(study, joint.model, trained, stages)

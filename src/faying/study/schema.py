@@ -11,7 +11,7 @@ from faying.study.errors import Problem, StudySource, reject, translated
 from faying.study.positions import line_numbers
 from faying.study.tables import Study
 
-__all__ = ["Study", "read_study"]
+__all__ = ["Study", "parse_study", "read_study"]
 
 
 def read_study(path: Path | str) -> Study:
@@ -32,8 +32,17 @@ def read_study(path: Path | str) -> Study:
         If it cannot be read or asks for something that does not fit together. The one message
         lists every mistake found with its place, what was found, what was expected, the remedy.
     """
-    path = Path(path)
-    text = _text(path)
+    return parse_study(_text(Path(path)), Path(path))
+
+
+def parse_study(text: str, path: Path) -> Study:
+    """Check the text of a study file as :func:`read_study` does; the file need not exist.
+
+    Raises
+    ------
+    StudyError
+        As :func:`read_study`.
+    """
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,0 +1,23 @@
+"""Campaigns: many tasks on one prepared model, here, in processes or on a cluster.
+
+See docs/how-to/run_on_a_cluster.md.
+"""
+
+from faying.execution.campaign import run_campaign
+from faying.execution.checkpoint import Checkpoint
+from faying.execution.dask import DaskExecutor
+from faying.execution.executor import Executor
+from faying.execution.processes import ProcessExecutor
+from faying.execution.serial import SerialExecutor
+from faying.execution.transients import responses, transient_campaign
+
+__all__ = [
+    "Checkpoint",
+    "DaskExecutor",
+    "Executor",
+    "ProcessExecutor",
+    "SerialExecutor",
+    "responses",
+    "run_campaign",
+    "transient_campaign",
+]

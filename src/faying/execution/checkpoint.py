@@ -1,0 +1,91 @@
+"""Named bundles of arrays in a folder: each is complete or absent, whatever stops the program."""
+
+import hashlib
+import os
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import FormatError
+
+Arrays = Mapping[str, Matrix]
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A folder with one ``.npz`` file per key."""
+
+    folder: Path
+
+    def bundle(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
+        """Return the arrays kept under a key, or compute and keep them."""
+        if self.has(key):
+            return self.get(key)
+        arrays = compute()
+        self.put(key, arrays)
+        return arrays
+
+    def has(self, key: str) -> bool:
+        """Say whether there is a bundle under a key."""
+        return self._path(key).exists()
+
+    def get(self, key: str) -> dict[str, Matrix]:
+        """Return the arrays kept under a key.
+
+        Raises
+        ------
+        FormatError
+            If the file is damaged.
+        """
+        path = self._path(key)
+        try:
+            with np.load(path) as kept:
+                return {name: kept[name] for name in kept.files}
+        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            message = f"{path}, the result of '{key}', is damaged ({error}); delete it"
+            raise FormatError(message) from None
+
+    def put(self, key: str, arrays: Arrays) -> None:
+        """Keep arrays under a key, atomically.
+
+        Raises
+        ------
+        FormatError
+            If the folder cannot be written.
+        """
+        temporary = None
+        try:
+            handle, temporary = tempfile.mkstemp(dir=self.folder, suffix=".tmp")
+            with os.fdopen(handle, "wb") as file:
+                _write(file, arrays)
+            Path(temporary).replace(self._path(key))
+        except OSError as error:
+            message = (
+                f"cannot keep the result of '{key}' in {self.folder}: {error.strerror}; "
+                "make room or choose another folder"
+            )
+            raise FormatError(message) from None
+        finally:
+            if temporary is not None:
+                Path(temporary).unlink(missing_ok=True)
+
+    def discard(self) -> None:
+        """Remove the folder."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
+
+
+def _write(file: object, arrays: Arrays) -> None:
+    """Write as ``np.savez`` does, which cannot have an array called ``file``."""
+    with zipfile.ZipFile(file, "w") as archive:  # type: ignore[call-overload]
+        for name, value in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(value), allow_pickle=False)

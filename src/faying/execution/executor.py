@@ -1,0 +1,68 @@
+"""What every executor offers: prepare once per worker, then one function call per task."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, Protocol
+
+from faying.exceptions import CampaignError
+
+Function = Callable[[Any], Any]
+"""From a task to its result; both can be pickled."""
+
+Prepare = Callable[[], Function]
+"""What a worker does once: build a model, factorize it, return the function of the tasks.
+
+It is sent to the workers, so it is a function of a module, or ``functools.partial`` of one. What it
+returns is not sent: factorizations, which do not pickle, may live in it.
+"""
+
+FATAL_DEATHS = 3
+"""Workers a task may kill before it is given up."""
+
+
+class Executor(Protocol):
+    """Something that maps tasks to results."""
+
+    @property
+    def n_workers(self) -> int:
+        """Workers there are at present."""
+        ...
+
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Yield the place of each task and its result, as they come, in any order.
+
+        Parameters
+        ----------
+        prepare
+            Called once by each worker.
+        tasks
+            Tasks of a worker that dies are given to others.
+
+        Raises
+        ------
+        LostTasksError
+            At the end, after all other results: tasks whose workers died again and again.
+        CampaignError
+            If there is no worker to be had.
+        Exception
+            Whatever ``prepare`` or its function raise, at once.
+        """
+        ...
+
+
+class LostTasksError(CampaignError):
+    """Tasks that killed every worker they were given to.
+
+    Attributes
+    ----------
+    places
+        Which of the tasks.
+    """
+
+    def __init__(self, places: Sequence[int]) -> None:
+        self.places = tuple(places)
+        shown = ", ".join(str(place + 1) for place in self.places)
+        message = (
+            f"every worker that tried task number {shown} died, {FATAL_DEATHS} at least; a worker "
+            "dies without a message where memory runs out: give each more of it"
+        )
+        super().__init__(message)

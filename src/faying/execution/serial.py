@@ -1,0 +1,25 @@
+"""Tasks one after the other, in this process."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from faying.execution.executor import Prepare
+
+
+@dataclass(frozen=True)
+class SerialExecutor:
+    """The reference of all executors: nothing is sent anywhere."""
+
+    @property
+    def n_workers(self) -> int:
+        """Always one: this process."""
+        return 1
+
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Yield place and result of each task in their order."""
+        if not tasks:
+            return
+        function = prepare()
+        for place, task in enumerate(tasks):
+            yield place, function(task)

@@ -1,0 +1,98 @@
+"""Campaign of transient runs: one model, many loads."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from faying.execution.campaign import run_campaign
+from faying.execution.checkpoint import Arrays
+from faying.execution.executor import Executor
+from faying.model.system import System
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.transient import transient_solver
+
+
+def transient_campaign(
+    build: Callable[[], System],
+    loads: Mapping[str, Load],
+    executor: Executor | None = None,
+    *,
+    step: float,
+    duration: float,
+    integrator: Integrator | None = None,
+    take: Callable[[Solution], Arrays] | None = None,
+    keep: Path | str | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Mapping[str, Arrays]:
+    """Integrate the responses of one full or reduced model to many loads.
+
+    Parameters
+    ----------
+    build
+        Builds the preloaded model; called once by each worker, which factorizes it once for all
+        its loads. A function of a module, or ``functools.partial`` of one.
+    loads
+        By name.
+    executor
+        Where; in this process unless given.
+    step, duration : [time]
+    integrator
+        :class:`ImplicitEuler` unless given.
+    take
+        What is kept of each solution, a function of a module; :func:`responses` unless given.
+    keep
+        Folder in which results are kept as they come, to resume from; see :func:`run_campaign`.
+    progress
+        Called with the name of each load when its result is there.
+
+    Returns
+    -------
+    Mapping
+        Name of the load to its arrays.
+
+    Raises
+    ------
+    FayingError
+        As :func:`run_campaign`.
+    """
+    prepare = partial(
+        _prepare, build, step=step, duration=duration, integrator=integrator, take=take or responses
+    )
+    return run_campaign(prepare, loads, executor, keep=keep, progress=progress)
+
+
+def responses(solution: Solution) -> Arrays:
+    """Return what is seen of a transient, without the states of the whole structure.
+
+    Returns
+    -------
+    Mapping
+        ``times`` (n_time,), ``pressure`` and ``gap`` (n_time, n_point), ``displacement/BOUNDARY``
+        (n_time, n_component), ``bolt_force/BOLT`` and ``contact_force/INTERFACE`` (n_time,).
+    """
+    system = solution.system
+    return {
+        "times": np.asarray(solution.times),
+        "pressure": solution.pressure,
+        "gap": solution.gap,
+        **{f"displacement/{name}": solution.displacement(name) for name in system.boundaries},
+        **{f"bolt_force/{name}": np.asarray(solution.bolt_force(name)) for name in system.bolts},
+        **{f"contact_force/{name}": solution.contact_force(name) for name in system.contact.slices},
+    }
+
+
+def _prepare(
+    build: Callable[[], System],
+    *,
+    step: float,
+    duration: float,
+    integrator: Integrator | None,
+    take: Callable[[Solution], Arrays],
+) -> Callable[[Load], Arrays]:
+    """Build and factorize on a worker."""
+    solver = transient_solver(build(), step=step, integrator=integrator)
+    return lambda load: take(solver.solve(load, duration=duration))

@@ -1,0 +1,61 @@
+"""The step responses that train method B: one piece of work per load."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from faying.execution.checkpoint import Arrays
+from faying.model.system import System
+from faying.simulation.load import Load
+from faying.simulation.transient import TransientSolver, transient_solver
+from faying.study.loads import training_box
+from faying.study.tables import TrainingSection
+from faying.study.timing import time_span, time_step
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StepTraining:
+    """Training steps of a joint, Eqs. (15.27) to (15.29).
+
+    Attributes
+    ----------
+    training
+        What the study says about them.
+    period
+        Longest period of the preloaded joint [time].
+    system
+        Builds the full or reduced model they are computed with, when the first is.
+    """
+
+    training: TrainingSection
+    period: float
+    system: Callable[[], System]
+
+    @property
+    def n_steps(self) -> int:
+        """Time steps of one response."""
+        step = time_step(self.training, self.period)
+        return round(time_span(self.training, self.period) / step)
+
+    def forces(self, number: int, progress: Callable[[int], object] | None = None) -> Arrays:
+        """Return ``forces``, λ (n_point, n_time) [force] of the response to one load."""
+        solution = self._solver.solve(
+            step_loads(self.training)[number],
+            duration=time_span(self.training, self.period),
+            progress=progress,
+        )
+        return {"forces": solution.contact_forces.T}
+
+    @cached_property
+    def _solver(self) -> TransientSolver:
+        return transient_solver(self.system(), step=time_step(self.training, self.period))
+
+
+def step_loads(training: TrainingSection) -> Sequence[Load]:
+    """Return the loads of the training steps."""
+    return training_box(training).step_loads() if training.dynamics else []
+
+
+def step_key(number: int) -> str:
+    """Return the key that a training step is kept under."""
+    return f"training step {number}"
