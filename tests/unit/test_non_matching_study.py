@@ -135,7 +135,7 @@ def test_the_key_belongs_to_the_interface(tmp_path):
 
 def test_the_error_of_matching_meshes_names_the_key(tmp_path):
     text = STUDY.replace('meshes = "non-matching"', 'meshes = "matching"')
-    with pytest.raises(FayingError, match='give the interface meshes = "non-matching"'):
+    with pytest.raises(FayingError, match='Give the interface meshes = "non-matching"'):
         build(read(tmp_path, text))
 
 

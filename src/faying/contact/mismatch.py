@@ -56,7 +56,7 @@ def check_no_mismatch(
         f"interface '{spec.name}': non-matching faces. "
         f"{_count(spec, side, matched, orphan)}, first "
         f"{facet_place(assembly, facets, rows[0])}; {cause}. "
-        'give the interface meshes = "non-matching" (mortar projection), mesh both sides from the '
+        'Give the interface meshes = "non-matching" (mortar projection), mesh both sides from the '
         "same imprinted face, or raise the tolerance if this is only rounding"
     )
     raise ModelError(message)
