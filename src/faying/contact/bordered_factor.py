@@ -29,7 +29,7 @@ A lap joint has 0.03; one whose middle plate hangs in soft springs 0.001, and bo
 digit of its pressures (4e-8 instead of 6e-9).
 """
 
-MOST_CHANGED = 1 / 8
+MOST_CHANGED = 1 / 5
 """Changed over factorized points beyond which a new factorization is cheaper.
 
 A factorization of n points takes n³/3 multiplications at the speed of matrix products, each changed
@@ -38,17 +38,30 @@ points: 1.9 s and 0.115 s without borders, 1.3 s and 0.094 s with 1/8, 1.6 s and
 """
 
 
+NEAR = 1 / 16
+"""Changed over factorized points up to which the last factorization is taken without a search."""
+
+MOST_BYTES = 2**25
+"""Memory of the factorizations remembered; beyond a cache of that size they are slow to read."""
+
+MOST_FACTORS = 32
+"""Factorizations remembered at most: that many transients go on side by side, each from its own."""
+
+
 class BorderedFactor:
-    """Solver of active blocks of one symmetric matrix; remembers its last factorization.
+    """Solver of active blocks of one symmetric matrix; remembers its last factorizations.
 
     What it returns depends on the block alone, up to round-off; what it remembers only decides how
     fast.
     """
 
     def __init__(self, H: Matrix) -> None:
+        n_kept = max(1, min(MOST_FACTORS, MOST_BYTES // max(8 * H.size, 1)))
         self._H = H
-        self._inside: Mask = np.zeros(len(H), dtype=bool)
-        self._factored: _Factored | None = None
+        self._factored: list[_Factored] = []
+        self._inside: Mask = np.zeros((n_kept, len(H)), dtype=bool)
+        self._next = 0
+        self._last = 0
 
     def solve(self, right: Vector, active: Mask) -> Vector:
         """Return λ (n_point,) with H_AA λ_A = b_A, zero elsewhere.
@@ -58,13 +71,10 @@ class BorderedFactor:
         scipy.linalg.LinAlgError
             If the block is singular to working precision.
         """
-        factored = self._factored
-        if factored is None:
+        changed = self._nearest(active)
+        if changed is None:
             return self.solve_anew(right, active)
-        changed = np.flatnonzero(active ^ self._inside)
-        if len(changed) > MOST_CHANGED * len(factored.points):
-            return self.solve_anew(right, active)
-        forces = factored.solve(right, changed)
+        forces = self._factored[self._last].solve(right, changed)
         return self.solve_anew(right, active) if forces is None else forces
 
     def solve_anew(self, right: Vector, active: Mask) -> Vector:
@@ -77,7 +87,6 @@ class BorderedFactor:
         """
         points = np.flatnonzero(active)
         forces = np.zeros_like(right)
-        self._factored = None
         if not len(points):
             return forces
         # H is symmetric, so the transpose is the same block in the column order LAPACK works on.
@@ -89,9 +98,27 @@ class BorderedFactor:
             raise la.LinAlgError(message)
         forces[points] = _substituted(factor, right[points])
         if pivots.min() >= WELL_CONDITIONED * pivots.max():
-            self._factored = _Factored(self._H, points, factor)
-            self._inside = np.array(active, dtype=bool)
+            self._remember(_Factored(self._H, points, factor), active)
         return forces
+
+    def _nearest(self, active: Mask) -> Indices | None:
+        """Turn to the factorization of the nearest points; None if all are too far away."""
+        if not self._factored:
+            return None
+        changed = np.flatnonzero(active ^ self._inside[self._last])
+        if len(changed) > NEAR * len(self._factored[self._last].points):
+            known = self._inside[: len(self._factored)]
+            self._last = int(np.count_nonzero(known ^ active, axis=1).argmin())
+            changed = np.flatnonzero(active ^ self._inside[self._last])
+        near = len(changed) <= MOST_CHANGED * len(self._factored[self._last].points)
+        return changed if near else None
+
+    def _remember(self, factored: "_Factored", active: Mask) -> None:
+        """Keep a factorization, in place of the oldest where there are too many."""
+        at = self._next
+        self._factored[at : at + 1] = [factored]
+        self._inside[at] = active
+        self._last, self._next = at, (at + 1) % len(self._inside)
 
 
 class _Factored:

@@ -209,10 +209,17 @@ class Contact:
         """G = N P (n_point, n_dof), Eq. (15.3)."""
         return self.interpolation @ self.relative_operator
 
-    @property
+    @cached_property
+    def transposed(self) -> tuple[SparseMatrix, SparseMatrix | Matrix]:
+        """Nᵀ and Pᵀ, which take forces at the contact points to the degrees of freedom."""
+        at_pairs, P = read_only(self.interpolation.T.tocsr()), self.relative_operator
+        return at_pairs, P.T if isinstance(P, np.ndarray) else read_only(P.T.tocsr())
+
+    @cached_property
     def flexibility(self) -> Vector:
         """Diagonal of D = diag(1 / (c_n w)) [length/force]; zero where contact is hard."""
-        return np.asarray(1.0 / (self.penalty * self.weights))
+        flexibility: Vector = frozen(1.0 / (self.penalty * self.weights))
+        return flexibility
 
     @property
     def n_points(self) -> int:
