@@ -10,21 +10,21 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from faying.model.lap_joint import lap_joint_assembly
-from faying.study import tables
+from faying.study import model_tables, tables
 from faying.study.lap_joint_keys import ELSEWHERE
 
 SECTIONS: dict[str, type[BaseModel]] = {
     "top level": tables.Study,
-    "[model]": tables.ModelSection,
-    "[model.files]": tables.MatrixFiles,
-    "[model.sets]": tables.NamedSet,
-    "[material.NAME]": tables.MaterialSection,
-    "[[interface]]": tables.InterfaceSection,
-    "[[bolt]]": tables.BoltSection,
-    "[[boundary]]": tables.BoundarySection,
-    "[[support]]": tables.SupportSection,
-    "[sticking]": tables.StickingSection,
-    "[damping]": tables.DampingSection,
+    "[model]": model_tables.ModelSection,
+    "[model.files]": model_tables.MatrixFiles,
+    "[model.sets]": model_tables.NamedSet,
+    "[material.NAME]": model_tables.MaterialSection,
+    "[[interface]]": model_tables.InterfaceSection,
+    "[[bolt]]": model_tables.BoltSection,
+    "[[boundary]]": model_tables.BoundarySection,
+    "[[support]]": model_tables.SupportSection,
+    "[sticking]": model_tables.StickingSection,
+    "[damping]": model_tables.DampingSection,
     "[reduction]": tables.ReductionSection,
     "[reduction.training]": tables.TrainingSection,
     "[reduction.training] box": tables.BoxSide,

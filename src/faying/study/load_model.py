@@ -21,10 +21,11 @@ from faying.study.consistency import boundary_problems
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
 from faying.study.loads import check_loads
+from faying.study.model_tables import BoltSection, MaterialSection
 from faying.study.section import Section
 from faying.study.sets import with_study_sets
 from faying.study.supports import with_study_supports
-from faying.study.tables import BoltSection, MaterialSection, Study
+from faying.study.tables import Study
 
 Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
 

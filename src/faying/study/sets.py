@@ -10,7 +10,8 @@ from faying.exceptions import StudyError
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 from faying.study.errors import nearest
-from faying.study.tables import NamedSet, Study
+from faying.study.model_tables import NamedSet
+from faying.study.tables import Study
 
 
 def with_study_sets(assembly: Assembly, study: Study) -> Assembly:

@@ -9,7 +9,8 @@ from faying._typing import Indices
 from faying.exceptions import ModelError, StudyError
 from faying.model.assembly import Assembly, Support
 from faying.model.supports import nodes_of_set
-from faying.study.tables import DisplacementComponent, Study
+from faying.study.model_tables import DisplacementComponent
+from faying.study.tables import Study
 
 
 def with_study_supports(assembly: Assembly, study: Study) -> Assembly:

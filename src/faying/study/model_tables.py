@@ -1,0 +1,235 @@
+"""The tables of a study file that describe the model: source, materials, interfaces, bolts."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field
+
+from faying.study.errors import shown
+from faying.study.section import (
+    Count,
+    ExistingFile,
+    Id,
+    IdOrName,
+    InitialGap,
+    Name,
+    NotNegative,
+    Number,
+    Penalty,
+    Point,
+    Positive,
+    Section,
+    Selection,
+    Switch,
+    refusal,
+)
+
+Source = Literal["lap-joint", "nastran", "abaqus", "mesh", "matrices"]
+"""Where a model can come from."""
+
+DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
+
+
+class MatrixFiles(Section):
+    """[model.files]: what :func:`faying.io.matrices.read_matrices` reads.
+
+    Matrices may come constrained, without rows for what is held or depends on others; or ``held``
+    names the rows to hold.
+    """
+
+    K: ExistingFile
+    M: ExistingFile
+    C: ExistingFile | None = None
+    nodes: ExistingFile
+    dofs: ExistingFile | None = None
+    faces: ExistingFile | None = None
+    node_sets: ExistingFile | None = None
+    held: ExistingFile | None = None
+
+
+def _named_set(value: Any) -> Any:
+    """Give the short forms of a set their keys."""
+    if isinstance(value, str):
+        return {"deck": value}
+    if isinstance(value, int) and not isinstance(value, bool):
+        return {"properties": [value]}
+    if isinstance(value, list):
+        return {"ids": value}
+    if isinstance(value, dict):
+        return value
+    message = f"found {shown(value)}, expected a deck set's name, a property id, or a list of ids"
+    raise refusal(message)
+
+
+IdList = Annotated[tuple[Id, ...], Field(min_length=1)]
+
+
+class NamedSet(Section):
+    """[model.sets] NAME = { one of the keys below }.
+
+    Attributes
+    ----------
+    deck
+        Name of a set of the deck; NAME = "deck name" for short.
+    properties
+        Elements of these properties; NAME = id for short.
+    ids
+        Node ids where a boundary uses the name, element ids where an interface does;
+        NAME = [id, …] for short.
+    nodes, elements
+        Ids, whoever uses the name.
+    """
+
+    deck: Name | None = None
+    properties: IdList | None = None
+    ids: IdList | None = None
+    nodes: IdList | None = None
+    elements: IdList | None = None
+
+
+class ModelSection(Section):
+    """[model]: where the structure comes from.
+
+    Attributes
+    ----------
+    file
+        Deck of sources "nastran" and "abaqus", mesh file of source "mesh".
+    subcase
+        Subcase or step of the deck whose supports and loads count; the first unless given.
+    files
+        Matrix and table files of source "matrices".
+    element
+        Formulation of hex8.
+    separate
+        Volume groups of a mesh file that get nodes of their own where they touch others.
+    sets
+        Own names for parts of the mesh.
+    lap_joint
+        Keywords of :func:`faying.model.lap_joint.lap_joint_assembly`.
+    """
+
+    source: Source
+    file: ExistingFile | None = None
+    subcase: Count | None = None
+    files: MatrixFiles | None = None
+    element: Literal["incompatible", "standard"] = "incompatible"
+    separate: tuple[Name, ...] = ()
+    sets: Mapping[str, Annotated[NamedSet, BeforeValidator(_named_set)]] = Field(
+        default_factory=dict
+    )
+    lap_joint: Mapping[str, Any] = Field(default_factory=dict)
+
+
+class MaterialSection(Section):
+    """[material.NAME]: values that replace those of the material of that name.
+
+    Attributes
+    ----------
+    E : [force/length²]
+    nu : [-]
+    rho : [mass/length³]
+    """
+
+    E: Positive | None = None
+    nu: Annotated[Number, Field(gt=-1, lt=0.5)] | None = None
+    rho: NotNegative | None = None
+
+
+class InterfaceSection(Section):
+    """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`.
+
+    Attributes
+    ----------
+    initial_gap : [length]
+        Added to the gap of the geometry before anything is tightened: one offset everywhere, or a
+        file for :func:`faying.contact.gap_field.read_gap_field`.
+    """
+
+    name: Name
+    minus: Selection = "auto"
+    plus: Selection = "auto"
+    meshes: Literal["matching", "non-matching"] = "matching"
+    quadrature: Literal["gauss", "nodal"] | None = None
+    order: Count | None = None
+    penalty: Penalty = "auto"
+    tolerance: Positive | None = None
+    initial_gap: InitialGap | None = None
+
+
+class BoltSection(Section):
+    """[[bolt]]: see :class:`faying.model.specs.BoltSpec`.
+
+    Attributes
+    ----------
+    nodes
+        Instead of ``elements``: ids of the nodes that the bolt's beams of the deck run through.
+        Of source "matrices": the nodes on the head's and on the nut's side.
+    stiffness, direction
+        Of source "matrices" only.
+    preload : [force]
+        Final axial force in the preloaded state.
+    """
+
+    name: Name
+    preload: NotNegative | None = None
+    elements: Annotated[tuple[Id, ...], Field(min_length=1)] | None = None
+    nodes: Annotated[tuple[Id, ...], Field(min_length=2)] | None = None
+    stiffness: Positive | None = None
+    direction: Point | None = None
+    axis: tuple[Point, Point] | None = None
+    diameter: Positive | None = None
+    washer_radius: Positive | None = None
+    washer: Literal["rbe2", "rbe3"] = "rbe2"
+    material: IdOrName | None = None
+    shear_flexible: Switch = True
+    mass: Switch = True
+
+
+class SupportSection(Section):
+    """[[support]]: nodes held at zero, beside what the source holds itself.
+
+    Attributes
+    ----------
+    components
+        Displacements ``ux`` … and rotations ``rx`` … that are held.
+    """
+
+    set: Name | None = None
+    node: Id | None = None
+    components: Annotated[tuple[DisplacementComponent, ...], Field(min_length=1)] = (
+        "ux",
+        "uy",
+        "uz",
+    )
+
+
+class BoundarySection(Section):
+    """[[boundary]]: where loads enter, see :class:`faying.model.specs.BoundarySpec`."""
+
+    name: Name
+    set: Name | None = None
+    node: Id | None = None
+    coupling: Literal["rbe2", "rbe3"] | None = None
+    at: Point | None = None
+
+
+class StickingSection(Section):
+    """[sticking]: pairs tied in tangential direction, seed §15.4.2.
+
+    Attributes
+    ----------
+    threshold
+        Fraction of the preload's largest pressure above which a pair sticks.
+    stiffness : [force/length]
+        Of the tangential springs of one pair.
+    """
+
+    threshold: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    stiffness: Positive
+
+
+class DampingSection(Section):
+    """[damping]: C = alpha M + beta K, alpha [1/time], beta [time]."""
+
+    alpha: NotNegative = 0.0
+    beta: NotNegative = 0.0
