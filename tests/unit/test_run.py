@@ -188,3 +188,21 @@ def _raise(error: BaseException):
         raise error
 
     return solve
+
+
+def test_hard_contact_with_a_training_box(tmp_path):
+    """Pressures do not follow from gaps there, so one yardstick of unseen loads is absent."""
+    text = STUDY.replace(
+        "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
+    )
+    text = text.replace('"jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
+    text = text[: text.index("[validation]")] + text[text.index("[[load_case]]") :]
+    path = tmp_path / "hard.toml"
+    path.write_text(text)
+    assert run(read_study(path), tmp_path).converged
+    load_space = read_results(tmp_path / "results.h5").validation.load_space
+    assert load_space is not None
+    assert load_space.best_possible_gap is None
+    assert (
+        load_space.methods["compliance"][0].worst_error < 1e-6
+    )  # exact, at the digits of hard contact

@@ -198,13 +198,14 @@ class LoadSpaceRecord:
     best_possible
         What any linear basis of pressures of as many vectors could reach at best.
     best_possible_gap
-        The same for displacement bases, which represent the gap and leave the clipping to the law.
+        The same for displacement bases, which represent the gap and leave the clipping to the law;
+        None where contact is hard, for pressures do not follow from gaps then.
     """
 
     n_loads: int
     methods: Mapping[str, Mapping[int, LoadSpaceResult]]
     best_possible: BestPossible
-    best_possible_gap: BestPossible
+    best_possible_gap: BestPossible | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

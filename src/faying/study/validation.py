@@ -95,9 +95,12 @@ def _load_space(
         n_loads=count,
         methods=results,
         best_possible=best_possible_errors(training.pressure, counts or [1], unseen=exact.pressure),
+        # Under hard contact pressures do not follow from gaps, so there is no such yardstick.
         best_possible_gap=best_possible_gap_errors(
             training, counts or [1], unseen=exact, classic=classic
-        ),
+        )
+        if np.isfinite(model.contact.penalty).all()
+        else None,
     )
 
 

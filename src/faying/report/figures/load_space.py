@@ -27,6 +27,8 @@ def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes
         (record.best_possible, ":", "best pressure basis"),
         (record.best_possible_gap, "-.", "best gap basis"),
     ):
+        if floor is None:
+            continue
         values = floor.unseen_max if worst else floor.unseen_median
         if values is not None:
             _floor(axes, floor.counts, values, style, label)
