@@ -58,7 +58,7 @@ if TYPE_CHECKING:
     from faying.simulation.sensitivity import sensitivity
     from faying.simulation.solution import Solution
     from faying.simulation.static import solve_static, solve_static_cases
-    from faying.simulation.transient import solve_transient
+    from faying.simulation.transient import solve_transient, solve_transient_cases
     from faying.simulation.worst_case import worst_case_load
     from faying.sources import from_matrices, lap_joint, read_abaqus, read_mesh, read_nastran
 
@@ -98,6 +98,7 @@ _HOMES = {
     "solve_static_cases": "faying.simulation.static",
     "solve_static_newton": "faying.simulation.newton",
     "solve_transient": "faying.simulation.transient",
+    "solve_transient_cases": "faying.simulation.transient",
     "stream_transient": "faying.io.transient_stream",
     "ImplicitEuler": "faying.simulation.integrators",
     "GeneralizedAlpha": "faying.simulation.integrators",
@@ -172,6 +173,7 @@ __all__ = [
     "solve_static_cases",
     "solve_static_newton",
     "solve_transient",
+    "solve_transient_cases",
     "static_snapshots",
     "step_snapshots",
     "stream_transient",

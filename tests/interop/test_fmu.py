@@ -4,6 +4,7 @@ import json
 import shutil
 import xml.etree.ElementTree as ET
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -180,7 +181,7 @@ def test_penalty_may_be_set_before_initialization(given, unzipped):
             K=given.model.K,
             boundaries=given.model.boundaries,
             bolts=given.model.bolts,
-            contact=type(contact)(**{**vars(contact), "penalty": 0.1 * contact.penalty}),
+            contact=replace(contact, penalty=0.1 * contact.penalty),
         )
     )
     start = {"joint.penalty": 0.1 * float(contact.penalty[0]), "start_loaded": True}

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import zipfile
 from dataclasses import replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -189,12 +190,10 @@ def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
         M=model.M * 1e3,
         C=model.C * 1.0,
         K=model.K * 1e-3,
-        contact=type(model.contact)(
-            **{
-                **vars(model.contact),
-                "penalty": 1e-3 * model.contact.penalty,
-                "residual_compliance": 1e3 * model.contact.residual_compliance,
-            }
+        contact=replace(
+            model.contact,
+            penalty=1e-3 * model.contact.penalty,
+            residual_compliance=1e3 * model.contact.residual_compliance,
         ),
         boundaries=model.boundaries,
         bolts={

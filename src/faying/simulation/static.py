@@ -95,6 +95,6 @@ def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
 
 def relative_forces(system: System, contact_forces: Matrix) -> Matrix:
     """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11)."""
-    at_pairs = system.contact.interpolation.T @ np.asarray(contact_forces).T
-    forces: Matrix = (system.contact.relative_operator.T @ at_pairs).T
+    to_pairs, to_dofs = system.contact.transposed
+    forces: Matrix = (to_dofs @ (to_pairs @ np.asarray(contact_forces).T)).T
     return forces

@@ -9,13 +9,13 @@ from faying.model.system import System
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """State of a system at one instant.
+    """State of a system at one instant, or states of several cases with one case a column.
 
     Attributes
     ----------
-    u, v, a : (n_dof,)
+    u, v, a : (n_dof,) or (n_dof, n_case)
         Displacement, velocity, acceleration.
-    force : (n_dof,)
+    force : (n_dof,) or (n_dof, n_case)
         External and contact forces at that instant, f_e + Gᵀλ.
     """
 

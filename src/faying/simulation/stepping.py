@@ -1,0 +1,317 @@
+"""Steps of transients side by side: one factorization, and what is linear done for all at once."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.condensed import CondensedContact, relative_compliance
+from faying.contact.pivoting import ContactForces
+from faying.exceptions import ModelError
+from faying.linalg.factorization import Factorization, factorize
+from faying.linalg.threads import threads_for
+from faying.model.system import System, input_forces
+from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.static import relative_forces, solve_static
+
+INITIAL_FRACTION = 1e-3
+"""Part of a step over which the initial acceleration is averaged.
+
+It bounds the acceleration of massless degrees of freedom; modes the step resolves see a relative
+error of its square.
+"""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Restart:
+    """Where a transient stands.
+
+    Attributes
+    ----------
+    done
+        Steps behind it.
+    motion
+        Displacement, velocity, acceleration and force there.
+    active : (n_point,)
+        Points in contact.
+    """
+
+    done: int
+    motion: Motion
+    active: Mask
+
+
+def transient_solver(
+    system: System, *, step: float, integrator: Integrator | None = None
+) -> "TransientSolver":
+    """Factorize what all transients of a system with one time step share.
+
+    Parameters
+    ----------
+    step : [time]
+    integrator
+        :class:`ImplicitEuler` unless given.
+
+    Raises
+    ------
+    ModelError
+        If the step is not positive.
+
+    Notes
+    -----
+    One factorization and the compliance of a step; :meth:`TransientSolver.solve` then has only the
+    steps left to do.
+    """
+    check_times(step, step)
+    scheme = ImplicitEuler() if integrator is None else integrator
+    effective = factorize(scheme.effective_matrix(system, step))
+    return TransientSolver(
+        system=system,
+        scheme=scheme,
+        step=step,
+        effective=effective,
+        condensed=_condense_step(system, scheme, effective),
+    )
+
+
+def check_times(step: float, duration: float) -> None:
+    """Refuse steps that are none."""
+    if not 0 < step <= duration:
+        message = (
+            f"the time step is {step:g} and the duration {duration:g}; "
+            "the step must be positive and no longer than the duration"
+        )
+        raise ModelError(message)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TransientSolver:
+    """What all transients of a system with one time step have in common.
+
+    Attributes
+    ----------
+    system
+        Full or reduced model.
+    scheme
+        Integrator.
+    step : [time]
+    effective
+        Factorization of its effective matrix.
+    condensed
+        Contact problem of one step.
+    """
+
+    system: System
+    scheme: Integrator
+    step: float
+    effective: Factorization
+    condensed: CondensedContact
+
+    def solve(
+        self,
+        load: Load,
+        *,
+        duration: float,
+        initial: Solution | None = None,
+        progress: Callable[[int], object] | None = None,
+    ) -> Solution:
+        """Integrate one response; see :func:`solve_transient`."""
+        starts = None if initial is None else [initial]
+        return self.solve_cases([load], duration=duration, initial=starts, progress=progress)[0]
+
+    def solve_cases(
+        self,
+        loads: Sequence[Load],
+        *,
+        duration: float,
+        initial: Sequence[Solution] | None = None,
+        progress: Callable[[int], object] | None = None,
+    ) -> list[Solution]:
+        """Integrate responses side by side; see :func:`solve_transient_cases`."""
+        check_times(self.step, duration)
+        if not loads:
+            return []
+        starts = self._starts(loads, initial)
+        times = self.step * np.arange(1, round(duration / self.step) + 1, dtype=np.float64)
+        here = self._begin(loads, starts)
+        return self._advanced(here, loads, times, starts, progress)[0]
+
+    def pieces(
+        self,
+        load: Load,
+        *,
+        duration: float,
+        length: int | None,
+        initial: Solution | None = None,
+        restart: Restart | None = None,
+        progress: Callable[[int], object] | None = None,
+    ) -> Iterator[tuple[Solution, Restart]]:
+        """Integrate a piece of the instants at a time; see :func:`transient_pieces`."""
+        check_times(self.step, duration)
+        last = round(duration / self.step)
+        starts: list[Solution] = []
+        here = restart
+        if here is None:
+            starts = self._starts([load], None if initial is None else [initial])
+            here = self._begin([load], starts)[0]
+        size = max(last - here.done, 1) if length is None else length
+        while here.done < last:
+            end = min(here.done + size, last)
+            times = self.step * np.arange(here.done + 1, end + 1, dtype=np.float64)
+            (piece,), (here,) = self._advanced([here], [load], times, starts, progress)
+            starts = []
+            yield piece, here
+
+    def _starts(self, loads: Sequence[Load], initial: Sequence[Solution] | None) -> list[Solution]:
+        if initial is None:
+            return [solve_static(self.system)] * len(loads)
+        if len(initial) != len(loads):
+            message = (
+                f"{len(loads)} loads and {len(initial)} initial solutions; give one for each load"
+            )
+            raise ModelError(message)
+        return list(initial)
+
+    def _begin(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
+        """Return the states at rest, with the accelerations the suddenly applied loads cause."""
+        system, now = self.system, np.zeros(1)
+        inputs = np.concatenate([load.inputs(system, now) for load in loads])
+        forces = np.array([start.contact_forces for start in starts])
+        u = np.array([start.states for start in starts]).T
+        force = (input_forces(system, inputs) + relative_forces(system, forces)).T
+        motion = Motion(u, np.zeros_like(u), np.zeros_like(u), force)
+        if self.scheme.needs_acceleration:
+            averaging = system.M + (INITIAL_FRACTION * self.step) ** 2 * system.K
+            motion = replace(motion, a=factorize(averaging).solve(force - system.K @ u))
+        return _each(0, motion, forces > 0)
+
+    def _advanced(
+        self,
+        here: Sequence[Restart],
+        loads: Sequence[Load],
+        times: Vector,
+        starts: Sequence[Solution],
+        progress: Callable[[int], object] | None,
+    ) -> tuple[list[Solution], list[Restart]]:
+        """Return the instants ``times``, after the starts where there are any, and their ends.
+
+        What is linear is done for all cases at once, with one case a column.
+        """
+        system, scheme, step, condensed = self.system, self.scheme, self.step, self.condensed
+        inputs = np.array([load.inputs(system, times) for load in loads])
+        external = input_forces(system, inputs)
+        motion = _side_by_side([one.motion for one in here])
+        active = [one.active for one in here]
+        first = int(bool(starts))
+        history = _History.empty(len(loads), first + len(times), system)
+        if starts:
+            history.begin(motion, starts)
+            inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
+            times = np.concatenate([[0.0], times])
+        with threads_for(system.contact.n_points):
+            for n in range(external.shape[1]):
+                applied = external[:, n].T
+                right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * applied
+                free = system.contact.relative_operator @ self.effective.solve(right)
+                gaps = condensed.free_gap(free.T)
+                contacts = list(map(condensed.solve_gap, gaps, active))
+                active = [contact.active for contact in contacts]
+                forces = np.array([contact.forces for contact in contacts])
+                from_contact = relative_forces(system, forces).T
+                u = self.effective.solve(right + scheme.force_weight * from_contact)
+                motion = scheme.advance(motion, u, applied + from_contact, step)
+                history.note(first + n, motion, forces, contacts)
+                if progress is not None:
+                    progress(len(loads))
+        history.gaps[:, first:] -= system.contact.flexibility * history.forces[:, first:]
+        solutions = [
+            Solution(
+                name=load.name,
+                system=system,
+                states=history.states[case],
+                contact_forces=history.forces[case],
+                gap=history.gaps[case],
+                inputs=inputs[case],
+                iterations=history.iterations[case],
+                contact_error=history.errors[case],
+                times=times,
+                velocities=history.velocities[case],
+                accelerations=history.accelerations[case],
+            )
+            for case, load in enumerate(loads)
+        ]
+        return solutions, _each(here[0].done + external.shape[1], motion, active)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _History:
+    """Instants of transients side by side; every array begins with case and instant."""
+
+    states: Matrix
+    velocities: Matrix
+    accelerations: Matrix
+    forces: Matrix
+    gaps: Matrix
+    iterations: Indices
+    errors: Matrix
+
+    @classmethod
+    def empty(cls, n_case: int, n_time: int, system: System) -> "_History":
+        shape, n_dof, n_point = (n_case, n_time), system.K.shape[0], system.contact.n_points
+        return cls(
+            states=np.zeros((*shape, n_dof)),
+            velocities=np.zeros((*shape, n_dof)),
+            accelerations=np.zeros((*shape, n_dof)),
+            forces=np.zeros((*shape, n_point)),
+            gaps=np.zeros((*shape, n_point)),
+            iterations=np.zeros(shape, dtype=np.int64),
+            errors=np.zeros(shape),
+        )
+
+    def begin(self, motion: Motion, starts: Sequence[Solution]) -> None:
+        """Note where the transients start from."""
+        self.states[:, 0], self.accelerations[:, 0] = motion.u.T, motion.a.T
+        self.forces[:, 0] = [start.contact_forces for start in starts]
+        self.gaps[:, 0] = [start.gap for start in starts]
+
+    def note(
+        self, n: int, motion: Motion, forces: Matrix, contacts: Sequence[ContactForces]
+    ) -> None:
+        """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""
+        self.states[:, n], self.velocities[:, n] = motion.u.T, motion.v.T
+        self.accelerations[:, n], self.forces[:, n] = motion.a.T, forces
+        for case, contact in enumerate(contacts):
+            self.gaps[case, n] = contact.slack
+            self.iterations[case, n] = contact.iterations
+            self.errors[case, n] = contact.error
+
+
+def _side_by_side(motions: Sequence[Motion]) -> Motion:
+    """Return the motions of all cases as one, with one case a column."""
+    u, v, a, force = (
+        np.array([getattr(motion, name) for motion in motions]).T
+        for name in ("u", "v", "a", "force")
+    )
+    return Motion(u, v, a, force)
+
+
+def _each(done: int, motion: Motion, active: Iterable[Mask]) -> list[Restart]:
+    """Return where each of the transients side by side stands."""
+    columns = zip(motion.u.T, motion.v.T, motion.a.T, motion.force.T, active, strict=True)
+    return [
+        Restart(done=done, motion=Motion(u, v, a, force), active=points)
+        for u, v, a, force, points in columns
+    ]
+
+
+def _condense_step(
+    system: System, scheme: Integrator, effective: Factorization
+) -> CondensedContact:
+    """Compliance of one time step, P A⁻¹ Pᵀ times the weight of the new forces."""
+    return CondensedContact(
+        contact=system.contact,
+        compliance=relative_compliance(system.contact, effective, scheme.force_weight),
+    )
