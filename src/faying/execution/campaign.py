@@ -99,6 +99,8 @@ def _outcomes(
     prepare: Prepare, tasks: Mapping[str, Any], names: Sequence[str], executor: Executor
 ) -> Iterator[tuple[str, Arrays | Failure]]:
     """Yield the result of each task or why there is none."""
+    if not names:
+        return
     found = executor.map(partial(_guarded, prepare), [tasks[name] for name in names])
     with closing(found):  # type: ignore[type-var]  # generators all
         try:

@@ -159,7 +159,7 @@ def _package() -> Any:
 
 def _address(scheduler: str) -> str:
     """Return the address a scheduler file holds, or what is one already."""
-    path = Path(scheduler)
+    path = Path(scheduler or "(no name)")
     if "://" in scheduler or not (path.suffix == ".json" or path.exists()):
         return scheduler
     try:

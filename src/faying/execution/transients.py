@@ -1,11 +1,13 @@
 """Campaign of transient runs: one model, many loads."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from faying.contact.condensed import CondensedContact
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Executor
@@ -13,7 +15,8 @@ from faying.model.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.transient import transient_solver
+from faying.simulation.static import solve_static
+from faying.simulation.transient import TransientSolver, transient_solver
 
 
 def transient_campaign(
@@ -94,5 +97,17 @@ def _prepare(
     take: Callable[[Solution], Arrays],
 ) -> Callable[[Load], Arrays]:
     """Build and factorize on a worker."""
-    solver = transient_solver(build(), step=step, integrator=integrator)
-    return lambda load: take(solver.solve(load, duration=duration))
+    system = build()
+    solver, rest = transient_solver(system, step=step, integrator=integrator), solve_static(system)
+    return lambda load: take(forgetting(solver).solve(load, duration=duration, initial=rest))
+
+
+def forgetting(solver: TransientSolver) -> TransientSolver:
+    """Return a solver that knows nothing of the responses before.
+
+    Contact problems keep factors from one solution to the next, so that a response differs in its
+    last digits by what a worker happened to solve before it.
+    """
+    condensed = solver.condensed
+    new = CondensedContact(contact=condensed.contact, compliance=condensed.compliance)
+    return replace(solver, condensed=new)

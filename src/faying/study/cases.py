@@ -158,6 +158,8 @@ def solve_case(
             step=time_step(case, joint.period) / refinement,
             duration=time_span(case, joint.period),
             integrator=integrator_of(case),
+            # Solved anew it would depend, in the last digits, on what was solved before.
+            initial=joint.rest if system is joint.model else None,
             progress=progress,
         )
     return solution, time.perf_counter() - start

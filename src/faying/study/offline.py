@@ -22,11 +22,13 @@ from faying.simulation.frequencies import preloaded_frequencies
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
+from faying.simulation.transient import TransientSolver, transient_solver
 from faying.study.checkpoint import Checkpoint
 from faying.study.load_model import LoadedModel, build_loaded, load_model
 from faying.study.loads import check_loads, training_box
 from faying.study.progress import Stages
 from faying.study.tables import Study
+from faying.study.timing import time_step
 from faying.study.training import StepTraining, step_key, step_loads
 
 
@@ -44,6 +46,8 @@ class PreparedJoint:
         How the bolts were tightened, before anything stuck.
     preload
         The static state at that moment (Fig. 15.3).
+    rest
+        That of the model with locked bolts, where transients start.
     period
         Longest period of small vibrations about the preloaded state.
     """
@@ -52,6 +56,7 @@ class PreparedJoint:
     model: Model
     tightening: Tightening
     preload: Solution
+    rest: Solution
     period: float
 
 
@@ -80,10 +85,16 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
         with stages.stage("preload"):
             again = tighten(tied, forces, increments=1)
             model = tied.with_bolt_forces(again.initial_forces)
+    rest = solve_static(model)
     with stages.stage("frequencies"):
-        period = 1.0 / float(preloaded_frequencies(model, 1)[0])
+        period = 1.0 / float(preloaded_frequencies(model, 1, state=rest)[0])
     return PreparedJoint(
-        loaded=loaded, model=model, tightening=tightening, preload=preload, period=period
+        loaded=loaded,
+        model=model,
+        tightening=tightening,
+        preload=preload,
+        rest=rest,
+        period=period,
     )
 
 
@@ -179,12 +190,14 @@ def _training_forces(
 def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> StepTraining:
     """Return the training steps of a study; a basis is needed where a reduced model trains."""
     training, model = study.reduction.training, joint.model
-    reduced = training.system == "reduced" and classic is not None
 
-    def system() -> System:
-        return reduce(model, classic, compliance=True) if reduced and classic else model
+    def solver() -> TransientSolver:
+        reduced = training.system == "reduced" and classic is not None
+        system = reduce(model, classic, compliance=True) if reduced and classic else model
+        return transient_solver(system, step=time_step(training, joint.period))
 
-    return StepTraining(training=training, period=joint.period, system=system)
+    rest = joint.rest if training.system == "full" else None
+    return StepTraining(training=training, period=joint.period, solver=solver, rest=rest)
 
 
 def choose_counts(

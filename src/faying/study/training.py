@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from faying.execution.checkpoint import Arrays
-from faying.model.system import System
+from faying.execution.transients import forgetting
 from faying.simulation.load import Load
-from faying.simulation.transient import TransientSolver, transient_solver
+from faying.simulation.solution import Solution
+from faying.simulation.transient import TransientSolver
 from faying.study.loads import training_box
 from faying.study.tables import TrainingSection
 from faying.study.timing import time_span, time_step
@@ -23,13 +24,16 @@ class StepTraining:
         What the study says about them.
     period
         Longest period of the preloaded joint [time].
-    system
-        Builds the full or reduced model they are computed with, when the first is.
+    solver
+        Makes what they are computed with, when the first is.
+    rest
+        Where they start, if that is known.
     """
 
     training: TrainingSection
     period: float
-    system: Callable[[], System]
+    solver: Callable[[], TransientSolver]
+    rest: Solution | None
 
     @property
     def n_steps(self) -> int:
@@ -39,16 +43,17 @@ class StepTraining:
 
     def forces(self, number: int, progress: Callable[[int], object] | None = None) -> Arrays:
         """Return ``forces``, λ (n_point, n_time) [force] of the response to one load."""
-        solution = self._solver.solve(
+        solution = forgetting(self._solver).solve(
             step_loads(self.training)[number],
             duration=time_span(self.training, self.period),
+            initial=self.rest,
             progress=progress,
         )
         return {"forces": solution.contact_forces.T}
 
     @cached_property
     def _solver(self) -> TransientSolver:
-        return transient_solver(self.system(), step=time_step(self.training, self.period))
+        return self.solver()
 
 
 def step_loads(training: TrainingSection) -> Sequence[Load]:

@@ -1,0 +1,85 @@
+"""What the campaigns of the tests do; a module of its own, for workers import it."""
+
+import os
+import signal
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+import faying as fy
+from faying.exceptions import ModelError
+from faying.execution.transients import forgetting
+from faying.simulation.transient import transient_solver
+
+
+def square(log):
+    """Prepare the cheapest of functions; the log counts preparations and tasks."""
+    note(log, "prepared")
+    return partial(_square, log)
+
+
+def _square(log, task):
+    note(log, task)
+    return {"square": np.asarray(task**2)}
+
+
+def note(log, what):
+    with Path(log).open("a") as file:
+        file.write(f"{what}\n")
+
+
+def mixed():
+    """Prepare a function some of whose tasks fail."""
+    return _mixed
+
+
+def _mixed(task):
+    if task == "model":
+        message = "there is no boundary 'top'"
+        raise ModelError(message)
+    if task == "bug":
+        return {"ratio": np.asarray(1 / 0)}
+    if task == "text":
+        return "no arrays"
+    if task in ("die", "die late"):
+        # Dask's nanny does not replace a worker that dies while it starts.
+        time.sleep(0.7 if task == "die late" else 0.0)
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"length": np.asarray(len(task))}
+
+
+def unprepared():
+    message = "the model has no mass"
+    raise ModelError(message)
+
+
+def deadly():
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def joint():
+    """Build a small preloaded joint."""
+    model = fy.lap_joint(element_size=5.0, damping=fy.Rayleigh(beta=1e-6))
+    return fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking())
+
+
+def transients(mark, step):
+    """Prepare transients of the joint; whoever finds the file removes it and is killed."""
+    model = joint()
+    solver, rest = transient_solver(model, step=step), fy.solve_static(model)
+    return partial(_transient, solver, rest, Path(mark))
+
+
+def _transient(solver, rest, mark, load):
+    response = forgetting(solver).solve(load, duration=40 * solver.step, initial=rest)
+    if load.name == "third":
+        time.sleep(0.5)  # as in _mixed
+        try:
+            mark.unlink()
+        except FileNotFoundError:
+            pass
+        else:
+            os.kill(os.getpid(), signal.SIGKILL)
+    return {"pressure": response.pressure, "displacement": response.displacement("tip")}

@@ -1,0 +1,398 @@
+"""Campaigns in processes and on a real Dask cluster of two workers, next to this process alone."""
+
+import json
+import logging
+import sys
+from functools import partial
+from pathlib import Path
+
+import campaign_tasks
+import h5py
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+import faying as fy
+from faying import cli
+from faying.exceptions import CampaignError, ModelError, StudyError
+from faying.execution import (
+    Checkpoint,
+    DaskExecutor,
+    ProcessExecutor,
+    SerialExecutor,
+    dask,
+    run_campaign,
+    transient_campaign,
+)
+from faying.study.pieces import pieces, prepare_pieces
+from faying.study.run import run
+from faying.study.schema import read_study
+
+pytestmark = [
+    # Sockets and processes that Dask leaves to the garbage collector when a worker was killed.
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+]
+
+STUDY = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 5.0 }
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[sticking]
+stiffness = 1e6
+
+[damping]
+beta = 1e-6
+
+[reduction]
+normal_modes = 4
+joint_modes = [2]
+methods = ["jim-b"]
+
+[reduction.training]
+box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
+levels = 3
+steps_per_period = 20
+
+[validation]
+unseen_loads = 5
+penalty_sweep = false
+
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+periods = 0.5
+steps_per_period = 20
+
+[[load_case]]
+name = "twist"
+kind = "step"
+forces = [{ boundary = "tip", component = "Mx", value = 2e3 }]
+periods = 0.5
+steps_per_period = 20
+
+[output]
+report = false
+"""
+STEP = 2e-5
+LOADS = {
+    name: fy.Load({"tip.Fz": force, "tip.Mx": 2e4}, name=name)
+    for name, force in {"first": -500.0, "second": -300.0, "third": 100.0, "fourth": 400.0}.items()
+}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _one_thread():
+    """Workers have one thread each; sums of two would be rounded differently."""
+    campaign_tasks.joint()  # loads the libraries whose threads are to be limited
+    with threadpool_limits(1):
+        yield
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    pytest.importorskip("distributed", reason="needs the extra 'cluster'")
+    levels = {name: logging.getLogger(name).level for name in ("distributed", "tornado")}
+    for name in levels:
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # deaths of workers are wanted here
+    with DaskExecutor.local(2) as executor:
+        assert executor.n_workers == 2
+        yield executor
+    for name, level in levels.items():
+        logging.getLogger(name).setLevel(level)
+
+
+@pytest.fixture(params=["processes", "dask"])
+def executor(request):
+    return (
+        ProcessExecutor(2) if request.param == "processes" else request.getfixturevalue("cluster")
+    )
+
+
+@pytest.fixture(params=["serial", "processes", "dask"])
+def any_executor(request):
+    if request.param == "dask":
+        return request.getfixturevalue("cluster")
+    return SerialExecutor() if request.param == "serial" else ProcessExecutor(2)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """Responses of this process."""
+    nobody = tmp_path_factory.mktemp("alone") / "mark"
+    return run_campaign(partial(campaign_tasks.transients, nobody, STEP), LOADS)
+
+
+def same(found, expected):
+    """Compare arrays to round-off: 1e-12 of the largest; the same threads do the same sums."""
+    assert set(found) == set(expected)
+    for name, array in expected.items():
+        scale = np.abs(array).max(initial=0.0) or 1.0
+        np.testing.assert_allclose(found[name], array, rtol=0, atol=1e-12 * scale, err_msg=name)
+
+
+def test_results_are_those_of_one_process_though_a_worker_is_killed(executor, alone, tmp_path):
+    mark = tmp_path / "mark"
+    mark.touch()
+    prepare = partial(campaign_tasks.transients, mark, STEP)
+    found = run_campaign(prepare, LOADS, executor, keep=tmp_path / "kept")
+    assert not mark.exists()  # so one was killed indeed
+    assert list(found) == list(LOADS)
+    for name in LOADS:
+        same(found[name], alone[name])
+
+
+def test_a_worker_prepares_once_and_tiny_tasks_are_all_done(any_executor, tmp_path):
+    tasks = {f"task {n}": n for n in range(300)}
+    found = run_campaign(
+        partial(campaign_tasks.square, tmp_path / "log"), tasks, any_executor, keep=tmp_path
+    )
+    assert [int(found[name]["square"]) for name in tasks] == [n**2 for n in range(300)]
+    lines = (tmp_path / "log").read_text().split()
+    assert 1 <= lines.count("prepared") <= any_executor.n_workers
+    assert len(lines) - lines.count("prepared") == 300
+
+
+def test_a_stopped_campaign_goes_on_where_it_was(any_executor, tmp_path):
+    tasks = {f"task {n}": n for n in range(20)}
+    prepare = partial(campaign_tasks.square, tmp_path / "log")
+    finished = []
+
+    def stop(name):
+        finished.append(name)
+        if len(finished) == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_campaign(prepare, tasks, any_executor, keep=tmp_path / "kept", progress=stop)
+    assert len(list((tmp_path / "kept").iterdir())) == 5
+    seen = []
+    tasks["task 3"] = 30  # asks something else now, so it is computed anew
+    found = run_campaign(prepare, tasks, any_executor, keep=tmp_path / "kept", progress=seen.append)
+    assert sorted(seen) == sorted(tasks)
+    assert {name: int(found[name]["square"]) for name in tasks} == {
+        name: n**2 for name, n in tasks.items()
+    }
+
+    class Nobody:
+        n_workers = 0
+
+        def map(self, prepare, tasks):
+            raise AssertionError
+
+    again = run_campaign(prepare, tasks, Nobody(), keep=tmp_path / "kept")
+    assert int(again["task 3"]["square"]) == 900
+
+
+def test_errors_of_tasks_name_them_and_the_others_are_kept(any_executor, tmp_path):
+    tasks = {"a": "fine", "b": "model", "c": "bug", "d": "fine too"}
+    with pytest.raises(ModelError, match=r"^task 'b': there is no boundary 'top'; 1 more .* 'c'$"):
+        run_campaign(campaign_tasks.mixed, tasks, any_executor, keep=tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+    for task, words in {
+        "bug": r"ZeroDivisionError.*campaign_tasks.py, line",
+        "text": "str",
+    }.items():
+        with pytest.raises(CampaignError, match=f"^task 'only': .*{words}"):
+            run_campaign(campaign_tasks.mixed, {"only": task})
+
+
+def test_an_error_of_the_preparation_ends_the_campaign(any_executor):
+    with pytest.raises(ModelError, match=r"^the model has no mass$"):
+        run_campaign(campaign_tasks.unprepared, {"a": 1, "b": 2}, any_executor)
+
+
+def test_a_task_that_kills_its_workers_is_named_and_the_others_are_kept(executor, tmp_path):
+    late = not isinstance(executor, ProcessExecutor)
+    tasks = {"a": "fine", "b": "die late" if late else "die", "c": "good"}
+    with pytest.raises(CampaignError, match=r"^task 'b': every worker that tried it died"):
+        run_campaign(campaign_tasks.mixed, tasks, executor, keep=tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_executors_alone_raise_what_tasks_raise():
+    assert dict(ProcessExecutor(2).map(campaign_tasks.mixed, [])) == {}
+    with pytest.raises(ModelError, match="no boundary 'top'"):
+        list(ProcessExecutor(2).map(campaign_tasks.mixed, ["fine", "model"]))
+
+
+def test_workers_that_die_while_preparing_are_not_replaced_for_ever():
+    with pytest.raises(CampaignError, match="3 worker processes died before they were ready"):
+        run_campaign(campaign_tasks.deadly, {"a": 1, "b": 2}, ProcessExecutor(1))
+
+
+def test_what_cannot_be_sent_is_refused():
+    with pytest.raises(CampaignError, match="cannot be sent to other processes"):
+        run_campaign(lambda: abs, {"a": 1}, ProcessExecutor(2))
+    with pytest.raises(CampaignError, match="give at least one of either"):
+        ProcessExecutor(0)
+
+
+def test_the_folder_is_named_where_it_cannot_be_used(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(CampaignError, match=r"cannot keep results in .*file"):
+        run_campaign(campaign_tasks.mixed, {"a": "fine"}, keep=tmp_path / "file")
+    found = run_campaign(campaign_tasks.mixed, {"a": "fine"}, keep=Checkpoint(tmp_path))
+    (kept,) = tmp_path.glob("*.npz")
+    kept.write_bytes(kept.read_bytes()[:-40])
+    with pytest.raises(fy.exceptions.FormatError, match=r"'a', is damaged .*; delete it"):
+        found["a"]
+
+
+def test_transient_campaign_gives_what_is_seen_of_each_response():
+    found = transient_campaign(campaign_tasks.joint, LOADS, step=STEP, duration=10 * STEP)
+    model = campaign_tasks.joint()
+    rest = fy.solve_static(model)
+    for name, load in LOADS.items():
+        own = fy.solve_transient(model, load, step=STEP, duration=10 * STEP, initial=rest)
+        expected = {
+            "times": own.times,
+            "pressure": own.pressure,
+            "gap": own.gap,
+            "displacement/tip": own.displacement("tip"),
+            "bolt_force/bolt": own.bolt_force("bolt"),
+            "contact_force/joint": own.contact_force(),
+        }
+        same(found[name], expected)
+
+
+# Studies ------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "tiny.toml"
+    path.write_text(STUDY)
+    return read_study(path)
+
+
+@pytest.fixture(scope="module")
+def serial_results(study, tmp_path_factory):
+    out = tmp_path_factory.mktemp("serial")
+    assert run(study, out).converged
+    return numbers(out / "results.h5")
+
+
+def numbers(path):
+    """All numbers of a results file but times of the clock."""
+    found = {}
+
+    def visit(name, item):
+        timed = name.startswith(("timings", "provenance")) or name.endswith("seconds")
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fib" and not timed:
+            found[name] = np.asarray(item[()], dtype=float)
+
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    return found
+
+
+def test_a_study_has_the_same_results_whoever_computes_it(
+    executor, study, serial_results, tmp_path
+):
+    assert run(study, tmp_path, executor=executor).converged
+    found = numbers(tmp_path / "results.h5")
+    assert len(found) > 50
+    same(found, serial_results)
+
+
+def test_pieces_are_the_transients_of_the_full_model(study):
+    assert list(pieces(study).values()) == [
+        ("case", 1),
+        ("case", 2),
+        ("training", 0),
+        ("training", 1),
+    ]
+
+
+def test_an_interrupted_study_resumes_with_what_workers_have_finished(study, tmp_path):
+    class Stopping(SerialExecutor):
+        def map(self, prepare, tasks):
+            results = super().map(prepare, tasks)
+            yield next(results)
+            yield next(results)
+            raise KeyboardInterrupt
+
+    class Counting(SerialExecutor):
+        def map(self, prepare, tasks):
+            counts.append(len(tasks))
+            return super().map(prepare, tasks)
+
+    counts = []
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path, executor=Stopping())
+    assert run(study, tmp_path, executor=Counting(), resume=True).converged
+    assert counts == [2]
+
+
+def test_another_version_on_a_worker_is_refused(study):
+    with pytest.raises(StudyError, match=r"a worker has faying .*, this run is of 0\.0\.1"):
+        prepare_pieces(STUDY, study.path, "0.0.1")
+
+
+# Command line -------------------------------------------------------------------------------------
+
+
+def call(monkeypatch, capsys, *arguments):
+    """Run the command line in this process; return status and standard error."""
+    monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    return ended.value.code or 0, capsys.readouterr().err
+
+
+def test_a_scheduler_file_is_enough(monkeypatch, capsys, cluster, study, serial_results, tmp_path):
+    file = tmp_path / "scheduler.json"
+    cluster._client.write_scheduler_file(str(file))
+    arguments = ["run", study.path, "--out", tmp_path / "out", "--scheduler", file]
+    assert call(monkeypatch, capsys, *arguments) == (0, "")
+    same(numbers(tmp_path / "out" / "results.h5"), serial_results)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--workers", "0"], "give at least one"),
+        (["--workers", "-3"], "give at least one"),
+        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "exclude each other"),
+        (["--scheduler", "missing.json"], "cannot read scheduler file missing.json: No such file"),
+        (["--scheduler", "empty.json"], "it holds no address"),
+        (["--scheduler", "list.json"], "it holds no address"),
+        (["--scheduler", "tcp://127.0.0.1:1"], "no Dask scheduler answers at tcp://127.0.0.1:1"),
+        (["--scheduler", "127.0.0.1"], "no Dask scheduler answers at"),
+        (["--scheduler", "nonsense://a:1"], "no Dask scheduler answers at"),
+        (["--scheduler", "tcp://a:b"], "no Dask scheduler answers at"),
+        (["--scheduler", ""], "no Dask scheduler"),
+    ],
+)
+def test_bad_options_are_one_message(monkeypatch, capsys, study, tmp_path, options, words):
+    if "--scheduler" in options:
+        pytest.importorskip("distributed", reason="needs the extra 'cluster'")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(dask, "CONNECT_SECONDS", 0.3)
+    Path("empty.json").write_text("{")
+    Path("list.json").write_text(json.dumps(["tcp://127.0.0.1:1"]))
+    status, err = call(monkeypatch, capsys, "run", study.path, *options)
+    assert status == 2
+    assert words in err
+    assert err.startswith("faying: ")
+    assert err.count("\n") == 1
+
+
+def test_a_missing_extra_is_named(monkeypatch, capsys, study, tmp_path):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    arguments = ["--out", tmp_path, "--scheduler", "tcp://127.0.0.1:8786"]
+    status, err = call(monkeypatch, capsys, "run", study.path, *arguments)
+    assert status == 2
+    assert "pip install 'faying[cluster]'" in err
