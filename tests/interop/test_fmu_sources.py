@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import zipfile
 from dataclasses import replace
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
