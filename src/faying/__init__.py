@@ -43,18 +43,14 @@ if TYPE_CHECKING:
     from faying.simulation.certificate import certify
     from faying.simulation.energy import energy_balance
     from faying.simulation.frequencies import preloaded_frequencies
+    from faying.simulation.imported_recovery import recover_from_boundary_loads, recover_from_modal
     from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
     from faying.simulation.load import History, Load
     from faying.simulation.newton import solve_static_newton
     from faying.simulation.penalty_advice import recommend_penalty
     from faying.simulation.penalty_sweep import penalty_sweep
     from faying.simulation.preload import Sticking, preload, tighten
-    from faying.simulation.recovery import (
-        recover_from_boundary_loads,
-        recover_from_modal,
-        recover_pressure,
-        recovery_operator,
-    )
+    from faying.simulation.recovery import recover_pressure, recovery_operator
     from faying.simulation.sensitivity import sensitivity
     from faying.simulation.solution import Solution
     from faying.simulation.static import solve_static, solve_static_cases
@@ -110,8 +106,8 @@ _HOMES = {
     "certify": "faying.simulation.certificate",
     "recover_pressure": "faying.simulation.recovery",
     "recovery_operator": "faying.simulation.recovery",
-    "recover_from_modal": "faying.simulation.recovery",
-    "recover_from_boundary_loads": "faying.simulation.recovery",
+    "recover_from_modal": "faying.simulation.imported_recovery",
+    "recover_from_boundary_loads": "faying.simulation.imported_recovery",
     "worst_case_load": "faying.simulation.worst_case",
     "choose_joint_modes": "faying.reduction.choose",
     "sensitivity": "faying.simulation.sensitivity",

@@ -10,11 +10,13 @@ import pytest
 import faying as fy
 from faying import cli
 from faying.exceptions import FormatError, ModelError, StudyError
-from faying.simulation.recovery import (
+from faying.simulation.imported_recovery import (
     backward_differences,
-    balanced_accelerations,
     recover_from_boundary_loads,
     recover_from_modal,
+)
+from faying.simulation.recovery import (
+    balanced_accelerations,
     recover_pressure,
     recovery_operator,
 )

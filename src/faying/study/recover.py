@@ -10,16 +10,14 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.exceptions import StudyError
 from faying.reduction.portable import PortableJoint
-from faying.simulation.integrators import Integrator
-from faying.simulation.load import History, Load
-from faying.simulation.recovery import (
-    Recovered,
-    Recovery,
+from faying.simulation.imported_recovery import (
     backward_differences,
     recover_from_modal,
-    recover_reduced,
     simulate_boundary_loads,
 )
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import History, Load
+from faying.simulation.recovery import Recovered, Recovery, recover_reduced
 from faying.study.errors import nearest, quoted
 from faying.study.imported_history import ImportedHistory, read_imported_history
 from faying.study.interface_surface import nodal_average
