@@ -1,5 +1,7 @@
 """Campaigns in processes and on a real Dask cluster of two workers, next to this process alone."""
 
+import importlib
+import inspect
 import json
 import logging
 import sys
@@ -265,6 +267,28 @@ def test_transient_campaign_gives_what_is_seen_of_each_response():
             "contact_force/joint": own.contact_force(),
         }
         same(found[name], expected)
+
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def test_preload_campaign_is_the_same_whoever_computes_it(monkeypatch):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    example = importlib.import_module("preload_campaign")
+    here = example.scatter(4, element_size=5.0)
+    same(example.scatter(4, ProcessExecutor(2), element_size=5.0), here)
+    # 1e-2: the bolt's force under load is the preload and a little of the load.
+    assert np.corrcoef(here["preload"], here["bolt_force"])[0, 1] > 1 - 1e-2
+
+
+def test_the_slurm_example_uses_what_there_is(monkeypatch):
+    monkeypatch.syspath_prepend(EXAMPLES)  # it needs no SLURM to be read
+    example = importlib.import_module("slurm_campaign")
+    model = campaign_tasks.joint()
+    for load in example.LOADS.values():
+        assert load.inputs(model, np.zeros(1)).any()
+    signature = inspect.signature(transient_campaign)
+    assert {"step", "duration", "keep", "progress"} <= set(signature.parameters)
 
 
 # Studies ------------------------------------------------------------------------------------------
