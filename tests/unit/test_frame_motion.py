@@ -151,7 +151,9 @@ def test_the_command_recovers_with_it(given, tmp_path, monkeypatch):
         accelerations=q,
         frame_motion=motion_of(values),
     )
-    np.testing.assert_array_equal(found.pressure, expected.pressure)
+    # the same arithmetic; contact blocks may be solved from other factorizations
+    allowed = 1e-11 * expected.pressure.max()
+    np.testing.assert_allclose(found.pressure, expected.pressure, rtol=0, atol=allowed)
     loads = tmp_path / "loads.csv"
     loads.write_text("time,tip.Fz,frame.az\n0,1,1\n1,1,1\n")
     with pytest.raises(StudyError, match="supports that move but no coordinates"):
