@@ -14,6 +14,9 @@ from faying.simulation.load import Load
 from faying.simulation.static import solve_static_cases
 from faying.simulation.transient import transient_solver
 
+HISTORY_BYTES = 2 * 2**30
+"""Memory that the histories of responses stepped side by side may take."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class LoadBox:
@@ -109,7 +112,25 @@ def step_snapshots(
         The full model, or a reduced one to lower the cost as §15.3.4.2 recommends.
     step, duration : [time]
         At least one period of the dominant vibration.
+
+    Notes
+    -----
+    As many responses side by side as :data:`HISTORY_BYTES` hold; their back-substitutions then
+    read the factorization once a step for all.
     """
     solver = transient_solver(system, step=step, integrator=integrator)
-    runs = [solver.solve(load, duration=duration, progress=progress) for load in loads]
-    return np.concatenate([run.contact_forces for run in runs]).T
+    together = _runs_at_once(system, round(duration / step) + 1)
+    found = [
+        run.contact_forces
+        for first in range(0, len(loads), together)
+        for run in solver.solve_cases(
+            loads[first : first + together], duration=duration, progress=progress
+        )
+    ]
+    return np.concatenate(found).T
+
+
+def _runs_at_once(system: System, n_time: int) -> int:
+    """Return how many responses may be stepped side by side: their histories are in memory."""
+    numbers = n_time * (3 * system.K.shape[0] + 2 * system.contact.n_points)
+    return max(1, HISTORY_BYTES // (8 * int(numbers)))
