@@ -156,7 +156,7 @@ def measure(case: Case, quick: bool) -> Result:
 
 
 def process(argument: str, threads: int) -> Result:
-    """Run ``stage_row.py``; a process inherits the peak memory of its parent, so keep this small."""
+    """Run ``stage_row.py``; a process inherits its parent's peak memory: keep it small."""
     names = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
     done = subprocess.run(
         [sys.executable, str(HERE / "stage_row.py"), argument],
@@ -266,8 +266,12 @@ def beside(rows: dict[str, Result]) -> None:
     for name, row in rows.items():
         s = row["s"]
         pairs = [
-            ("SuperLU, COLAMD", "naive: SuperLU, COLAMD", "factorization alone"),
-            ("SuperLU, MMD", "naive: SuperLU, MMD_AT_PLUS_A", "factorization alone"),
+            ("SuperLU as SciPy sets it (COLAMD)", "naive: SuperLU, COLAMD", "factorization alone"),
+            (
+                "SuperLU, MMD, symmetric mode",
+                "naive: SuperLU, MMD_AT_PLUS_A",
+                "factorization alone",
+            ),
             ("a back-solve per point, COLAMD", "naive: back-solves, COLAMD (scaled)", "compliance"),
             (
                 "a back-solve per point, MMD",
