@@ -7,6 +7,7 @@ import threading
 import uuid
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from importlib import import_module
 from math import ceil
@@ -208,7 +209,8 @@ class _Map:
         self.unsent = places[probes:]
         try:
             yield from self._answers(places[:probes])
-            yield from self._answers(self.unsent)  # only where every probe was fatal
+            unsent, self.unsent = self.unsent, ()
+            yield from self._answers(unsent)  # only where every probe was fatal
             yield from self._suspected()
         finally:
             self.client.cancel([future for future, _ in self.sent.values()])
@@ -279,22 +281,21 @@ class _Map:
 
     def _outcome(self, future: Any, batch: tuple[int, ...]) -> Any:
         """Return results and mean time of a batch; None where it killed its workers."""
-        if future.status == "finished":
+        try:
+            # Where the worker that has it dies meanwhile, it is computed again.
             return future.result()
-        if future.status != "error":
-            message = (
-                f"the Dask cluster dropped a campaign (state '{future.status}'); "
-                "look at its scheduler's log and resume"
-            )
-            raise CampaignError(message)
-        error = future.exception()
-        if isinstance(error, _package().KilledWorker):
+        except _package().KilledWorker:
             self.suspects.extend(batch)
             return None
-        if isinstance(error, ModuleNotFoundError):
+        except ModuleNotFoundError as error:
             message = f"a Dask worker lacks a package: {error}; install the same ones everywhere"
-            raise CampaignError(message)
-        raise error
+            raise CampaignError(message) from None
+        except (CancelledError, OSError) as error:
+            message = (
+                f"the Dask cluster dropped the campaign ({type(error).__name__}); "
+                "look at its scheduler's log and resume"
+            )
+            raise CampaignError(message) from None
 
 
 _PREPARED: OrderedDict[str, Function] = OrderedDict()
