@@ -86,7 +86,11 @@ class PardisoFactorization:
         """Return the rows ``last`` of L⁻¹B, where all others vanish."""
         halves = np.empty((np.count_nonzero(self.last), columns.shape[1]))
         for block in column_blocks(*columns.shape):
-            padded = self._padded(columns[:, block].toarray())
+            some = columns[:, block]
+            some.resize(self.handle.n, some.shape[1])
+            # In PARDISO's order of numbers at once: turning a dense block around takes as long as
+            # the substitution.
+            padded = some.toarray(order="F")
             with self._turn:
                 halves[:, block] = self.handle.forward(padded)[: self.n][self.last]
         return halves
