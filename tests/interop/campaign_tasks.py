@@ -10,7 +10,7 @@ import numpy as np
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.execution.transients import forgetting
+from faying.execution import forgetting
 from faying.simulation.transient import transient_solver
 
 

@@ -9,7 +9,7 @@ from faying.execution.dask import DaskExecutor
 from faying.execution.executor import Executor
 from faying.execution.processes import ProcessExecutor
 from faying.execution.serial import SerialExecutor
-from faying.execution.transients import responses, transient_campaign
+from faying.execution.transients import forgetting, responses, transient_campaign
 
 __all__ = [
     "Checkpoint",
@@ -17,6 +17,7 @@ __all__ = [
     "Executor",
     "ProcessExecutor",
     "SerialExecutor",
+    "forgetting",
     "responses",
     "run_campaign",
     "transient_campaign",

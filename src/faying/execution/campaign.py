@@ -2,7 +2,7 @@
 
 import hashlib
 import traceback
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -74,13 +74,15 @@ def run_campaign(
             if store.has(keys[name]):
                 progress(name)
     failures: dict[str, Failure] = {}
-    for name, outcome in _outcomes(prepare, tasks, missing, executor or SerialExecutor()):
-        if isinstance(outcome, Failure):
-            failures[name] = outcome
-            continue
-        store.put(keys[name], outcome)
-        if progress is not None:
-            progress(name)
+    found = _outcomes(prepare, tasks, missing, executor or SerialExecutor())
+    with closing(found):  # else workers would go on as long as somebody looks at the error
+        for name, outcome in found:
+            if isinstance(outcome, Failure):
+                failures[name] = outcome
+                continue
+            store.put(keys[name], outcome)
+            if progress is not None:
+                progress(name)
     if failures:
         raise _raised(failures, [name for name in missing if name in failures])
     return _Kept(store, keys)
@@ -97,12 +99,12 @@ class Failure:
 
 def _outcomes(
     prepare: Prepare, tasks: Mapping[str, Any], names: Sequence[str], executor: Executor
-) -> Iterator[tuple[str, Arrays | Failure]]:
+) -> Generator[tuple[str, Arrays | Failure], None, None]:
     """Yield the result of each task or why there is none."""
     if not names:
         return
     found = executor.map(partial(_guarded, prepare), [tasks[name] for name in names])
-    with closing(found):  # type: ignore[type-var]  # generators all
+    with closing(found):
         try:
             for place, outcome in found:
                 if isinstance(outcome, Failure) and outcome.preparing:

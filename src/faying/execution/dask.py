@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare
+from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare, Results
 
 BATCH_SECONDS = 0.1
 """Work a batch holds at least; Dask needs about a millisecond for each."""
@@ -73,7 +73,7 @@ class DaskExecutor:
             threads_per_worker=1,
             # Factorizations can neither be spilled nor shared: a limit would only end workers.
             memory_limit=0,
-            dashboard_address=None,
+            dashboard_address=":0",  # whichever port is free
         )
         owned.enter_context(cluster)
         executor = cls(owned.enter_context(distributed.Client(cluster, set_as_default=False)))
@@ -115,7 +115,7 @@ class DaskExecutor:
         """Workers that are connected now."""
         return len(self._client.nthreads())
 
-    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
         """Yield place and result of each task as they come; tiny ones are sent in batches."""
         if not tasks:
             return

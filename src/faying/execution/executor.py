@@ -1,6 +1,6 @@
 """What every executor offers: prepare once per worker, then one function call per task."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import Any, Protocol
 
 from faying.exceptions import CampaignError
@@ -15,6 +15,9 @@ It is sent to the workers, so it is a function of a module, or ``functools.parti
 returns is not sent: factorizations, which do not pickle, may live in it.
 """
 
+Results = Generator[tuple[int, Any], None, None]
+"""Places of tasks and their results; closing it ends what still works on them."""
+
 FATAL_DEATHS = 3
 """Workers a task may kill before it is given up."""
 
@@ -27,7 +30,7 @@ class Executor(Protocol):
         """Workers there are at present."""
         ...
 
-    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
         """Yield the place of each task and its result, as they come, in any order.
 
         Parameters

@@ -13,7 +13,7 @@ from multiprocessing.context import SpawnProcess
 from typing import Any
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare
+from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare, Results
 
 # Spawned, not forked: a fork copies the locks of threads that do not exist in the copy.
 CONTEXT = get_context("spawn")
@@ -56,7 +56,7 @@ class ProcessExecutor:
             )
             raise CampaignError(message)
 
-    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
         """Yield place and result of each task as they come."""
         crew = _Crew(
             payload=pickled(prepare), tasks=tasks, size=self.n_workers, threads=self.threads

@@ -1,10 +1,10 @@
 """Tasks one after the other, in this process."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from faying.execution.executor import Prepare
+from faying.execution.executor import Prepare, Results
 
 
 @dataclass(frozen=True)
@@ -16,7 +16,7 @@ class SerialExecutor:
         """Always one: this process."""
         return 1
 
-    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
         """Yield place and result of each task in their order."""
         if not tasks:
             return
