@@ -7,7 +7,8 @@ starts, for it is the same for campaigns of any length.
 
 On a machine that does other work the wall times say little. Processor times say what is left then:
 those of all runs on one worker over those of the busier of two. They contain how evenly the runs
-were shared and how much the workers slow each other down, not the time that Dask takes.
+were shared and how much the workers slow each other down, not the time that Dask takes; the last
+column says for what part of the wall time the two workers had a run to work at.
 """
 
 import os
@@ -35,10 +36,20 @@ LOADS = {
 
 @dataclass(frozen=True)
 class Times:
-    """Wall time of a campaign, and the largest processor time of its workers [s]."""
+    """Times of a campaign.
+
+    Attributes
+    ----------
+    wall : [s]
+    busiest
+        Largest processor time of a worker [s].
+    occupied
+        Part of the wall time that its workers had a run to work at.
+    """
 
     wall: float
     busiest: float
+    occupied: float
 
 
 def joint() -> fy.Model:
@@ -57,10 +68,14 @@ def prepare(step: float) -> Callable[[fy.Load], Mapping[str, float]]:
 
 def run(solver: TransientSolver, rest: fy.Solution, load: fy.Load) -> dict[str, float]:
     """Integrate one response."""
-    start = time.process_time()
+    start, began = time.process_time(), time.perf_counter()
     response = forgetting(solver).solve(load, duration=STEPS * solver.step, initial=rest)
-    peak = float(response.max_pressure.max())
-    return {"peak": peak, "worker": os.getpid(), "seconds": time.process_time() - start}
+    return {
+        "peak": float(response.max_pressure.max()),
+        "worker": os.getpid(),
+        "seconds": time.process_time() - start,
+        "elapsed": time.perf_counter() - began,
+    }
 
 
 def campaign(executor: Executor, step: float) -> Times:
@@ -71,7 +86,8 @@ def campaign(executor: Executor, step: float) -> Times:
     seconds: Counter[int] = Counter()
     for result in found.values():
         seconds[int(result["worker"])] += float(result["seconds"])
-    return Times(wall, max(seconds.values()))
+    elapsed = sum(float(result["elapsed"]) for result in found.values())
+    return Times(wall, max(seconds.values()), elapsed / (wall * executor.n_workers))
 
 
 def main() -> None:
@@ -82,9 +98,8 @@ def main() -> None:
     write(f"{model.structure.n_dof} dofs, {model.contact.n_points} contact points, ")
     write(f"{RUNS} runs of {STEPS} steps; {os.cpu_count()} cores\n\n")
     write("| repetition | load average | one worker [s] | two workers [s] | ratio | ")
-    write(
-        "processor time: one [s] | busier of two [s] | ratio |\n|---|---|---|---|---|---|---|---|\n"
-    )
+    write("processor time: one [s] | busier of two [s] | ratio | occupied |\n")
+    write(f"|{'---|' * 9}\n")
     walls, busiest = [], []
     with DaskExecutor.local(1) as one, DaskExecutor.local(2) as two:
         for executor in (one, two):
@@ -96,7 +111,7 @@ def main() -> None:
             busiest.append(alone.busiest / shared.busiest)
             write(f"| {repeat + 1} | {load:.1f} | {alone.wall:.1f} | {shared.wall:.1f} ")
             write(f"| {walls[-1]:.2f} | {alone.busiest:.1f} | {shared.busiest:.1f} ")
-            write(f"| {busiest[-1]:.2f} |\n")
+            write(f"| {busiest[-1]:.2f} | {shared.occupied:.0%} |\n")
             sys.stdout.flush()
     write(f"\nmedian ratio {median(walls):.2f} by wall time, ")
     write(f"{median(busiest):.2f} by processor time\n")
