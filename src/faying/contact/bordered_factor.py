@@ -29,7 +29,7 @@ A lap joint has 0.03; one whose middle plate hangs in soft springs 0.001, and bo
 digit of its pressures (4e-8 instead of 6e-9).
 """
 
-MOST_CHANGED = 1 / 5
+MOST_CHANGED = 1 / 8
 """Changed over factorized points beyond which a new factorization is cheaper.
 
 A factorization of n points takes n³/3 multiplications at the speed of matrix products, each changed
@@ -41,11 +41,11 @@ points: 1.9 s and 0.115 s without borders, 1.3 s and 0.094 s with 1/8, 1.6 s and
 NEAR = 1 / 16
 """Changed over factorized points up to which the last factorization is taken without a search."""
 
-MOST_BYTES = 2**25
-"""Memory of the factorizations remembered; beyond a cache of that size they are slow to read."""
-
 MOST_FACTORS = 32
-"""Factorizations remembered at most: that many transients go on side by side, each from its own."""
+"""Factorizations remembered at most: enough for transients side by side to have one or two each."""
+
+MOST_BYTES = 2**27
+"""Memory of the factorizations remembered if all points were active."""
 
 
 class BorderedFactor:
@@ -60,7 +60,8 @@ class BorderedFactor:
         self._H = H
         self._factored: list[_Factored] = []
         self._inside: Mask = np.zeros((n_kept, len(H)), dtype=bool)
-        self._next = 0
+        self._used: Indices = np.zeros(n_kept, dtype=np.int64)
+        self._clock = 0
         self._last = 0
 
     def solve(self, right: Vector, active: Mask) -> Vector:
@@ -74,6 +75,7 @@ class BorderedFactor:
         changed = self._nearest(active)
         if changed is None:
             return self.solve_anew(right, active)
+        self._note_use()
         forces = self._factored[self._last].solve(right, changed)
         return self.solve_anew(right, active) if forces is None else forces
 
@@ -86,7 +88,7 @@ class BorderedFactor:
             If the block is singular to working precision.
         """
         points = np.flatnonzero(active)
-        forces = np.zeros_like(right)
+        forces = np.zeros(len(right))
         if not len(points):
             return forces
         # H is symmetric, so the transpose is the same block in the column order LAPACK works on.
@@ -105,20 +107,25 @@ class BorderedFactor:
         """Turn to the factorization of the nearest points; None if all are too far away."""
         if not self._factored:
             return None
-        changed = np.flatnonzero(active ^ self._inside[self._last])
+        changed = (active ^ self._inside[self._last]).nonzero()[0]
         if len(changed) > NEAR * len(self._factored[self._last].points):
             known = self._inside[: len(self._factored)]
             self._last = int(np.count_nonzero(known ^ active, axis=1).argmin())
-            changed = np.flatnonzero(active ^ self._inside[self._last])
+            changed = (active ^ self._inside[self._last]).nonzero()[0]
         near = len(changed) <= MOST_CHANGED * len(self._factored[self._last].points)
         return changed if near else None
 
     def _remember(self, factored: "_Factored", active: Mask) -> None:
-        """Keep a factorization, in place of the oldest where there are too many."""
-        at = self._next
+        """Keep a factorization, in place of the one not used for longest if there are too many."""
+        n_known = len(self._factored)
+        at = n_known if n_known < len(self._used) else int(self._used.argmin())
         self._factored[at : at + 1] = [factored]
-        self._inside[at] = active
-        self._last, self._next = at, (at + 1) % len(self._inside)
+        self._inside[at], self._last = active, at
+        self._note_use()
+
+    def _note_use(self) -> None:
+        self._clock += 1
+        self._used[self._last] = self._clock
 
 
 class _Factored:
@@ -137,7 +144,6 @@ class _Factored:
         self._place = np.full(len(H), -1)
         self._place[points] = np.arange(len(points))
         room = 2 * (int(MOST_CHANGED * len(points)) + 1)
-        self._borders = np.zeros((len(points), room), order="F")
         self._columns = np.empty((len(points), room), order="F")
         self._corner = np.empty((room, room))
         self._forget()
@@ -149,23 +155,24 @@ class _Factored:
     def solve(self, right: Vector, changed: Indices) -> Vector | None:
         """Return λ where the changed points have changed sides; None where that is singular."""
         points = self.points
-        alone = _substituted(self._factor, right[points])
-        forces = np.zeros_like(right)
+        inside = right[points]
+        alone = _substituted(self._factor, inside)
+        forces = np.zeros(len(right))
         if not len(changed):
             forces[points] = alone
             return forces
         slots = self._slots(changed)
-        n_known = len(self._known)
+        columns = self._columns[:, : len(self._known)]
         added = self._place[changed] < 0
         rest = np.where(added, right[changed], 0.0)
-        rest -= (alone @ self._borders[:, :n_known])[slots]
+        rest -= (inside @ columns)[slots]
         lu, _, outer, failed = lapack.dgesv(self._corner[slots[:, None], slots], rest)
         scale = np.abs(lu.diagonal())
         if failed or scale.min() < SINGULAR_PIVOT**2 * scale.max():
             return None
-        present = np.zeros(n_known)
+        present = np.zeros(columns.shape[1])
         present[slots] = outer
-        forces[points] = alone - self._columns[:, :n_known] @ present
+        forces[points] = alone - columns @ present
         forces[changed] = np.where(added, outer, 0.0)
         return forces
 
@@ -182,17 +189,17 @@ class _Factored:
         return self._slot[changed]
 
     def _border(self, new: Indices) -> None:
-        """Append H_BB⁻¹ C, C and the Schur complement [H_aa 0; 0 0] − CᵀH_BB⁻¹C of new points."""
+        """Append H_BB⁻¹ C and the Schur complement [H_aa 0; 0 0] − CᵀH_BB⁻¹C of new points."""
         start, end = len(self._known), len(self._known) + len(new)
         self._slot[new] = np.arange(start, end)
         self._known = np.concatenate([self._known, new])
         places = self._place[self._known]
-        fresh, added = self._borders[:, start:end], places[start:] < 0
-        fresh[:] = 0.0
-        fresh[:, added] = self._H[new[added]][:, self.points].T
-        fresh[places[start:][~added], np.flatnonzero(~added)] = 1.0
-        self._columns[:, start:end] = lapack.dpotrs(self._factor, fresh, lower=1)[0]
-        corner = -(self._borders[:, :end].T @ self._columns[:, start:end])
+        added = places[start:] < 0
+        borders = np.zeros((len(self.points), len(new)), order="F")
+        borders[:, added] = self._H[new[added]][:, self.points].T
+        borders[places[start:][~added], np.flatnonzero(~added)] = 1.0
+        self._columns[:, start:end] = lapack.dpotrs(self._factor, borders, lower=1)[0]
+        corner = -(self._columns[:, :end].T @ borders)
         both = (places < 0)[:, None] & added
         corner += np.where(both, self._H[self._known[:, None], new], 0.0)
         self._corner[:end, start:end] = corner

@@ -10,7 +10,7 @@ from scipy.linalg import lapack
 
 from faying._typing import Mask, Matrix, Vector
 from faying.contact.bordered_factor import SINGULAR_PIVOT, BorderedFactor
-from faying.contact.pivoting import ROUND_OFF
+from faying.contact.pivoting import ROUND_OFF, largest
 
 UNCLOSED = 1e-12
 """Gap left at active points over the largest |g_free| above which a block is factorized anew."""
@@ -38,8 +38,7 @@ class DensePoints:
         forces = self._blocks.solve(-g_free, active)
         # A product with all of H beats gathering its active columns.
         slack = self.H @ forces + g_free
-        left = np.abs(slack[active]).max(initial=0.0)
-        if left > UNCLOSED * np.abs(g_free).max(initial=0.0):
+        if largest(slack[active]) > UNCLOSED * largest(g_free):
             forces = self._blocks.solve_anew(-g_free, active)
             slack = self.H @ forces + g_free
         slack[active] = 0.0

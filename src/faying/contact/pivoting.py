@@ -130,7 +130,7 @@ def solve_complementarity(
 def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
     """Block principal pivoting with Murty's rule as backup."""
     n = len(g_free)
-    noise = space.noise * float(np.abs(g_free).max(initial=0.0))
+    noise = space.noise * largest(g_free)
     force_noise = noise / np.maximum(space.diagonal, np.finfo(float).tiny)
     fewest, attempts = n + 1, BLOCK_ATTEMPTS
     for iteration in range(1, 50 * n + 200):
@@ -156,6 +156,11 @@ def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces
         "positive semidefinite: check that the stiffness matrix is symmetric and the structure held"
     )
     raise ConvergenceError(message)
+
+
+def largest(values: Vector) -> float:
+    """Return the largest magnitude, zero if there are no values."""
+    return float(np.abs(values).max()) if values.size else 0.0
 
 
 def _proximal_point(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
