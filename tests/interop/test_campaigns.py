@@ -237,7 +237,7 @@ def test_workers_that_die_while_preparing_are_not_replaced_for_ever():
 def test_what_cannot_be_sent_is_refused():
     with pytest.raises(CampaignError, match="cannot be sent to other processes"):
         run_campaign(lambda: abs, {"a": 1}, ProcessExecutor(2))
-    with pytest.raises(CampaignError, match="give at least one of either"):
+    with pytest.raises(CampaignError, match="number of workers is 0; give at least one"):
         ProcessExecutor(0)
 
 

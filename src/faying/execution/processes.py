@@ -49,12 +49,10 @@ class ProcessExecutor:
     threads: int = 1
 
     def __post_init__(self) -> None:
-        if self.n_workers < 1 or self.threads < 1:
-            message = (
-                f"{self.n_workers} worker processes with {self.threads} threads each; "
-                "give at least one of either"
-            )
-            raise CampaignError(message)
+        for count, what in ((self.n_workers, "workers"), (self.threads, "threads per worker")):
+            if count < 1:
+                message = f"the number of {what} is {count}; give at least one"
+                raise CampaignError(message)
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
         """Yield place and result of each task as they come."""
