@@ -422,7 +422,8 @@ def draw(rows: dict[str, Result]) -> None:
     axes[2].set(title="memory", xlabel="dofs", ylabel="GiB")
     for ax in axes:
         ax.grid(which="both", alpha=0.2)
-    axes[1].legend(fontsize=7)
+    lines, labels = axes[1].get_legend_handles_labels()
+    figure.legend(lines, labels, fontsize=8, loc="outside lower center", ncols=8)
     axes[2].legend(fontsize=7)
     figure.savefig(IMAGES / "performance.png", dpi=130)
 
