@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.pivoting import ContactForces
 from faying.exceptions import ModelError
+from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.threads import threads_for
 from faying.model.system import System, input_forces
@@ -71,7 +72,7 @@ def transient_solver(
     """
     check_times(step, step)
     scheme = ImplicitEuler() if integrator is None else integrator
-    effective = factorize(scheme.effective_matrix(system, step))
+    effective = factorize(scheme.effective_matrix(system, step), ports=_dense_ports(system))
     return TransientSolver(
         system=system,
         scheme=scheme,
@@ -79,6 +80,14 @@ def transient_solver(
         effective=effective,
         condensed=_condense_step(system, scheme, effective),
     )
+
+
+def _dense_ports(system: System) -> SparseMatrix | None:
+    """Return the pairs of a full model whose compliance fits in memory as a whole."""
+    ports, contact = system.contact.relative_operator, system.contact
+    if isinstance(ports, np.ndarray) or not pairs_fit(ports.shape[0], contact.dense_budget):
+        return None
+    return ports
 
 
 def check_times(step: float, duration: float) -> None:
