@@ -155,7 +155,9 @@ def test_step_snapshots_are_responses_from_rest(joint):
     np.testing.assert_array_equal(forces[:, 0], at_rest)
     np.testing.assert_array_equal(forces[:, 6], at_rest)
     later = fy.solve_transient(joint, loads[1], step=2e-5, duration=1e-4)
-    np.testing.assert_array_equal(forces[:, 11], later.contact_forces[-1])
+    # side by side and alone the same systems are solved from other factorizations
+    last = later.contact_forces[-1]
+    np.testing.assert_allclose(forces[:, 11], last, rtol=0, atol=1e-10 * last.max())
 
 
 def test_relative_error_is_over_the_largest_reference():
