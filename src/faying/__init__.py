@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from faying.simulation.accuracy import Accuracy, compare, relative_error
     from faying.simulation.certificate import certify
     from faying.simulation.energy import energy_balance
+    from faying.simulation.frame_motion import FrameMotion
     from faying.simulation.frequencies import preloaded_frequencies
     from faying.simulation.imported_recovery import recover_from_boundary_loads, recover_from_modal
     from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
@@ -100,6 +101,7 @@ _HOMES = {
     "GeneralizedAlpha": "faying.simulation.integrators",
     "Solution": "faying.simulation.solution",
     "preloaded_frequencies": "faying.simulation.frequencies",
+    "FrameMotion": "faying.simulation.frame_motion",
     "compare": "faying.simulation.accuracy",
     "relative_error": "faying.simulation.accuracy",
     "Accuracy": "faying.simulation.accuracy",
@@ -123,6 +125,7 @@ __all__ = [
     "Basis",
     "BoltSpec",
     "BoundarySpec",
+    "FrameMotion",
     "GeneralizedAlpha",
     "History",
     "ImplicitEuler",

@@ -174,7 +174,7 @@ def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
     springs: list[Spring] = []
     supports: list[Support] = []
     number = max((equation.id for equation in assembly.equations), default=0)
-    spring_id = _largest_id(assembly)
+    spring_id = assembly.largest_id
     for cut in cuts:
         fixed, moving = cut.ends
         for kept, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
@@ -209,12 +209,6 @@ def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
         springs=(*assembly.springs, *springs),
         supports=(*assembly.supports, *supports),
     )
-
-
-def _largest_id(assembly: Assembly) -> int:
-    groups = (assembly.beams, assembly.springs, assembly.masses)
-    others = [one.id for group in groups for one in group]
-    return max([*others, int(assembly.mesh.element_ids.max(initial=0))], default=0)
 
 
 def _layer_stiffness(assembly: Assembly, cut: Cut) -> float:
