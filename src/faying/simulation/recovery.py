@@ -11,7 +11,7 @@ It is the mode-acceleration method of structural dynamics with contact. ``docs/t
 derives it and says what limits it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -158,9 +158,18 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
 
     Notes
     -----
-    Two back-substitutions per trial vector, and the port compliance the model keeps.
+    Two back-substitutions per trial vector, the cost of :func:`frame_operator`, and the port
+    compliance the model keeps.
     """
-    structure, carried = model.structure, frame_loads(model)
+    return replace(supported_operator(model, basis), frame=frame_operator(model))
+
+
+def supported_operator(model: Model, basis: Basis) -> Recovery:
+    """Precompute the recovery matrices of a model whose supports rest, as the model's own do.
+
+    As :func:`recovery_operator`, without what only moving supports need.
+    """
+    structure = model.structure
     if basis.vectors.shape[0] != structure.n_dof:
         message = (
             f"the basis has {basis.vectors.shape[0]} rows but the model has {structure.n_dof} "
@@ -173,8 +182,17 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
         static_contact=model.static_contact,
         inertia=at_ports(structure, structure.solve(model.M @ basis.vectors)),
         damping=at_ports(structure, structure.solve(model.C @ basis.vectors)),
-        frame=None if carried is None else at_ports(structure, structure.solve(carried)),
     )
+
+
+def frame_operator(model: Model) -> Matrix:
+    """Return Q K⁻¹ M A (n_port, 12) for supports that move.
+
+    Notes
+    -----
+    One assembly of the mass matrix and twelve back-substitutions.
+    """
+    return at_ports(model.structure, model.structure.solve(frame_loads(model)))
 
 
 def recover_pressure(
@@ -276,7 +294,7 @@ def _free_from_reduced(
     """Port displacements without contact forces, from a solution of a reduced model."""
     if solution.velocities is None:
         return static_displacements(model.port_compliance, solution.inputs)
-    known = recovery_operator(model, rom.basis) if operator is None else operator
+    known = supported_operator(model, rom.basis) if operator is None else operator
     accelerations = balanced_accelerations(rom, solution)
     return known.free_displacements(solution.inputs, solution.velocities, accelerations)
 

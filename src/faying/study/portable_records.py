@@ -22,8 +22,8 @@ from faying.model.system import (
 from faying.reduction.basis import Basis
 from faying.reduction.portable import PortableJoint, PortableModel, with_residual
 from faying.reduction.reduced_model import ReducedModel, reduce
-from faying.simulation.frame_motion import frame_loads, mass_invariants
-from faying.simulation.recovery import Recovery, at_ports, recovery_operator
+from faying.simulation.frame_motion import mass_invariants
+from faying.simulation.recovery import Recovery, frame_operator, supported_operator
 from faying.study.recovery_results import (
     BoundaryRecord,
     PortsRecord,
@@ -45,7 +45,6 @@ def ports_record(model: Model) -> PortsRecord | None:
     n_port = ports.n_relative + len(ports.input_rows)
     if n_port > MOST_PORTS or not isinstance(ports.relative, np.ndarray):
         return None
-    structure, carried = model.structure, frame_loads(model)
     return PortsRecord(
         compliance=np.block(
             [[ports.relative, ports.contact_columns.T], [ports.contact_columns, ports.input_rows]]
@@ -56,7 +55,7 @@ def ports_record(model: Model) -> PortsRecord | None:
             for name, boundary in model.boundaries.items()
         },
         bolt_stiffness={name: float(bolt.stiffness) for name, bolt in model.bolts.items()},
-        frame_recovery=None if carried is None else at_ports(structure, structure.solve(carried)),
+        frame_recovery=frame_operator(model),
     )
 
 
@@ -88,7 +87,7 @@ def reduced_records(
         (rom for sizes in kept.values() for rom in sizes.values()), key=lambda rom: len(rom.basis)
     )
     together, columns = _shared_vectors([rom.basis for rom in everyone])
-    operator = recovery_operator(model, together)
+    operator = supported_operator(model, together)
     shapes = nodal_shapes(model, together)
     invariants = mass_invariants(model, together.vectors[:, : len(shapes)], shapes)
     records = {
