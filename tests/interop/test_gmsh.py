@@ -48,6 +48,18 @@ def named(model, volumes):
                 model.addPhysicalGroup(2, [face], name=name)
 
 
+def fragment(model):
+    """Let the plates share the face where they touch."""
+    lower, upper = plates(model)
+    _, pieces = model.occ.fragment([(3, lower)], [(3, upper)])
+    model.occ.synchronize()
+    volumes = {
+        name: [tag for _, tag in found]
+        for name, found in zip(("lower", "upper"), pieces, strict=True)
+    }
+    named(model, volumes)
+
+
 def meshed(model, path, *, order=2, version=4.1):
     gmsh.option.setNumber("Mesh.ElementOrder", order)
     gmsh.option.setNumber("Mesh.MshFileVersion", version)
@@ -76,14 +88,7 @@ def answer(model):
 @pytest.mark.parametrize("version", [2.2, 4.1])
 @pytest.mark.parametrize("order", [1, 2])
 def test_fragmented_parts_come_apart(model, tmp_path: Path, version, order):
-    lower, upper = plates(model)
-    _, pieces = model.occ.fragment([(3, lower)], [(3, upper)])
-    model.occ.synchronize()
-    volumes = {
-        name: [tag for _, tag in found]
-        for name, found in zip(("lower", "upper"), pieces, strict=True)
-    }
-    named(model, volumes)
+    fragment(model)
     path = meshed(model, tmp_path / "lap.msh", order=order, version=version)
     with pytest.raises(ModelError):  # one body: nothing can touch
         joint_of(path)
@@ -98,14 +103,7 @@ def test_fragmented_parts_come_apart(model, tmp_path: Path, version, order):
 
 
 def test_tetrahedra_agree_with_the_built_in_bricks(model, tmp_path: Path):
-    lower, upper = plates(model)
-    _, pieces = model.occ.fragment([(3, lower)], [(3, upper)])
-    model.occ.synchronize()
-    volumes = {
-        name: [tag for _, tag in found]
-        for name, found in zip(("lower", "upper"), pieces, strict=True)
-    }
-    named(model, volumes)
+    fragment(model)
     ours = joint_of(meshed(model, tmp_path / "lap.msh"), separate=["upper"])
     bricks = fy.lap_joint(shape="hex20", hole_radius=None, penalty=1e5, element_size=5.0)
     tips = [answer(joint).displacement("tip")[2] for joint in (ours, bricks)]

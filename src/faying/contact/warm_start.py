@@ -48,4 +48,6 @@ def experience(solver: object, n_point: int) -> WarmStarts:
     Loads solved one at a time then start as well as loads solved together: 4.6 linear systems
     instead of 11.5 for random six-component loads. Solutions do not depend on it beyond round-off.
     """
-    return _EXPERIENCE.setdefault(solver, WarmStarts(n_point))
+    if solver not in _EXPERIENCE:
+        _EXPERIENCE[solver] = WarmStarts(n_point)
+    return _EXPERIENCE[solver]

@@ -6,9 +6,9 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.io.deck_lines import Lines
 from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import integer
-from faying.io.nastran.source import Lines
 from faying.io.nastran.tokenizer import read_cards
 
 

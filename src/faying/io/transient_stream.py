@@ -14,6 +14,7 @@ from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.transient import Restart, transient_pieces
+from faying.study.store import member_name
 
 FORMAT = "faying transient"
 PIECE = 2000
@@ -120,11 +121,11 @@ def _append(file: h5py.File, piece: Solution, kept: tuple[str, ...]) -> None:
     rows: dict[str, Matrix] = {name: FIELDS[name](piece) for name in kept}
     system = piece.system
     for name in system.boundaries:
-        rows[f"displacements/{_quoted(name)}"] = piece.displacement(name)
+        rows[f"displacements/{member_name(name)}"] = piece.displacement(name)
     for name in system.contact.slices:
-        rows[f"contact_forces/{_quoted(name)}"] = piece.contact_force(name)
+        rows[f"contact_forces/{member_name(name)}"] = piece.contact_force(name)
     for name in system.bolts:
-        rows[f"bolt_forces/{_quoted(name)}"] = piece.bolt_force(name)
+        rows[f"bolt_forces/{member_name(name)}"] = piece.bolt_force(name)
     for name, values in rows.items():
         if name not in file:
             file.create_dataset(
@@ -180,7 +181,3 @@ def _datasets(file: h5py.File) -> list[h5py.Dataset]:
 
     file.visititems(visit)
     return found
-
-
-def _quoted(name: str) -> str:
-    return name.replace("%", "%25").replace("/", "%2F")

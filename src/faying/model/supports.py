@@ -1,6 +1,6 @@
 """Supports by the name of what they hold."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,16 +23,23 @@ def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> 
     ModelError
         If a set does not exist or a component is none.
     """
-    number = max((support.id for support in assembly.supports), default=0)
     own = []
     for name, components in supports.items():
-        number += 1
         wrong = [component for component in components if component not in range(6)]
         if wrong:
             message = f"support '{name}': component {wrong[0]}; components are 0 to 5"
             raise ModelError(message)
-        nodes = nodes_of_set(assembly, name)
-        own.append(Support(id=number, nodes=nodes, components=tuple(sorted({*components}))))
+        own.append((nodes_of_set(assembly, name), components))
+    return with_held_nodes(assembly, own)
+
+
+def with_held_nodes(assembly: Assembly, held: Iterable[tuple[Indices, Iterable[int]]]) -> Assembly:
+    """Return the assembly with supports of node indices in components 0..5 added."""
+    first = max((support.id for support in assembly.supports), default=0) + 1
+    own = tuple(
+        Support(id=number, nodes=nodes, components=tuple(sorted({*components})))
+        for number, (nodes, components) in enumerate(held, start=first)
+    )
     return replace(assembly, supports=(*assembly.supports, *own))
 
 

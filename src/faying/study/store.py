@@ -176,7 +176,7 @@ def _write(group: h5py.Group, name: str, value: Any, meaning: Meaning, units: Un
     if members is None:
         _write_data(group, name, value, meaning, units)
         return
-    inner = group.create_group(_quoted(name), track_order=True)
+    inner = group.create_group(member_name(name), track_order=True)
     inner.attrs["description"] = meaning.description
     if is_dataclass(value):
         _write_value(inner, value, units)
@@ -198,7 +198,7 @@ def _members(value: Any) -> Mapping[str, Any] | None:
 
 def _write_data(group: h5py.Group, name: str, value: Any, meaning: Meaning, units: Units) -> None:
     if isinstance(value, str) or (isinstance(value, tuple) and _is_text(value)):
-        data = group.create_dataset(_quoted(name), data=value, dtype=h5py.string_dtype())
+        data = group.create_dataset(member_name(name), data=value, dtype=h5py.string_dtype())
     else:
         array = np.asarray(value)
         packed: dict[str, Any] = (
@@ -206,7 +206,7 @@ def _write_data(group: h5py.Group, name: str, value: Any, meaning: Meaning, unit
             if array.size > SMALL
             else {}
         )
-        data = group.create_dataset(_quoted(name), data=array, **packed)
+        data = group.create_dataset(member_name(name), data=array, **packed)
         data.attrs["dimension"] = meaning.dimension
         data.attrs["unit"] = units.of(meaning.dimension)
     data.attrs["shape"] = meaning.shape
@@ -217,7 +217,8 @@ def _is_text(value: tuple[Any, ...]) -> bool:
     return all(isinstance(entry, str) for entry in value)
 
 
-def _quoted(name: str) -> str:
+def member_name(name: str) -> str:
+    """Return a name as HDF5 takes it for a member of a group."""
     quoted = name.replace("%", "%25").replace("/", "%2F")
     return "%2E" if quoted == "." else quoted
 

@@ -1,14 +1,13 @@
 """[[support]]: what a study holds beside the supports of its source."""
 
-from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import ModelError, StudyError
-from faying.model.assembly import Assembly, Support
-from faying.model.supports import nodes_of_set
+from faying.model.assembly import Assembly
+from faying.model.supports import nodes_of_set, with_held_nodes
 from faying.study.model_tables import DisplacementComponent
 from faying.study.tables import Study
 
@@ -21,17 +20,12 @@ def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
     StudyError
         If a node or a node set does not exist.
     """
-    number = max((support.id for support in assembly.supports), default=0)
     components = get_args(DisplacementComponent)
-    own = tuple(
-        Support(
-            id=number + 1 + place,
-            nodes=_nodes(assembly, study, place),
-            components=tuple(sorted({components.index(name) for name in section.components})),
-        )
+    held = [
+        (_nodes(assembly, study, place), [components.index(name) for name in section.components])
         for place, section in enumerate(study.supports)
-    )
-    return replace(assembly, supports=(*assembly.supports, *own))
+    ]
+    return with_held_nodes(assembly, held)
 
 
 def _nodes(assembly: Assembly, study: Study, number: int) -> Indices:

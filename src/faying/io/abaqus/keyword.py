@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.io.abaqus.keyword_names import without_blanks
-from faying.io.abaqus.source import Lines
+from faying.io.deck_lines import Lines
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

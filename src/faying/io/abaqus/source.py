@@ -6,32 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.io.deck_lines import Lines
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
 _DEEPEST = 20
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Lines:
-    """Lines as written, without line ends, and where each comes from.
-
-    Attributes
-    ----------
-    number, file : (n_line,)
-        Line number, counted from 1, in the file ``files[file]``.
-    """
-
-    text: list[bytes]
-    number: Indices
-    file: Indices
-    files: tuple[str, ...]
-
-    def where(self, line: int) -> str:
-        """Return file:line."""
-        return f"{self.files[self.file[line]]}:{self.number[line]}"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -8,7 +8,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import keyword_name, without_blanks
-from faying.io.abaqus.source import Lines
+from faying.io.deck_lines import Lines
 
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Vector
 from faying.exceptions import FormatError
+from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.fields import Fields
-from faying.io.nastran.source import Lines
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,41 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.io.deck_lines import Lines
 
 _INCLUDE = re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?", re.IGNORECASE)
 _BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
 _END = re.compile(rb"^\s*ENDDATA\b")
 _CONTROL = re.compile(rb"^\s*(?:CEND\b|SOL\s+\S|SUBCASE\s+\d)")
 _DEEPEST = 20
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Lines:
-    """Consecutive lines and where each comes from.
-
-    Attributes
-    ----------
-    text
-        Upper-case lines without line ends.
-    number, file : (n_line,)
-        Line number, counted from 1, in the file ``files[file]``.
-    """
-
-    text: list[bytes]
-    number: Indices
-    file: Indices
-    files: tuple[str, ...]
-
-    def __getitem__(self, part: slice) -> "Lines":
-        return Lines(
-            text=self.text[part], number=self.number[part], file=self.file[part], files=self.files
-        )
-
-    def where(self, line: int) -> str:
-        """Return file:line."""
-        return f"{self.files[self.file[line]]}:{self.number[line]}"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
+from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields
-from faying.io.nastran.source import Lines
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
 _COLUMNS = 80
