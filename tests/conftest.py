@@ -3,8 +3,16 @@
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 import faying as fy
+
+# The same examples in every run, so that what fails here fails everywhere and a change alone can
+# turn a run red. New examples are looked for with `pytest tests/properties --hypothesis-profile
+# searching`, and what that finds becomes a test.
+settings.register_profile("repeatable", derandomize=True)
+settings.register_profile("searching", derandomize=False, print_blob=True)
+settings.load_profile("repeatable")
 
 DATA = Path(__file__).parent / "data"
 
