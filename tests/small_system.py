@@ -12,6 +12,7 @@ from faying.contact.interface import Contact
 from faying.linalg.factorization import factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.load_pattern import LoadPattern
 from faying.model.system import boundary_dofs, elongations, port_compliance_of
 
 
@@ -25,6 +26,7 @@ class SmallSystem:
     contact: Contact
     boundaries: Mapping[str, Boundary]
     bolts: Mapping[str, Bolt] = field(default_factory=dict)
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
 
     @cached_property
     def port_compliance(self):

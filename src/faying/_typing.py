@@ -9,6 +9,8 @@ Dimensions used in shapes throughout the package:
 ``n_pair``            node pairs of an interface
 ``n_boundary``        boundary degrees of freedom, where loads enter
 ``n_bolt``            bolts
+``n_pattern``         load patterns
+``n_input``           boundary forces, initial bolt forces, amplitudes of load patterns
 ``n_mode``            columns of a basis
 ``n_time``            instants of a transient solution
 ``n_case``            load cases

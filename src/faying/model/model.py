@@ -9,10 +9,16 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.interface import Contact, Interface, stack
 from faying.exceptions import ModelError
 from faying.linalg.factorization import Factorization
-from faying.model.assembly import Assembly
+from faying.model.assembly import Assembly, NodalLoads
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.model.dofs import DofMap
+from faying.model.load_pattern import (
+    LoadPattern,
+    check_pattern_name,
+    load_pattern,
+    pattern_forces,
+)
 from faying.model.matrices import assemble_matrices
 from faying.model.specs import Rayleigh
 from faying.model.structure import Structure
@@ -21,7 +27,7 @@ from faying.model.system import PortCompliance
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Model:
-    """A structure with interfaces, bolts and boundaries.
+    """A structure with interfaces, bolts, boundaries and load patterns.
 
     Copies made by the ``with_…`` methods share the structure, hence everything that was computed
     from its factorization.
@@ -42,6 +48,8 @@ class Model:
         Label of the consistent unit set, carried into every output.
     stuck
         Interface name to the pairs (n_pair,) that stick in tangential direction.
+    load_patterns
+        Distributed loads that may be scaled; none unless asked for, as each costs a port.
     """
 
     structure: Structure
@@ -54,6 +62,7 @@ class Model:
     name: str = "model"
     units: str = "mm-t-s"
     stuck: Mapping[str, Mask] = field(default_factory=dict)
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
 
     @property
     def nodal_mass(self) -> SparseMatrix:
@@ -83,15 +92,23 @@ class Model:
         """All interfaces stacked."""
         return replace(stack(self.interfaces), dense_budget=self.structure.dense_budget)
 
-    @property
+    @cached_property
     def port_compliance(self) -> PortCompliance:
-        """Static compliance between contact pairs, boundary and bolts."""
-        return self.structure.port_compliance
+        """Static compliance between contact pairs, boundary, bolts and load patterns."""
+        if not self.load_patterns:
+            return self.structure.port_compliance
+        return self.structure.loaded_ports(self.pattern_forces)
+
+    @property
+    def pattern_forces(self) -> Matrix:
+        """Forces of all load patterns (n_pattern, n_dof)."""
+        return pattern_forces(self.load_patterns, self.structure.n_dof)
 
     @cached_property
     def static_contact(self) -> CondensedContact:
         """The static contact problem of the full model."""
-        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
+        compliance = self.structure.port_compliance.relative
+        return CondensedContact(contact=self.contact, compliance=compliance)
 
     def factorize_static(self) -> Factorization:
         """Return the factorization of K that the structure already holds."""
@@ -137,6 +154,42 @@ class Model:
             raise ModelError(message)
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
         return replace(self, bolts={**self.bolts, **locked})
+
+    def with_deck_loads(self, *names: str) -> "Model":
+        """Return a copy that takes loads of its deck, by their names in ``assembly.loads``.
+
+        Raises
+        ------
+        ModelError
+            If the deck has no such load, or as :meth:`with_load_patterns`.
+        """
+        known = self.assembly.loads
+        for name in names:
+            if name not in known:
+                message = (
+                    f"the deck has no load '{name}'; its loads are {', '.join(known) or 'none'}"
+                )
+                raise ModelError(message)
+        return self.with_load_patterns({name: known[name] for name in names})
+
+    def with_load_patterns(self, loads: Mapping[str, NodalLoads]) -> "Model":
+        """Return a copy that takes distributed loads, each by one amplitude; see :class:`Load`.
+
+        Raises
+        ------
+        ModelError
+            If a load acts where nothing is, moves nothing, or has the name of another.
+
+        Notes
+        -----
+        One back-substitution for each load when it is first used, and again in copies.
+        """
+        for name in loads:
+            check_pattern_name(name, self.boundaries)
+        made = {
+            name: load_pattern(name, load, self.assembly, self.dofs) for name, load in loads.items()
+        }
+        return replace(self, load_patterns={**self.load_patterns, **made})
 
     def with_stiffness(self, added: SparseMatrix, stuck: Mapping[str, Mask]) -> "Model":
         """Return a copy with springs (n_dof, n_dof) added to K for the pairs that stick."""

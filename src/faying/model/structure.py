@@ -1,7 +1,7 @@
 """The linear part of a model, and the one factorization everything else is computed from."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -161,6 +161,28 @@ class Structure:
     def bolt_shapes(self) -> Matrix:
         """Displacements (n_dof, n_bolt) under a unit initial force of each bolt, boundary held."""
         return self.solve_held(-self.elongations.T)
+
+    def loaded_ports(self, patterns: Matrix) -> PortCompliance:
+        """Return the port compliance with the forces (n_pattern, n_dof) of patterns as more ports.
+
+        Raises
+        ------
+        SingularMatrixError
+            As :attr:`port_compliance`.
+
+        Notes
+        -----
+        One back-substitution for each pattern.
+        """
+        ports, shapes = self.port_compliance, self.solve(patterns.T)
+        columns = np.vstack([shapes[self.boundary], self.elongations @ shapes])
+        own = symmetrized(patterns @ shapes)
+        return replace(
+            ports,
+            contact_columns=np.vstack([ports.contact_columns, (self.relative_operator @ shapes).T]),
+            input_rows=np.block([[ports.input_rows, columns], [columns.T, own]]),
+            n_pattern=len(patterns),
+        )
 
     @cached_property
     def port_compliance(self) -> PortCompliance:

@@ -1,8 +1,9 @@
 """What full and reduced models have in common; every solver is written against this.
 
 A system obeys M ü + C u̇ + K u = f + Pᵀ Nᵀ λ (15.13, 15.16). Forces enter and quantities of interest
-leave through its *ports*: relative displacements of the contact pairs, boundary displacements and
-bolt elongations. All static contact problems live in the compliance between ports.
+leave through its *ports*: relative displacements of the contact pairs, boundary displacements, bolt
+elongations, and what load patterns do work on. All static contact problems live in the compliance
+between ports.
 """
 
 from collections.abc import Mapping
@@ -18,30 +19,39 @@ from faying.linalg.compressed import Compliance
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.load_pattern import LoadPattern, pattern_forces
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PortCompliance:
     """Displacement at the ports per force at the ports, Q K⁻¹ Qᵀ, symmetric.
 
-    Ports come in the order relative displacements, boundary, bolts.
+    Ports come in the order relative displacements, boundary, bolts, load patterns.
 
     Attributes
     ----------
     relative : (n_relative, n_relative)
         Relative displacement per contact force, dense or compressed.
-    contact_columns : (n_boundary + n_bolt, n_relative)
-        Boundary and bolt ports per contact force.
-    input_rows : (n_boundary + n_bolt, n_boundary + n_bolt)
-        Boundary and bolt ports per force at them.
+    contact_columns : (n_input, n_relative)
+        All other ports per contact force.
+    input_rows : (n_input, n_input)
+        All other ports per force at them.
     n_boundary
         Number of boundary degrees of freedom.
+    n_pattern
+        Number of load patterns.
     """
 
     relative: Compliance
     contact_columns: Matrix
     input_rows: Matrix
     n_boundary: int
+    n_pattern: int = 0
+
+    @property
+    def bolts(self) -> slice:
+        """Place of the bolts among the inputs."""
+        return slice(self.n_boundary, len(self.input_rows) - self.n_pattern)
 
     @property
     def n_relative(self) -> int:
@@ -54,17 +64,20 @@ class PortCompliance:
         return np.concatenate([inner, forces @ self.contact_columns.T], axis=-1)
 
     def per_input(self, forces: Matrix) -> Matrix:
-        """Return the displacements of all ports (..., n_port) under boundary and bolt forces."""
+        """Return the displacements of all ports (..., n_port) under forces at the other ports."""
         return np.concatenate([forces @ self.contact_columns, forces @ self.input_rows], axis=-1)
 
 
-def port_compliance_of(matrix: Matrix, n_relative: int, n_boundary: int) -> PortCompliance:
+def port_compliance_of(
+    matrix: Matrix, n_relative: int, n_boundary: int, n_pattern: int = 0
+) -> PortCompliance:
     """Return the port compliance of one symmetric matrix (n_port, n_port)."""
     return PortCompliance(
         relative=matrix[:n_relative, :n_relative],
         contact_columns=matrix[n_relative:, :n_relative],
         input_rows=matrix[n_relative:, n_relative:],
         n_boundary=n_boundary,
+        n_pattern=n_pattern,
     )
 
 
@@ -84,6 +97,11 @@ class Joint(Protocol):
     @property
     def bolts(self) -> Mapping[str, Bolt]:
         """Bolts, with the initial forces they are locked at."""
+        ...
+
+    @property
+    def load_patterns(self) -> Mapping[str, LoadPattern]:
+        """Distributed loads that may be scaled."""
         ...
 
     @property
@@ -146,18 +164,26 @@ def elongations(bolts: Mapping[str, Bolt], n_dof: int) -> Matrix:
 
 
 def input_forces(system: System, inputs: Matrix) -> Matrix:
-    """Return external forces f_e (..., n_dof) of inputs (..., n_boundary + n_bolt).
+    """Return external forces f_e (..., n_dof) of inputs (..., n_input).
 
-    Inputs are boundary forces followed by initial bolt forces N₀; the latter pull head and nut
-    together, −elongationᵀ N₀.
+    Inputs are boundary forces, then initial bolt forces N₀, which pull head and nut together by
+    −elongationᵀ N₀, then amplitudes of load patterns.
     """
     inputs = np.asarray(inputs, dtype=float)
     dofs = boundary_dofs(system.boundaries)
-    n_dof = system.K.shape[0]
-    forces = -(inputs[..., len(dofs) :] @ elongations(system.bolts, n_dof))
+    n_dof, first = system.K.shape[0], len(dofs) + len(system.bolts)
+    forces = -(inputs[..., len(dofs) : first] @ elongations(system.bolts, n_dof))
     forces[..., dofs] += inputs[..., : len(dofs)]
+    if system.load_patterns:
+        forces += inputs[..., first:] @ pattern_forces(system.load_patterns, n_dof)
     result: Matrix = forces
     return result
+
+
+def bolt_input(system: Joint, bolt: str) -> int:
+    """Return the place of a bolt's initial force among the inputs."""
+    n_boundary = sum(len(boundary.dofs) for boundary in system.boundaries.values())
+    return n_boundary + list(system.bolts).index(bolt)
 
 
 def initial_bolt_forces(system: Joint) -> Vector:

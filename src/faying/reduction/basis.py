@@ -18,6 +18,7 @@ class ModeKind(StrEnum):
     CONSTRAINT = "constraint"
     NORMAL = "normal"
     BOLT = "bolt"
+    LOAD = "load"
     JOINT = "joint"
 
 

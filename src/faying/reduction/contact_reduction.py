@@ -9,6 +9,7 @@ from faying.contact.interface import Contact
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.load_pattern import LoadPattern
 from faying.model.system import PortCompliance, System
 
 
@@ -56,6 +57,11 @@ class ContactReducedModel:
     def bolts(self) -> Mapping[str, Bolt]:
         """Bolts with their locked initial forces."""
         return self.system.bolts
+
+    @property
+    def load_patterns(self) -> Mapping[str, LoadPattern]:
+        """Distributed loads that may be scaled."""
+        return self.system.load_patterns
 
     @property
     def port_compliance(self) -> PortCompliance:

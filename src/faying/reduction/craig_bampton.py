@@ -6,11 +6,12 @@ from faying.reduction.normal_modes import fixed_interface_normal_modes
 
 
 def craig_bampton(model: Model, *, normal_modes: int = 20) -> Basis:
-    """Constraint modes, fixed-interface normal modes, and one shape per bolt.
+    """Constraint modes, fixed-interface normal modes, one shape per bolt and load pattern.
 
     The seed counts the bolt's pretension among the boundary forces. Here a bolt is one inner
     spring, so its place is taken by the static shape of a unit initial force with the boundary
-    held: any preload is then represented exactly, by every method.
+    held: any preload is then represented exactly, by every method. A load pattern has its static
+    shape for the same reason.
 
     Parameters
     ----------
@@ -26,8 +27,8 @@ def craig_bampton(model: Model, *, normal_modes: int = 20) -> Basis:
 
     Notes
     -----
-    One back-substitution per boundary degree of freedom and bolt, and one Lanczos run, all with
-    one factorization.
+    One back-substitution per boundary degree of freedom, bolt and load pattern, and one Lanczos
+    run, all with one factorization.
     """
     structure = model.structure
     modes = fixed_interface_normal_modes(structure, normal_modes)
@@ -38,5 +39,9 @@ def craig_bampton(model: Model, *, normal_modes: int = 20) -> Basis:
         )
         + Basis(vectors=modes.vectors, kinds=(ModeKind.NORMAL,) * normal_modes)
         + Basis(vectors=structure.bolt_shapes, kinds=(ModeKind.BOLT,) * len(model.bolts))
+        + Basis(
+            vectors=structure.solve_held(model.pattern_forces.T),
+            kinds=(ModeKind.LOAD,) * len(model.load_patterns),
+        )
     )
     return classic.orthonormalized(structure.K)

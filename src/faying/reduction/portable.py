@@ -6,7 +6,7 @@ solvers take it like any other system.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
 
@@ -20,7 +20,8 @@ from faying.linalg.compressed import plus, symmetrized
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.system import PortCompliance, boundary_dofs, elongations
+from faying.model.load_pattern import LoadPattern, pattern_forces
+from faying.model.system import PortCompliance, System, boundary_dofs, elongations
 
 
 @final
@@ -32,8 +33,9 @@ class PortableJoint:
     ----------
     contact
         Without degrees of freedom behind the pairs, ``relative_operator`` has no columns.
-    boundaries, bolts
-        By name; boundary degrees of freedom are numbered through, bolts have no elongation row.
+    boundaries, bolts, load_patterns
+        By name; boundary degrees of freedom are numbered through, bolts have no elongation row and
+        load patterns no forces.
     port_compliance
         Q K⁻¹ Qᵀ of the full model.
     """
@@ -42,6 +44,7 @@ class PortableJoint:
     boundaries: Mapping[str, Boundary]
     bolts: Mapping[str, Bolt]
     port_compliance: PortCompliance
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
 
     @cached_property
     def static_contact(self) -> CondensedContact:
@@ -59,7 +62,7 @@ class PortableModel:
     M, C, K : (n_mode, n_mode)
     contact
         With PΦ in place of P, and the residual compliance where it is kept.
-    boundaries, bolts
+    boundaries, bolts, load_patterns
         As seen by the generalized coordinates.
     """
 
@@ -69,6 +72,7 @@ class PortableModel:
     contact: Contact
     boundaries: Mapping[str, Boundary]
     bolts: Mapping[str, Bolt]
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("M", "C", "K"):
@@ -80,8 +84,8 @@ class PortableModel:
 
     @cached_property
     def port_compliance(self) -> PortCompliance:
-        """Static compliance between contact pairs, boundary and bolts within the basis."""
-        return reduced_ports(self.contact, self.boundaries, self.bolts, self._static_factor)
+        """Static compliance between the ports within the basis."""
+        return reduced_ports(self, self._static_factor)
 
     @cached_property
     def static_contact(self) -> CondensedContact:
@@ -106,21 +110,19 @@ class PortableModel:
         raise ModelError(message)
 
 
-def reduced_ports(
-    contact: Contact,
-    boundaries: Mapping[str, Boundary],
-    bolts: Mapping[str, Bolt],
-    factor: Factorization,
-) -> PortCompliance:
+def reduced_ports(rom: System, factor: Factorization) -> PortCompliance:
     """Return the compliance between the ports of a reduced model from the factorization of K."""
-    dofs, n_mode = boundary_dofs(boundaries), contact.relative_operator.shape[1]
-    outer = np.vstack([np.eye(n_mode)[dofs], elongations(bolts, n_mode)])
+    contact, n_mode = rom.contact, len(rom.K)
+    dofs = boundary_dofs(rom.boundaries)
+    loads = pattern_forces(rom.load_patterns, n_mode)
+    outer = np.vstack([np.eye(n_mode)[dofs], elongations(rom.bolts, n_mode), loads])
     answers = factor.solve(outer.T)
     return PortCompliance(
         relative=relative_compliance(contact, factor),
         contact_columns=(contact.relative_operator @ answers).T,
         input_rows=symmetrized(outer @ answers),
         n_boundary=len(dofs),
+        n_pattern=len(loads),
     )
 
 

@@ -1,7 +1,7 @@
 """Galerkin projection, Eq. (15.16): a reduced model is a system like the full one."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,7 @@ from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.load_pattern import LoadPattern
 from faying.model.model import Model
 from faying.model.system import PortCompliance
 from faying.reduction.basis import Basis, ModeKind
@@ -28,7 +29,7 @@ class ReducedModel:
     M, C, K : (n_mode, n_mode)
     contact
         With PΦ in place of P, and the residual compliance where it is kept.
-    boundaries, bolts
+    boundaries, bolts, load_patterns
         As seen by the generalized coordinates.
     basis
         Φ.
@@ -44,6 +45,7 @@ class ReducedModel:
     bolts: Mapping[str, Bolt]
     basis: Basis
     model: Model
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("M", "C", "K"):
@@ -55,8 +57,8 @@ class ReducedModel:
 
     @cached_property
     def port_compliance(self) -> PortCompliance:
-        """Static compliance between contact pairs, boundary and bolts within the basis."""
-        return reduced_ports(self.contact, self.boundaries, self.bolts, self._static_factor)
+        """Static compliance between the ports within the basis."""
+        return reduced_ports(self, self._static_factor)
 
     @cached_property
     def static_contact(self) -> CondensedContact:
@@ -114,6 +116,7 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
         bolts={name: bolt.projected(phi) for name, bolt in model.bolts.items()},
         basis=basis,
         model=model,
+        load_patterns={name: one.projected(phi) for name, one in model.load_patterns.items()},
     )
 
 
@@ -125,7 +128,7 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
     where the structure is held, and exists where it is not. Positive semidefinite: it is the
     compliance of the structure with its boundary and Φ_f held.
     """
-    fixed = basis.of_kind(ModeKind.NORMAL, ModeKind.BOLT, ModeKind.JOINT)
+    fixed = basis.of_kind(ModeKind.NORMAL, ModeKind.BOLT, ModeKind.LOAD, ModeKind.JOINT)
     seen = model.structure.relative_operator @ fixed
     stiffness = fixed.T @ (model.K @ fixed)
     return plus(model.structure.held_compliance, seen, -np.linalg.inv(stiffness))

@@ -283,7 +283,7 @@ class Certifier:
         return float(1.0 / np.sqrt(smallest))
 
     def certify_inputs(self, inputs: Matrix, pressure: Matrix) -> Certificate:
-        """Certify pressures (..., n_point) under inputs (..., n_boundary + n_bolt).
+        """Certify pressures (..., n_point) under inputs (..., n_input).
 
         Raises
         ------

@@ -6,7 +6,8 @@ import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
-from faying.model.system import boundary_dofs, elongations
+from faying.model.load_pattern import pattern_forces
+from faying.model.system import bolt_input, boundary_dofs, elongations
 from faying.simulation.solution import Solution
 
 
@@ -27,7 +28,7 @@ class EnergyBalance:
     dissipated
         ∫ vᵀ C v since the start.
     work
-        Work of the boundary forces since the start.
+        Work of the boundary forces and load patterns since the start.
     bolt_work
         Work of the initial bolt forces since the start.
     """
@@ -81,16 +82,16 @@ def energy_balance(solution: Solution) -> EnergyBalance:
         )
         raise ModelError(message)
     steps, move = np.diff(solution.times), np.diff(u, axis=0)
-    n_boundary = len(boundary_dofs(system.boundaries))
     work = _trapezoidal(solution.inputs, _input_displacements(solution))
+    bolts = [bolt_input(system, bolt) for bolt in system.bolts]
     return EnergyBalance(
         times=solution.times,
         kinetic=_half_form(system.M, v),
         strain=_half_form(system.K, u),
         contact=_contact_energy(solution),
         dissipated=_accumulated(2 * _half_form(system.C, move) / steps),
-        work=_accumulated(work[:, :n_boundary].sum(axis=1)),
-        bolt_work=_accumulated(work[:, n_boundary:].sum(axis=1)),
+        work=_accumulated(np.delete(work, bolts, axis=1).sum(axis=1)),
+        bolt_work=_accumulated(work[:, bolts].sum(axis=1)),
     )
 
 
@@ -110,10 +111,12 @@ def _contact_energy(solution: Solution) -> Vector:
 
 
 def _input_displacements(solution: Solution) -> Matrix:
-    """Displacements (n_time, n_boundary + n_bolt) the inputs do work on; N₀ shortens its bolt."""
+    """Displacements (n_time, n_input) the inputs do work on; N₀ shortens its bolt."""
     system, u = solution.system, solution.states
     at_boundary = u[:, boundary_dofs(system.boundaries)]
-    return np.hstack([at_boundary, -(u @ elongations(system.bolts, u.shape[1]).T)])
+    n_dof = u.shape[1]
+    along = (-elongations(system.bolts, n_dof), pattern_forces(system.load_patterns, n_dof))
+    return np.hstack([at_boundary, *(u @ rows.T for rows in along)])
 
 
 def _trapezoidal(forces: Matrix, displacements: Matrix) -> Matrix:

@@ -1,4 +1,4 @@
-"""Loads: forces at boundaries, constant after a step or following a history, and bolt forces."""
+"""Loads: at boundaries or in patterns, constant after a step or as a history; and bolt forces."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -52,7 +52,9 @@ class Load:
     ----------
     forces
         ``"boundary.component"`` to a total force or moment (applied at once and held), or to a
-        :class:`History`; e.g. ``{"tip.Fz": -500.0, "tip.Mx": 20e3}``.
+        :class:`History`; e.g. ``{"tip.Fz": -500.0, "tip.Mx": 20e3}``. The name of a load pattern
+        of the model stands for its amplitude: ``{"12": 1.0}`` is load set 12 of the deck, after
+        :meth:`faying.Model.with_deck_loads`.
     name
         Name in reports.
     bolt_forces
@@ -70,7 +72,7 @@ class Load:
     bolt_forces: Mapping[str, float] = field(default_factory=dict)
 
     def inputs(self, system: Joint, times: Vector) -> Matrix:
-        """Boundary forces and initial bolt forces at the given instants.
+        """Boundary forces, initial bolt forces and amplitudes of patterns at the given instants.
 
         Parameters
         ----------
@@ -78,22 +80,26 @@ class Load:
 
         Returns
         -------
-        ndarray (n_time, n_boundary + n_bolt)
+        ndarray (n_time, n_input)
 
         Raises
         ------
         ModelError
-            If a boundary, one of its components or a bolt does not exist.
+            If a boundary, one of its components, a load pattern or a bolt does not exist.
         """
         times = np.asarray(times, dtype=float)
         places = boundary_slices(system.boundaries)
         n_boundary = sum(len(boundary.dofs) for boundary in system.boundaries.values())
         bolts = list(system.bolts)
-        inputs = np.zeros((len(times), n_boundary + len(bolts)))
-        inputs[:, n_boundary:] = initial_bolt_forces(system)
+        patterns, first = list(system.load_patterns), n_boundary + len(bolts)
+        inputs = np.zeros((len(times), first + len(patterns)))
+        inputs[:, n_boundary:first] = initial_bolt_forces(system)
         for key, value in self.forces.items():
-            boundary, component = _split(key, system, self.name)
             factor = value.at(times) if isinstance(value, History) else np.full(len(times), value)
+            if key in system.load_patterns:
+                inputs[:, first + patterns.index(key)] = factor
+                continue
+            boundary, component = _split(key, system, self.name)
             inputs[:, places[boundary]] += np.outer(
                 factor, system.boundaries[boundary].pattern(component)
             )
@@ -114,9 +120,11 @@ class Load:
 def _split(key: str, system: Joint, load: str) -> tuple[str, str]:
     boundary, _, component = key.rpartition(".")
     if boundary not in system.boundaries:
+        what = f"boundary '{boundary}' (in '{key}')" if boundary else f"boundary load '{key}'"
         message = (
-            f"load '{load}': there is no boundary '{boundary}' (in '{key}'); "
-            f"the boundaries are {', '.join(system.boundaries) or 'none'}"
+            f"load '{load}': there is no {what} and no load pattern of that name; "
+            f"the boundaries are {', '.join(system.boundaries) or 'none'}, "
+            f"the load patterns {', '.join(system.load_patterns) or 'none'}"
         )
         raise ModelError(message)
     return boundary, component

@@ -261,18 +261,18 @@ def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
 def _bolt_forces(system: System, state: Vector, active: Mask | None) -> tuple[Vector, Matrix, Mask]:
     """Bolt forces, their derivative by the initial forces, and the points in contact."""
     ports, contact = system.port_compliance, system.contact
-    inputs = np.concatenate([np.zeros(ports.n_boundary), state])
+    inputs = np.concatenate([np.zeros(ports.n_boundary), state, np.zeros(ports.n_pattern)])
     signed = port_forces(ports, inputs)
     solution = system.static_contact.solve(signed @ ports.contact_columns, active)
 
     stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
-    bolt_rows = ports.contact_columns[ports.n_boundary :]
-    elongation = ports.input_rows[ports.n_boundary :] @ signed
+    bolt_rows = ports.contact_columns[ports.bolts]
+    elongation = ports.input_rows[ports.bolts] @ signed
     elongation = elongation + bolt_rows @ (contact.interpolation.T @ solution.forces)
 
     closed = np.flatnonzero(solution.active)
     coupling = (contact.interpolation @ bolt_rows.T)[closed]
     relieved = coupling.T @ system.static_contact.solve_active(coupling, solution.active)
-    own = ports.input_rows[ports.n_boundary :, ports.n_boundary :]
+    own = ports.input_rows[ports.bolts, ports.bolts]
     slope = np.eye(len(state)) - stiffness[:, None] * (own - relieved)
     return stiffness * elongation + state, slope, solution.active

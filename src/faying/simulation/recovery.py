@@ -20,8 +20,14 @@ from faying._typing import Indices, Matrix, Vector, frozen
 from faying.contact.condensed import ContactSolver
 from faying.exceptions import ModelError
 from faying.model.model import Model
-from faying.model.structure import Structure
-from faying.model.system import Joint, PortCompliance, System, boundary_slices, input_forces
+from faying.model.system import (
+    Joint,
+    PortCompliance,
+    System,
+    bolt_input,
+    boundary_slices,
+    input_forces,
+)
 from faying.reduction.basis import Basis
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frame_motion import frame_loads
@@ -46,9 +52,10 @@ class Recovered:
     contact_forces : (..., n_point) [force]
         λ = w ∘ p.
     gap : (..., n_point) [length]
-    port_displacements : (..., n_relative + n_boundary + n_bolt) [length]
-        Relative displacements of the pairs, boundary displacements, bolt elongations.
-    inputs : (..., n_boundary + n_bolt) [force]
+    port_displacements : (..., n_port) [length]
+        Relative displacements of the pairs, boundary displacements, bolt elongations, and what
+        load patterns do work on.
+    inputs : (..., n_input) [force]
     iterations : (...)
         Linear systems each contact problem took.
     times : (n_time,) or None
@@ -91,7 +98,7 @@ class Recovered:
 
     def bolt_force(self, bolt: str) -> Matrix:
         """Return the axial force of a bolt (...) [force], tension positive."""
-        place = list(self.system.bolts).index(bolt) - len(self.system.bolts)
+        place = bolt_input(self.system, bolt)
         elongation = self._outer_ports[..., place]
         return np.asarray(self.system.bolts[bolt].stiffness * elongation + self.inputs[..., place])
 
@@ -106,7 +113,7 @@ class Recovered:
 class Recovery:
     """What recovery needs of a model and a basis: a few dense matrices, no finite elements.
 
-    With Q the ports (relative displacements, boundary, bolt elongations):
+    With Q the ports (relative displacements, boundary, bolt elongations, load patterns):
 
     Attributes
     ----------
@@ -180,8 +187,8 @@ def supported_operator(model: Model, basis: Basis) -> Recovery:
         model=model,
         ports=model.port_compliance,
         static_contact=model.static_contact,
-        inertia=at_ports(structure, structure.solve(model.M @ basis.vectors)),
-        damping=at_ports(structure, structure.solve(model.C @ basis.vectors)),
+        inertia=at_ports(model, structure.solve(model.M @ basis.vectors)),
+        damping=at_ports(model, structure.solve(model.C @ basis.vectors)),
     )
 
 
@@ -192,7 +199,7 @@ def frame_operator(model: Model) -> Matrix:
     -----
     One assembly of the mass matrix and twelve back-substitutions.
     """
-    return at_ports(model.structure, model.structure.solve(frame_loads(model)))
+    return at_ports(model, model.structure.solve(frame_loads(model)))
 
 
 def recover_pressure(
@@ -266,7 +273,7 @@ def recover_reduced(operator: Recovery, solution: Solution) -> Recovered:
 
 
 def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
-    """Return port displacements Q K⁻¹ f (..., n_port) under boundary and bolt forces alone."""
+    """Return port displacements Q K⁻¹ f (..., n_port) under inputs alone."""
     return ports.per_input(port_forces(ports, inputs))
 
 
@@ -307,7 +314,7 @@ def _free_from_full(model: Model, solution: Solution) -> Matrix:
             f"{model.structure.n_dof}; recover with the model that was solved"
         )
         raise ModelError(message)
-    displacements = at_ports(model.structure, solution.states.T).T
+    displacements = at_ports(model, solution.states.T).T
     return displacements - _contact_displacements(model, solution.contact_forces)
 
 
@@ -363,12 +370,14 @@ def _contact_displacements(model: Joint, forces: Matrix) -> Matrix:
     return ports.per_contact(at_pairs)
 
 
-def at_ports(structure: Structure, displacements: Matrix) -> Matrix:
+def at_ports(model: Model, displacements: Matrix) -> Matrix:
     """Q U (n_port, k) of displacements U (n_dof, k)."""
+    structure = model.structure
     return np.vstack(
         [
             structure.relative_operator @ displacements,
             displacements[structure.boundary],
             structure.elongations @ displacements,
+            model.pattern_forces @ displacements,
         ]
     )

@@ -127,7 +127,7 @@ class Sensitivity:
 
     @cached_property
     def _gap_per_input(self) -> Matrix:
-        """J (n_point, n_boundary + n_bolt): free gap per boundary force and initial force."""
+        """J (n_point, n_input): free gap per input."""
         ports = self.system.port_compliance
         signed = port_forces(ports, np.eye(len(ports.input_rows)))
         gap: Matrix = self.system.contact.interpolation @ (signed @ ports.contact_columns).T
@@ -141,7 +141,8 @@ class Sensitivity:
     def _tightened(self) -> "Sensitivity":
         """The state without load, at the initial bolt forces of the solution."""
         inputs = self.solution.inputs.copy()
-        inputs[: self.system.port_compliance.n_boundary] = 0.0
+        bolts = self.system.port_compliance.bolts
+        inputs[: bolts.start], inputs[bolts.stop :] = 0.0, 0.0
         cases = solve_static_inputs(self.system, inputs[None], "tightened")
         return Sensitivity(
             system=self.system,
@@ -162,9 +163,11 @@ class Sensitivity:
         return np.asarray(np.linalg.inv(slope), dtype=float)
 
     def _bolt_inputs(self, changes: Matrix) -> Matrix:
-        """Place changes of the initial bolt forces below zero boundary forces."""
-        free = np.zeros((self.system.port_compliance.n_boundary, changes.shape[1]))
-        return np.vstack([free, changes])
+        """Place changes of the initial bolt forces among inputs that stay."""
+        ports = self.system.port_compliance
+        inputs = np.zeros((len(ports.input_rows), changes.shape[1]))
+        inputs[ports.bolts] = changes
+        return inputs
 
     def _directions(
         self, directions: Matrix, parameters: Sequence[str] | None
@@ -202,14 +205,14 @@ class Sensitivity:
         moved = ports.input_rows @ signed.T
         moved = moved + ports.contact_columns @ (system.contact.interpolation.T @ dforces)
         stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()], dtype=float)
-        elongation = moved[ports.n_boundary :]
+        elongation = moved[ports.bolts]
         lower, upper = self._range(dforces, dslack)
         return Response(
             parameters=parameters,
             system=system,
             contact_forces=dforces,
             slack=dslack,
-            bolt_forces=stiffness[:, None] * elongation + dinputs[ports.n_boundary :],
+            bolt_forces=stiffness[:, None] * elongation + dinputs[ports.bolts],
             displacements=moved[: ports.n_boundary],
             lower=lower,
             upper=upper,

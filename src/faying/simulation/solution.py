@@ -6,7 +6,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.model.system import System
+from faying.model.system import System, bolt_input
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,8 +26,8 @@ class Solution:
     contact_forces : (..., n_point) [force]
         λ = w ∘ p.
     gap : (..., n_point) [length]
-    inputs : (..., n_boundary + n_bolt) [force]
-        Boundary forces and initial bolt forces.
+    inputs : (..., n_input) [force]
+        Boundary forces, initial bolt forces, amplitudes of load patterns [-].
     iterations : (...)
         Linear systems the contact problem took.
     contact_error : (...)
@@ -104,8 +104,7 @@ class Solution:
         if bolt not in self.system.bolts:
             message = f"there is no bolt '{bolt}'; the bolts are {', '.join(self.system.bolts)}"
             raise ModelError(message)
-        place = list(self.system.bolts).index(bolt) - len(self.system.bolts)
-        locked = self.inputs[..., place]
+        locked = self.inputs[..., bolt_input(self.system, bolt)]
         return self.system.bolts[bolt].locked(0.0).force(self.states) + locked
 
     def full_displacement(self) -> Matrix:

@@ -60,7 +60,7 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
 
 
 def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> Solution:
-    """Solve many load cases given as inputs (n_case, n_boundary + n_bolt)."""
+    """Solve many load cases given as inputs (n_case, n_input)."""
     condensed, contact = system.static_contact, system.contact
     free = port_forces(system.port_compliance, inputs) @ system.port_compliance.contact_columns
     shape = (len(inputs), contact.n_points)
@@ -87,9 +87,9 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
 
 
 def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
-    """Return forces at the boundary and bolt ports: an initial force N₀ shortens its bolt."""
+    """Return forces at the ports of inputs: an initial force N₀ shortens its bolt."""
     signed = np.array(inputs, dtype=float)
-    signed[..., ports.n_boundary :] *= -1.0
+    signed[..., ports.bolts] *= -1.0
     return signed
 
 
