@@ -1,6 +1,7 @@
-"""``faying check`` says what can move, what bolts are, and what of the deck is not used."""
+"""``faying check`` says what can move, what bolts are, and what applies loads of the deck."""
 
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -59,15 +60,22 @@ def test_bolts_say_what_they_are(check):
     assert bolt.endswith(" 10000 the study")
 
 
-def test_loads_of_the_deck_are_listed_as_unused(check):
+def test_loads_of_the_deck_are_listed_with_what_applies_them(check):
     changes = {
         "SPC = 1\n": "SPC = 1\nLOAD = 7\n",
         "ENDDATA": "FORCE,7,475,,100.,0.,3.,-4.\nFORCE,7,1,,1.,5.,0.,0.\nENDDATA",
     }
     status, lines, _ = check(changes)
     assert status == 0
-    assert "Loads of the source, not applied" in " ".join(word for line in lines for word in line)
-    assert cells(lines, "7") == ["7", "2", "5", "300", "-400"]
+    assert cells(lines, "7") == ["7", "2", "5", "300", "-400", "none", "yes"]
+    start = lines.index(["[[load_case]]"])
+    pasted = [" ".join(line) for line in lines[start : start + 4]]
+    (case,) = tomllib.loads("\n".join(pasted))["load_case"]
+    assert case == {
+        "name": "load 7",
+        "kind": "static",
+        "forces": [{"deck_load": "7", "value": 1.0}],
+    }
 
 
 def test_what_can_move_is_told_before_it_is_refused(check, tmp_path):

@@ -1,9 +1,11 @@
 """Tables that say what faying understood of a study and its model."""
 
+import json
 from collections.abc import Iterable, Iterator
 
 import numpy as np
 from rich import box
+from rich.markup import escape
 from rich.table import Table
 
 from faying.contact.interface import Interface
@@ -22,6 +24,9 @@ from faying.study.tables import ForceSection, LoadCaseSection, Study
 MOST_IDS = 6
 """Elements of a bolt that are named."""
 
+MOST_LOADS = 8
+"""Loads of the source for which a load case is written out."""
+
 
 def described(study: Study, loaded: LoadedModel, model: Model, free: FreeParts) -> Iterator[Table]:
     """Yield the tables of ``faying check``, in the order of the data flow."""
@@ -36,7 +41,8 @@ def described(study: Study, loaded: LoadedModel, model: Model, free: FreeParts) 
     yield _boundaries(model)
     yield _load_cases(study)
     if model.assembly.loads:
-        yield _deck_loads(model.assembly)
+        yield _deck_loads(study, loaded)
+        yield from _unused_loads(study, loaded)
     if model.assembly.ignored:
         yield _table(
             "Notes on the source",
@@ -50,7 +56,7 @@ def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]])
     for column in columns:
         table.add_column(column, overflow="fold")
     for row in rows:
-        table.add_row(*(_text(cell) for cell in row))
+        table.add_row(*(escape(_text(cell)) for cell in row))
     return table
 
 
@@ -199,14 +205,50 @@ def _tightened(spec: BoltSpec) -> str:
     return f"beam generated from {ends}"
 
 
-def _deck_loads(assembly: Assembly) -> Table:
-    """List nodal loads of the source: a run takes its loads from the study."""
+def _deck_loads(study: Study, loaded: LoadedModel) -> Table:
+    """List nodal loads of the source, and which load cases apply them."""
     rows = (
-        (name, len(load.nodes), *(float(force) for force in load.forces.sum(axis=0)[:3]))
-        for name, load in assembly.loads.items()
+        (
+            name,
+            len(load.nodes),
+            *(float(force) for force in load.forces.sum(axis=0)[:3]),
+            ", ".join(_users(study, name)) or "none",
+            "yes" if name == loaded.selected_load else "",
+        )
+        for name, load in loaded.assembly.loads.items()
     )
-    title = "Loads of the source, not applied: give [[load_case]] with forces at a [[boundary]]"
-    return _table(title, ["name", "nodes", "sum Fx", "sum Fy", "sum Fz"], rows)
+    columns = ["name", "nodes", "sum Fx", "sum Fy", "sum Fz", "load cases", "selected by deck"]
+    return _table("Loads of the source", columns, rows)
+
+
+def _users(study: Study, load: str) -> list[str]:
+    return [
+        case.name
+        for case in study.load_cases
+        if any(force.deck_load == load for force in case.forces)
+    ]
+
+
+def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
+    """Say what would apply the loads of the source that no load case does, word for word."""
+    unused = [name for name in loaded.assembly.loads if not _users(study, name)]
+    unused.sort(key=lambda name: name != loaded.selected_load)
+    if not unused:
+        return
+    lines = []
+    for name in unused[:MOST_LOADS]:
+        text = json.dumps(name, ensure_ascii=False)  # a TOML basic string
+        lines += ["[[load_case]]", f"name = {json.dumps(_case_name(study, name))}"]
+        lines += ['kind = "static"', f"forces = [{{ deck_load = {text}, value = 1.0 }}]", ""]
+    title = "To apply loads of the source that no load case does, paste into the study"
+    yield _table(title, ["TOML"], ([line] for line in lines[:-1]))
+
+
+def _case_name(study: Study, load: str) -> str:
+    """Return a name for a load case that no other has."""
+    taken = {case.name for case in study.load_cases}
+    name = load if load.startswith("step") else f"load {load}"
+    return f"{name} of the deck" if name in taken else name
 
 
 def _rigid_body_modes(found: FreeParts) -> Table:
@@ -243,6 +285,8 @@ def _load_cases(study: Study) -> Table:
 
 def _force(force: ForceSection) -> str:
     amount = f"{force.value:g}" if force.file is None else force.file.name
+    if force.deck_load is not None:
+        return f"{amount} times deck load {force.deck_load}"
     return f"{force.boundary} {force.component} = {amount}"
 
 

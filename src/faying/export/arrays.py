@@ -12,6 +12,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.export.hand_over import HandOver
 from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.model.load_pattern import pattern_forces
 from faying.model.system import boundary_dofs, boundary_slices, elongations, initial_bolt_forces
 
 
@@ -64,6 +65,7 @@ def variables(given: HandOver) -> Variables:
             "E": elongations(bolts, len(given.model.K)),
             "bolt_stiffness": np.array([bolt.stiffness for bolt in bolts.values()], dtype=float),
             "N0": initial_bolt_forces(given.model),
+            "L": pattern_forces(given.model.load_patterns, len(given.model.K)),
             "q0": given.preloaded.states,
             "lambda0": given.preloaded.contact_forces,
             "recovery_inertia": given.recovery.inertia,
@@ -77,6 +79,7 @@ def variables(given: HandOver) -> Variables:
         names={
             "boundary_names": _boundary_names(given),
             "bolt_names": tuple(bolts),
+            "load_names": tuple(given.model.load_patterns),
             "interface_names": tuple(contact.slices),
             "kinds": given.record.kinds,
         },

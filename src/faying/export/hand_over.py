@@ -46,7 +46,7 @@ class HandOver:
     record
         Its matrices as stored; ``record.kinds`` and ``record.boundary`` tell what q means.
     model
-        M, C, K, contact, boundaries and bolts (locked at their initial forces) in q.
+        M, C, K, contact, boundaries, bolts (locked at their initial forces) and load patterns in q.
     joint
         The full model at its ports.
     recovery
@@ -172,6 +172,22 @@ def hand_over_of(rom: ReducedModel, *, title: str = "joint", method: str = "mode
         modes=shapes if record.shapes is not None else None,
         **_parts(joint_of(ports, interfaces, forces), record, ports),
     )
+
+
+def refuse_deck_loads(given: HandOver, receiver: str) -> None:
+    """Refuse to hand a model with deck loads to a program that could not apply them.
+
+    Raises
+    ------
+    StudyError
+    """
+    if given.model.load_patterns:
+        names = ", ".join(f"'{name}'" for name in given.model.load_patterns)
+        message = (
+            f"{receiver} cannot apply the deck load {names} of this run; export to mat or npz, or "
+            "run the study without 'deck_load', with loads at a [[boundary]]"
+        )
+        raise StudyError(message)
 
 
 class _Parts(TypedDict):

@@ -49,8 +49,8 @@ class LinearModel:
     boundary : (n_boundary,)
         Coordinate that each boundary degree of freedom is, boundary by boundary.
     inputs : (n_mode, n_input)
-        B: per unit of each boundary force or moment, then of each bolt's initial force; f are the
-        changes from the state.
+        B: per unit of each boundary force or moment, then of each bolt's initial force, then of
+        each load pattern; f are the changes from the state.
     outputs : (n_output, n_mode)
         L: changes of boundary displacements, then bolt forces, then clamp forces of the interfaces
         per x.
@@ -59,8 +59,8 @@ class LinearModel:
     output_offsets : (n_output,)
         Their values at the state.
     input_names, output_names
-        As ``"tip.Fz"``, ``"bolt.N0"``; ``"tip.uz"``, ``"bolt.N"``, ``"joint.clamp"``; with the
-        node id between where a boundary has several nodes.
+        As ``"tip.Fz"``, ``"bolt.N0"``, the name of a load; ``"tip.uz"``, ``"bolt.N"``,
+        ``"joint.clamp"``; with the node id between where a boundary has several nodes.
     closed : (n_point,)
         Contact points in contact at the state.
     force_rows, gap_rows : (n_point, n_mode)
@@ -180,7 +180,11 @@ def _symmetric(matrix: Matrix) -> Matrix:
 
 
 def _inputs(system: System) -> tuple[str, ...]:
-    return (*boundary_names(system, FORCE_NAMES), *(f"{name}.N0" for name in system.bolts))
+    return (
+        *boundary_names(system, FORCE_NAMES),
+        *(f"{name}.N0" for name in system.bolts),
+        *system.load_patterns,
+    )
 
 
 def _outputs(system: System) -> tuple[str, ...]:
@@ -222,7 +226,7 @@ def _output_rows(system: System, forces: Matrix) -> Matrix:
 def _feedthrough(system: System) -> Matrix:
     """Put a one where the input and the output are of the same bolt."""
     n_boundary, n_bolt = len(boundary_dofs(system.boundaries)), len(system.bolts)
-    matrix = np.zeros((len(_outputs(system)), n_boundary + n_bolt))
+    matrix = np.zeros((len(_outputs(system)), len(_inputs(system))))
     bolts = slice(n_boundary, n_boundary + n_bolt)
     matrix[bolts, bolts] = np.eye(n_bolt)
     return matrix

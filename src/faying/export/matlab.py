@@ -18,6 +18,7 @@ FUNCTIONS = (
     "faying_step.m",
     "faying_recover.m",
     "faying_complementarity.m",
+    "faying_forces.m",
 )
 """Files of the folder ``octave``, copied beside the .mat file."""
 

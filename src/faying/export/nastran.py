@@ -13,7 +13,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError
-from faying.export.hand_over import HandOver
+from faying.export.hand_over import HandOver, refuse_deck_loads
 from faying.export.linearized import LinearModel, linearized
 from faying.export.nastran_cards import assembly_cards, grid_cards, punch_cards, scalar_points
 from faying.io.dmig_writer import dmig_text
@@ -76,6 +76,8 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     ------
     FormatError
         If the path ends in anything else, or ids leave no room for scalar points.
+    StudyError
+        If the run applies loads of its deck.
 
     Notes
     -----
@@ -83,6 +85,7 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     the Nastran quick reference guides; the order of the matrices is that of pyYeti's
     ``wtextseout``. DMIG keeps ten digits at least, OP4 all.
     """
+    refuse_deck_loads(hand_over, "a Nastran superelement")
     linear, rows = linearized(hand_over), superelement_rows(hand_over)
     if path.suffix.lower() == ".op4":
         files = _write_superelement(hand_over, linear, rows, path)

@@ -38,9 +38,9 @@ def second_order_model(
     Returns
     -------
     SecondOrderModel
-        Its inputs are the boundary forces, then the initial forces of the bolts; its outputs the
-        boundary displacements, then the bolt forces, then the clamp forces of the interfaces; all
-        are changes from the state.
+        Its inputs are the boundary forces, then the initial forces of the bolts, then the factors
+        of deck loads; its outputs the boundary displacements, then the bolt forces, then the clamp
+        forces of the interfaces; all are changes from the state.
 
     Raises
     ------

@@ -19,6 +19,8 @@ class JointDescription:
         Bolt name to the final force the source asks for.
     initial_gaps : [length]
         Interface name to an offset added to the gap of the geometry.
+    selected_load
+        Which of the assembly's loads the source applies, in the subcase or step that counts.
     """
 
     assembly: Assembly
@@ -27,3 +29,4 @@ class JointDescription:
     boundaries: tuple[BoundarySpec, ...] = ()
     preloads: Mapping[str, float] = field(default_factory=dict)
     initial_gaps: Mapping[str, float] = field(default_factory=dict)
+    selected_load: str | None = None

@@ -174,10 +174,12 @@ def applied_loads(study_text: str, units: Units) -> dict[str, str]:
 
 
 def _force(force: dict[str, object], units: Units) -> str:
-    target = f"{force['boundary']} {force['component']}"
-    value = force.get("value")
+    value, name = force.get("value"), force.get("deck_load")
+    target = f"{force['boundary']} {force['component']}" if name is None else f"deck load {name}"
     if not isinstance(value, int | float):
         return f"{target} from {force.get('file')}"
+    if name is not None:
+        return f"{value:g} × {target}".replace("-", "−")
     is_moment = str(force["component"]).startswith("M")
     unit = f"{units.force}·{units.length}" if is_moment else units.force
     return f"{target} = {value:g} {unit}".replace("-", "−")

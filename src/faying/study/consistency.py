@@ -6,6 +6,7 @@ from pathlib import Path
 
 from faying.contact.gap_field import read_gap_table
 from faying.exceptions import FormatError, StudyError
+from faying.model.assembly import Assembly
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
@@ -26,19 +27,47 @@ def inconsistencies(study: Study) -> list[Problem]:
 def boundary_problems(study: Study, known: Iterable[str]) -> Iterator[Problem]:
     """Find loads on boundaries that do not exist."""
     names = list(known)
-    for location, name in _load_boundaries(study):
-        if name not in names:
-            yield _problem(study, location, f"no boundary '{name}'; {nearest(name, names)}")
+    for location, load in loadings(study):
+        name = load.boundary
+        if name is not None and name not in names:
+            text = f"no boundary '{name}'; {nearest(name, names)}"
+            yield _problem(study, (*location, "boundary"), text)
 
 
-def _load_boundaries(study: Study) -> Iterator[tuple[Location, str]]:
+def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
+    """Find loads of the deck that it does not have."""
+    known = assembly.loads
+    for location, load in loadings(study):
+        name = load.deck_load
+        if name is not None and name not in known:
+            left_out = [note for note in assembly.ignored if note.startswith(f"load set {name} (")]
+            reason = f"left out: {left_out[0]}" if left_out else nearest(name, known)
+            deck = study.model.file.name if study.model.file else "the model"
+            text = f"{deck} has no load '{name}'; {reason}"
+            yield _problem(study, (*location, "deck_load"), text)
+
+
+def loadings(study: Study) -> Iterator[tuple[Location, Loading]]:
+    """Yield all places of a study that name a load."""
     for i, case in enumerate(study.load_cases):
         for j, force in enumerate(case.forces):
-            yield ("load_case", i, "forces", j, "boundary"), force.boundary
+            yield ("load_case", i, "forces", j), force
     for i, side in enumerate(study.reduction.training.box):
-        yield ("reduction", "training", "box", i, "boundary"), side.boundary
+        yield ("reduction", "training", "box", i), side
     for i, side in enumerate(study.validation.box):
-        yield ("validation", "box", i, "boundary"), side.boundary
+        yield ("validation", "box", i), side
+
+
+def _load_targets(study: Study) -> Iterator[Problem]:
+    for location, load in loadings(study):
+        given = [key for key in ("boundary", "component") if getattr(load, key) is not None]
+        if load.deck_load is not None and given:
+            text = f"found 'deck_load' and {quoted(given)}; a load is one or the other, remove one"
+            yield _in_table(study, location, text)
+        elif load.deck_load is None and len(given) < 2:
+            missing = "component" if given == ["boundary"] else "boundary"
+            text = f"missing key '{missing}'; add it, or 'deck_load' for a load of the deck"
+            yield _in_table(study, location, text)
 
 
 def _problem(study: Study, location: Location, text: str) -> Problem:
@@ -314,6 +343,7 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _coupled,
     _supports,
     _mesh_materials,
+    _load_targets,
     _reduction,
     _load_cases,
 )

@@ -2,11 +2,12 @@
 
 A CSV file names its columns in the first line: ``time``; ``q1, q2, …`` (and ``v1, …``, ``a1, …``)
 for coordinates, velocities and accelerations in the order of the basis; ``BOUNDARY.COMPONENT``, as
-``tip.Fz``, for boundary forces; ``frame.ax``, ``frame.wy``, ``frame.alphaz`` and so on for supports
-that move. An HDF5 file has the datasets ``times``, ``coordinates``,
-``velocities``, ``accelerations`` (n_time, n_mode) and ``inputs``: a group with one dataset
-``BOUNDARY.COMPONENT`` (n_time,) each, or one array (n_time, n_boundary [+ n_bolt]) like the
-``inputs`` of a faying solution; and ``frame`` (n_time, 9).
+``tip.Fz``, for boundary forces; the name of a load of the deck for its factor; ``frame.ax``,
+``frame.wy``, ``frame.alphaz`` and so on for supports that move. An HDF5 file has the datasets
+``times``, ``coordinates``, ``velocities``, ``accelerations`` (n_time, n_mode) and ``inputs``: a
+group with one dataset ``BOUNDARY.COMPONENT`` or load (n_time,) each, or one array (n_time,
+n_boundary [+ n_bolt [+ n_pattern]]) like the ``inputs`` of a faying solution; and ``frame``
+(n_time, 9).
 """
 
 import csv
@@ -48,7 +49,7 @@ class ImportedHistory:
     times : (n_time,)
         Increasing.
     loads
-        ``"boundary.component"`` to forces or moments (n_time,).
+        ``"boundary.component"`` to forces or moments, load of the deck to its factor; (n_time,).
     coordinates, velocities, accelerations : (n_time, n_mode) or None
     frame
         Motion of the supports; None where they are at rest.
@@ -69,7 +70,7 @@ def read_imported_history(path: Path, joint: PortableJoint) -> ImportedHistory:
     Parameters
     ----------
     joint
-        Says which boundary forces there can be.
+        Says which loads there can be.
 
     Raises
     ------
@@ -95,11 +96,12 @@ def read_imported_history(path: Path, joint: PortableJoint) -> ImportedHistory:
 
 
 def _load_names(joint: PortableJoint) -> list[str]:
-    return [
+    at_boundaries = [
         f"{name}.{FORCE_NAMES[component]}"
         for name, boundary in joint.boundaries.items()
         for component in np.unique(boundary.components).tolist()
     ]
+    return [*at_boundaries, *joint.load_patterns]
 
 
 def _read_csv(path: Path, joint: PortableJoint) -> ImportedHistory:
@@ -328,13 +330,16 @@ def _component_loads(
     places = boundary_slices(joint.boundaries)
     n_boundary = max((place.stop for place in places.values()), default=0)
     bolts = initial_bolt_forces(joint)
-    if inputs.shape not in ((n_time, n_boundary), (n_time, n_boundary + len(bolts))):
+    patterns, first = list(joint.load_patterns), n_boundary + len(bolts)
+    widths = (n_boundary, first, first + len(patterns))
+    if inputs.shape not in [(n_time, width) for width in widths]:
+        more = f" and {len(patterns)} factors of deck loads" if patterns else ""
         message = (
             f"{path}: 'inputs' has shape {inputs.shape}, expected {n_time} rows of {n_boundary} "
-            f"boundary forces, or of these and {len(bolts)} initial bolt forces"
+            f"boundary forces, or of these and {len(bolts)} initial bolt forces{more}"
         )
         raise FormatError(message)
-    given = inputs[:, n_boundary:]
+    given = inputs[:, n_boundary:first]
     if not np.allclose(given, bolts[: given.shape[1]], rtol=ROUND_OFF, atol=0.0):
         message = (
             f"{path}: the bolt forces of 'inputs' are not those the bolts of this run are locked "
@@ -356,4 +361,5 @@ def _component_loads(
                 raise FormatError(message)
             if total.any():
                 loads[f"{name}.{FORCE_NAMES[component]}"] = total
-    return loads
+    factors = dict(zip(patterns, inputs[:, first:].T, strict=False))  # the array may leave them out
+    return {**loads, **{name: values for name, values in factors.items() if values.any()}}

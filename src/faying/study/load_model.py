@@ -17,7 +17,7 @@ from faying.model.diagnosis import check_held
 from faying.model.lap_joint import STEEL, lap_joint_assembly
 from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
-from faying.study.consistency import boundary_problems
+from faying.study.consistency import boundary_problems, deck_load_problems, loadings
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
 from faying.study.loads import check_loads
@@ -40,6 +40,10 @@ class LoadedModel:
         Bolt name to its final force.
     gap_offsets : [length]
         Interface name to what is added to its gap: a number, or a file.
+    deck_loads
+        Loads of the source that the study applies.
+    selected_load
+        The load that the source itself applies, in the subcase or step that counts.
     """
 
     assembly: Assembly
@@ -50,6 +54,8 @@ class LoadedModel:
     units: str
     preloads: Mapping[str, float]
     gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
+    deck_loads: tuple[str, ...] = ()
+    selected_load: str | None = None
 
 
 def load_model(study: Study) -> LoadedModel:
@@ -75,7 +81,10 @@ def load_model(study: Study) -> LoadedModel:
             '[[interface]] with a name, minus = "auto" and plus = "auto"'
         )
         raise StudyError(message)
-    reject(study.source, list(boundary_problems(study, [spec.name for spec in boundaries])))
+    known = [spec.name for spec in boundaries]
+    problems = [*boundary_problems(study, known), *deck_load_problems(study, assembly)]
+    reject(study.source, problems)
+    deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
     return LoadedModel(
         assembly=assembly,
         interfaces=interfaces,
@@ -85,16 +94,19 @@ def load_model(study: Study) -> LoadedModel:
         units=study.units,
         preloads=_preloads(study, described, bolts),
         gap_offsets=_gap_offsets(study, described),
+        deck_loads=tuple(dict.fromkeys(deck_loads)),
+        selected_load=described.selected_load,
     )
 
 
 def build_loaded(loaded: LoadedModel) -> Model:
-    """Build the model from what was loaded, initial gaps included.
+    """Build the model from what was loaded, initial gaps and loads of the deck included.
 
     Raises
     ------
     ModelError
-        As :func:`faying.model.build.build_model`, or if a gap field does not cover its interface.
+        As :func:`faying.model.build.build_model`, if a gap field does not cover its interface, or
+        if a load of the deck cannot be applied.
     """
     model = build_model(
         loaded.assembly,
@@ -106,7 +118,7 @@ def build_loaded(loaded: LoadedModel) -> Model:
     )
     return model.with_interfaces(
         {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
-    )
+    ).with_deck_loads(*loaded.deck_loads)
 
 
 def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:

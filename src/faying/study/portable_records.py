@@ -11,6 +11,7 @@ from faying.contact.interface import Contact
 from faying.exceptions import StudyError
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.load_pattern import LoadPattern, pattern_forces
 from faying.model.model import Model
 from faying.model.system import (
     System,
@@ -56,6 +57,7 @@ def ports_record(model: Model) -> PortsRecord | None:
         },
         bolt_stiffness={name: float(bolt.stiffness) for name, bolt in model.bolts.items()},
         frame_recovery=frame_operator(model),
+        load_patterns=tuple(model.load_patterns),
     )
 
 
@@ -160,6 +162,7 @@ def _reduced_record(
         invariants=invariants[np.ix_(fields, fields)]
         if invariants is not None and has_shapes
         else None,
+        pattern_forces=pattern_forces(rom.load_patterns, len(rom.K)) if rom.load_patterns else None,
     )
 
 
@@ -201,13 +204,20 @@ def joint_of(
             )
             for name, stiffness in ports.bolt_stiffness.items()
         },
-        port_compliance=port_compliance_of(ports.compliance, n_relative, n_boundary),
+        port_compliance=port_compliance_of(
+            ports.compliance, n_relative, n_boundary, len(ports.load_patterns)
+        ),
+        load_patterns={
+            name: LoadPattern(name=name, forces=np.zeros(0)) for name in ports.load_patterns
+        },
     )
 
 
 def restored_model(joint: PortableJoint, record: ReducedRecord) -> PortableModel:
     """Return a reduced model of a run, for any solver."""
     places = boundary_slices(joint.boundaries)
+    n_mode = len(record.stiffness)
+    loads = np.zeros((0, n_mode)) if record.pattern_forces is None else record.pattern_forces
     model = PortableModel(
         M=record.mass,
         C=record.damping,
@@ -220,6 +230,10 @@ def restored_model(joint: PortableJoint, record: ReducedRecord) -> PortableModel
         bolts={
             name: replace(bolt, elongation=row)
             for (name, bolt), row in zip(joint.bolts.items(), record.elongations, strict=True)
+        },
+        load_patterns={
+            name: LoadPattern(name=name, forces=row)
+            for name, row in zip(joint.load_patterns, loads, strict=True)
         },
     )
     return with_residual(model, joint) if record.compliance else model

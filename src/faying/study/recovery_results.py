@@ -44,8 +44,8 @@ class BoundaryRecord:
 class PortsRecord:
     """The joint as seen through its ports; with it nothing else of the model is needed.
 
-    Ports are the relative displacements of the contact pairs, the boundary degrees of freedom and
-    the bolts, in this order.
+    Ports are the relative displacements of the contact pairs, the boundary degrees of freedom, the
+    bolts and the load patterns, in this order.
 
     Attributes
     ----------
@@ -60,6 +60,8 @@ class PortsRecord:
     frame_recovery : (n_port, 12), optional
         Q K⁻¹ M A: per factor of the accelerations of a moving frame, of the origin, then of
         e_i X_j row by row.
+    load_patterns
+        Names, in the order of their ports.
     """
 
     compliance: Matrix
@@ -67,6 +69,7 @@ class PortsRecord:
     boundaries: Mapping[str, BoundaryRecord]
     bolt_stiffness: Mapping[str, float]
     frame_recovery: Matrix | None = None
+    load_patterns: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -76,7 +79,7 @@ class ReducedRecord:
     Attributes
     ----------
     kinds
-        Of the trial vectors: constraint, normal, bolt or joint; their order is that of q.
+        Of the trial vectors: constraint, normal, bolt, load or joint; their order is that of q.
     mass, damping, stiffness : (n_mode, n_mode)
         ΦᵀMΦ, ΦᵀCΦ, ΦᵀKΦ.
     relative : (n_relative, n_mode)
@@ -92,6 +95,8 @@ class ReducedRecord:
         Which of the results' shapes its trial vectors are; None where those are not kept.
     invariants : (4 + 3 n_mode, 4 + 3 n_mode), optional
         ∫ρ a b dV of the fields 1, x, y, z and the components of the trial vectors.
+    pattern_forces : (n_pattern, n_mode), optional
+        Forces of the load patterns on q; None without patterns.
     """
 
     kinds: tuple[str, ...]
@@ -106,6 +111,7 @@ class ReducedRecord:
     compliance: bool
     shapes: Indices | None = None
     invariants: Matrix | None = None
+    pattern_forces: Matrix | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -123,7 +129,7 @@ class RecoveredRecord:
     derivatives
         Where velocities and accelerations come from.
     loads
-        Boundary forces that the history has; all others are zero.
+        Boundary forces and load patterns that the history has; all others are zero.
     times : (n_time,)
     pressure, gap : (n_time, n_point)
     displacements

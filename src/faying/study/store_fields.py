@@ -78,7 +78,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
     PortsRecord: {
         "compliance": Meaning(
             "displacement per force between ports: relative displacements of the contact pairs, "
-            "boundary degrees of freedom, bolt elongations",
+            "boundary degrees of freedom, bolt elongations, load patterns",
             "length/force",
             "(n_port, n_port)",
         ),
@@ -91,6 +91,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "time²",
             "(n_port, 12)",
         ),
+        "load_patterns": Meaning("loads of the deck, in the order of their ports"),
     },
     SparseRecord: {
         "values": Meaning("entries", "1", "(n_entry,)"),
@@ -127,6 +128,9 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "mass",
             "(4 + 3 n_mode, 4 + 3 n_mode)",
         ),
+        "pattern_forces": Meaning(
+            "forces of the load patterns; absent without any", "force", "(n_pattern, n_mode)"
+        ),
     },
     RecoveredRecord: {
         "title": Meaning("title of the study"),
@@ -136,7 +140,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "method": Meaning("reduced model whose coordinates these are, or that was simulated"),
         "joint_modes": Meaning("its joint modes", "1"),
         "derivatives": Meaning("where velocities and accelerations come from"),
-        "loads": Meaning("boundary forces of the history; all others are zero", "", "(n_load,)"),
+        "loads": Meaning("loads of the history; all others are zero", "", "(n_load,)"),
         "times": Meaning("instants", "time", "(n_time,)"),
         "pressure": Meaning(
             "contact pressure, compression positive", "force/length²", "(n_time, n_point)"
@@ -263,7 +267,9 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
     },
     WorstCaseRecord: {
         "joint_modes": Meaning("joint modes of the basis", "1"),
-        "forces": Meaning("boundary.component to force [force] or moment", "force"),
+        "forces": Meaning(
+            "boundary.component to force [force] or moment, deck load to factor", "force"
+        ),
         "bolt_forces": Meaning("initial bolt forces", "force"),
         "bound": Meaning("certified energy error, which was maximized", "1"),
         "certified_bound": Meaning("certified bound of the relative pressure error", "1"),

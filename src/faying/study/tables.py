@@ -79,20 +79,29 @@ class Timed(Section):
     steps_per_period: Count | None = None
 
 
-class Loading(Section):
-    """A component of a boundary's load."""
+def _load_name(value: Any) -> Any:
+    """Let the id of a load set stand for its name."""
+    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
-    boundary: Name
-    component: ForceComponent
+
+LoadName = Annotated[Name, BeforeValidator(_load_name)]
+
+
+class Loading(Section):
+    """A component of a boundary's load, or a whole load of the deck."""
+
+    boundary: Name | None = None
+    component: ForceComponent | None = None
+    deck_load: LoadName | None = None
 
     @property
     def target(self) -> str:
-        """Key of the component in a :class:`faying.simulation.load.Load`."""
-        return f"{self.boundary}.{self.component}"
+        """Key in a :class:`faying.simulation.load.Load`."""
+        return self.deck_load or f"{self.boundary}.{self.component}"
 
 
 class BoxSide(Loading):
-    """One side of the box of training loads: a boundary load between ``min`` and ``max``."""
+    """One side of the box of training loads: a load between ``min`` and ``max``."""
 
     min: Number
     max: Number
@@ -163,7 +172,10 @@ class ReductionSection(Section):
 
 
 class ForceSection(Loading):
-    """A load on a boundary: a constant ``value``, or a history ``file`` (csv: time, value)."""
+    """A load: a constant ``value``, or a history ``file`` (csv: time, value).
+
+    For a load of the deck they are what it is multiplied by.
+    """
 
     value: Number | None = None
     file: ExistingFile | None = None

@@ -3,7 +3,7 @@ function [pressure, gap, lambda, displacement] = faying_recover(joint, v, a, F, 
 %
 %   joint  load('compliance.mat')
 %   v, a   first and second time derivative of the generalized coordinates (n, 1); zero in statics
-%   F      forces and moments at the boundary at that instant, as joint.boundary_names
+%   F      loads at that instant, as for faying_static
 %   N0     initial forces of the bolts; joint.N0 unless given
 %
 %   pressure, gap, lambda  at every contact point
@@ -16,7 +16,8 @@ function [pressure, gap, lambda, displacement] = faying_recover(joint, v, a, F, 
   end
   [n_point, n_relative] = size(joint.N);
   pairs = 1:n_relative;
-  outer = [F(:); -N0(:)];
+  [~, at_boundary, factors] = faying_forces(joint, F);
+  outer = [at_boundary; -N0(:); factors];
   free = joint.recovery_compliance(:, n_relative + 1:end) * outer ...
     - joint.recovery_inertia * a(:) - joint.recovery_damping * v(:);
   d = 1 ./ (joint.cn .* joint.w);

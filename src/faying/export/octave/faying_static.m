@@ -2,18 +2,18 @@ function state = faying_static(joint, F, N0)
 % Static state of the joint, the start of a simulation.
 %
 %   joint  load('compliance.mat')
-%   F      forces and moments at the boundary, in the order of joint.boundary_names; [] for none
+%   F      forces and moments at the boundary, in the order of joint.boundary_names, then factors
+%          of the loads joint.load_names, which may be left out; [] for none
 %   N0     initial forces of the bolts; joint.N0, those of the preload, unless given
 %
 %   state  fields q, v, a (n, 1); lambda, gap (n_point, 1); active; pressure is lambda ./ joint.w
-  if nargin < 2 || isempty(F)
-    F = zeros(size(joint.boundary));
+  if nargin < 2
+    F = [];
   end
   if nargin < 3
     N0 = joint.N0;
   end
-  f = -joint.E' * N0(:);
-  f(joint.boundary) = f(joint.boundary) + F(:);
+  f = faying_forces(joint, F) - joint.E' * N0(:);
   [U, failed] = chol(joint.K);
   if failed
     error('faying:static', 'K is singular: the joint is not held; hold it, or use faying_step');

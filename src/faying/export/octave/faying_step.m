@@ -3,7 +3,7 @@ function state = faying_step(joint, state, F, h, N0)
 %
 %   joint  load('compliance.mat')
 %   state  of faying_static or of the step before
-%   F      forces and moments at the boundary at the end of the step
+%   F      loads at the end of the step, as for faying_static
 %   h      time step; the factorization is kept in state.step as long as h stays the same
 %   N0     initial forces of the bolts; joint.N0 unless given
 %
@@ -19,8 +19,7 @@ function state = faying_step(joint, state, F, h, N0)
     state.step.S = answers' * answers + joint.R;
   end
   U = state.step.U;
-  b = -joint.E' * N0(:);
-  b(joint.boundary) = b(joint.boundary) + F(:);
+  b = faying_forces(joint, F) - joint.E' * N0(:);
   b = b + joint.M * (state.q / h^2 + state.v / h) + joint.C * (state.q / h);
   d = 1 ./ (joint.cn .* joint.w);
   gfree = joint.g0 + joint.G * (U \ (U' \ b));

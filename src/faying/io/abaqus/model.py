@@ -89,6 +89,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         bolts=bolts,
         preloads=pretension.preloads(sections, last_given(deck, dofs)),
         initial_gaps=contact.clearances(deck, assembly, pairs, specs),
+        selected_load=next(iter(assembly.loads), None),
     )
 
 

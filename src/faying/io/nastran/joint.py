@@ -69,7 +69,14 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
         interfaces=tuple(interfaces),
         bolts=bolts,
         preloads=preloads,
+        selected_load=_selected_load(deck),
     )
+
+
+def _selected_load(deck: Deck) -> str | None:
+    """Return the load set that case control applies, if it could be read."""
+    name = str(deck.control.load)
+    return name if name in deck.assembly.loads else None
 
 
 def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:

@@ -29,8 +29,7 @@ def read_loads(
 ) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
 
-    A set that uses a kind of load that is not supported is left out, with a note: a study brings
-    its own loads.
+    A set that uses a kind of load that is not supported is left out, with a note.
 
     Raises
     ------
@@ -67,9 +66,6 @@ def read_loads(
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
         ignored.append(f"case control LOAD = {chosen} (no FORCE, MOMENT, PLOAD4 or LOAD of it)")
-    if parts:
-        shown = ", ".join(map(str, sorted(parts)))
-        ignored.append(f"load sets {shown} (a study's load cases bring their own loads)")
     order = sorted(parts, key=lambda number: (number != chosen, number))
     return {str(number): _merged(parts[number]) for number in order}
 
