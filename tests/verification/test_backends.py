@@ -222,7 +222,7 @@ def test_the_environment_chooses(monkeypatch, interior):
 
 def test_without_mkl_superlu_serves(monkeypatch, interior):
     monkeypatch.delenv(VARIABLE, raising=False)
-    monkeypatch.setattr("faying.linalg.factorization.load_mkl", lambda: None)
+    monkeypatch.setattr("faying.linalg.backends.load_mkl", lambda: None)
     assert factorize(interior[0]).backend.startswith("superlu")
     with pytest.raises(ModelError, match="pip install mkl"):
         factorize(interior[0], backend="pardiso")

@@ -1,12 +1,9 @@
 """How much memory dense matrices may take before compressed ones replace them."""
 
-import os
+from faying.linalg.machine_memory import physical_memory
 
 FRACTION = 0.5
 """Part of the physical memory that the dense matrices of one model may take by default."""
-
-FALLBACK = 8 * 2**30
-"""Physical memory assumed where the system does not tell [bytes]."""
 
 DENSE_COPIES = 7
 """Dense matrices between pairs alive at once: held, free, residual, per step, factors, scratch."""
@@ -17,11 +14,7 @@ POINT_COPIES = 2
 
 def default_budget() -> int:
     """Return the default budget for dense matrices [bytes]: half of the physical memory."""
-    try:
-        physical = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):
-        physical = FALLBACK
-    return int(FRACTION * physical)
+    return int(FRACTION * physical_memory())
 
 
 def pairs_fit(n_relative: int, budget: int) -> bool:

@@ -1,16 +1,14 @@
 """Factorization of symmetric positive definite matrices, by the best backend at hand."""
 
-import os
 from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
-from faying.exceptions import ModelError
+from faying.linalg.backends import VARIABLE, available_backends, chosen_backend
 from faying.linalg.cholesky import factorize_condensed
 from faying.linalg.interface import Factorization, MatrixFactorization
-from faying.linalg.mkl import load_mkl
 from faying.linalg.pardiso import factorize_pardiso
 from faying.linalg.singular import (
     MECHANISM,
@@ -32,20 +30,12 @@ __all__ = [
     "factorize_condensed",
 ]
 
-VARIABLE = "FAYING_FACTORIZATION"
-"""Environment variable that names the backend of sparse factorizations."""
-
 SHIFT = 1e-10
 """Part of the diagonal that makes a structure factorizable which can move freely."""
 
 SparseBackend = Callable[[SparseMatrix, SparseMatrix | None], MatrixFactorization]
 
 _BACKENDS: dict[str, SparseBackend] = {"pardiso": factorize_pardiso, "superlu": factorize_superlu}
-
-
-def available_backends() -> tuple[str, ...]:
-    """Return the backends for sparse matrices that work here, the fastest first."""
-    return ("pardiso", "superlu") if load_mkl() is not None else ("superlu",)
 
 
 def factorize(
@@ -86,22 +76,11 @@ def factorize(
     >>> factorize(np.diag([2.0, 4.0])).solve(np.array([1.0, 1.0]))
     array([0.5 , 0.25])
     """
-    chosen = _choose(backend)
+    chosen = _BACKENDS[chosen_backend(backend)]
     if sp.issparse(A) and A.shape[0] > 0:
         return _factorize_sparse(A, ports, chosen)
     whole = dense(A)
     return factorize_condensed(whole, np.diag(whole))
-
-
-def _choose(backend: str | None) -> SparseBackend:
-    available = available_backends()
-    name = backend or os.environ.get(VARIABLE) or available[0]
-    if name not in available:
-        remedy = "pip install mkl" if name == "pardiso" else f"choose among {', '.join(_BACKENDS)}"
-        source = "backend" if backend else VARIABLE
-        message = f"{source} = {name!r}: no such factorization here; {remedy}"
-        raise ModelError(message)
-    return _BACKENDS[name]
 
 
 def _factorize_sparse(

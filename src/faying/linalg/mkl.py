@@ -19,7 +19,7 @@ from faying._typing import Mask, Matrix
 from faying.linalg.blocks import Integers
 from faying.linalg.singular import NotDefiniteError
 
-POSITIVE_DEFINITE = 2
+POSITIVE_DEFINITE, INDEFINITE = 2, -2
 ANALYSE, FACTORIZE, SOLVE, FORWARD, RELEASE = 11, 22, 33, 331, -1
 NOT_ENOUGH_MEMORY = -2
 
@@ -71,6 +71,8 @@ class PardisoHandle:
         Block columns, ascending in each block row, and the beginning of each block row.
     last : (n_block,)
         Blocks to eliminate last; forward substitution is then confined to them.
+    kind
+        ``POSITIVE_DEFINITE``: Cholesky; ``INDEFINITE``: L D Lᵀ with pivots of Bunch and Kaufman.
 
     Notes
     -----
@@ -78,8 +80,14 @@ class PardisoHandle:
     """
 
     def __init__(
-        self, data: npt.NDArray[np.float64], indices: Integers, indptr: Integers, last: Mask
+        self,
+        data: npt.NDArray[np.float64],
+        indices: Integers,
+        indptr: Integers,
+        last: Mask,
+        kind: int = POSITIVE_DEFINITE,
     ) -> None:
+        self._kind = kind
         self._pt = np.zeros(64, dtype=np.int64)
         self._data, self._indices, self._indptr = data, indices, indptr
         self.block = int(data.shape[1])
@@ -90,7 +98,9 @@ class PardisoHandle:
         self._parameters = parameters = np.zeros(64, dtype=np.int32)
         parameters[0] = 1  # take the following, no defaults
         parameters[1] = 2  # METIS
+        parameters[9] = 13  # of pivots below 1e-13 of the matrix norm, if indefinite
         parameters[17] = -1  # report the entries of the factor
+        parameters[20] = 1  # pivots of one and two rows, if indefinite
         parameters[30] = 2 * self._confined  # right-hand sides zero outside the marked blocks
         parameters[34] = 1  # indices from zero
         parameters[36] = self.block if self.block > 1 else 0
@@ -106,8 +116,29 @@ class PardisoHandle:
         """Bytes held once factorized."""
         return 1024 * int(self._parameters[15] + self._parameters[16])
 
+    @property
+    def expected_memory(self) -> int:
+        """Bytes that will be held once factorized: entries of the factor and tables."""
+        return 8 * self.entries + 1024 * int(self._parameters[15])
+
+    @property
+    def peak(self) -> int:
+        """Most bytes held at once until factorized, as foreseen by the analysis."""
+        analysis, kept, factor = (int(value) for value in self._parameters[14:17])
+        return 1024 * max(analysis, kept + factor)
+
+    @property
+    def negative(self) -> int:
+        """Negative eigenvalues, as counted by a factorization of the indefinite kind."""
+        return int(self._parameters[22])
+
+    @property
+    def perturbed(self) -> int:
+        """Pivots that were too small, and replaced."""
+        return int(self._parameters[13])
+
     def factorize(self) -> None:
-        """Compute the Cholesky factor.
+        """Compute the factor.
 
         Raises
         ------
@@ -143,7 +174,7 @@ class PardisoHandle:
             _address(self._pt),
             _integer(1),
             _integer(1),
-            _integer(POSITIVE_DEFINITE),
+            _integer(self._kind),
             _integer(phase),
             _integer(len(self._indptr) - 1),
             _address(self._data),

@@ -8,10 +8,11 @@ from typing import final
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Mask, Matrix, SparseMatrix
+from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.linalg.blocks import Integers, node_blocks, upper_blocks
-from faying.linalg.mkl import PardisoHandle
-from faying.linalg.singular import NotDefiniteError
+from faying.linalg.memory import FactorMemory, require_memory
+from faying.linalg.mkl import INDEFINITE, PardisoHandle
+from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
 from faying.linalg.substitution import column_blocks, solved_gram
 
 AGREEMENT = 1e-9
@@ -114,6 +115,8 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     ------
     NotDefiniteError
         If a pivot is not positive.
+    NotEnoughMemoryError
+        If the factor would not fit into the memory that is free.
     """
     if not A.diagonal().min(initial=np.inf) > 0:
         raise NotDefiniteError  # and PARDISO wants every diagonal entry stored
@@ -121,6 +124,7 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     upper, size = upper_blocks(blocks), blocks.blocksize[0]
     handle, last = _analysed(upper, size, ports)
     try:
+        require_memory(_expected(handle, A))
         handle.factorize()
     except BaseException:
         handle.release()
@@ -128,6 +132,68 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     return PardisoFactorization(
         handle=handle, n=A.shape[0], last=np.repeat(last, size)[: A.shape[0]]
     )
+
+
+def count_negative_pardiso(A: SparseMatrix) -> int:
+    """Count the negative eigenvalues of a symmetric matrix.
+
+    Raises
+    ------
+    InertiaError
+        If a pivot was too small to have a sign, or some grew too large.
+    NotEnoughMemoryError
+        If the factor would not fit into the memory that is free.
+    """
+    upper = upper_blocks(node_blocks(_with_diagonal(A)))
+    nowhere = np.zeros(len(upper[2]) - 1, dtype=bool)
+    handle = PardisoHandle(*upper, nowhere, INDEFINITE)
+    try:
+        require_memory(_expected(handle, A))
+        handle.factorize()
+        if handle.perturbed:
+            raise NotDefiniteError
+        check_signs(A, lambda b: _solved(handle, b))
+        return handle.negative
+    except NotDefiniteError:
+        reason = "the matrix is singular but for round-off"
+        raise InertiaError(reason) from None
+    finally:
+        handle.release()
+
+
+def estimate_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> FactorMemory:
+    """Tell what :func:`factorize_pardiso` would take, from the pattern alone."""
+    blocks = node_blocks(_with_diagonal(A))
+    handle, _ = _analysed(upper_blocks(blocks), blocks.blocksize[0], ports)
+    try:
+        return _expected(handle, A)
+    finally:
+        handle.release()
+
+
+def _expected(handle: PardisoHandle, A: SparseMatrix) -> FactorMemory:
+    return FactorMemory(
+        backend="pardiso",
+        order=A.shape[0],
+        factor=handle.expected_memory,
+        peak=handle.peak,
+        counted=True,
+    )
+
+
+def _with_diagonal(A: SparseMatrix) -> SparseMatrix:
+    """Store zeros on the diagonal too, where PARDISO wants every entry."""
+    stored = sp.csr_array(A, copy=True)
+    stored.setdiag(A.diagonal())
+    return stored
+
+
+def _solved(handle: PardisoHandle, b: Vector) -> Vector:
+    """Solve for one right-hand side, padded to whole blocks."""
+    padded = np.zeros((handle.n, 1), order="F")
+    padded[: len(b), 0] = b
+    solution: Vector = handle.solve(padded)[: len(b), 0]
+    return solution
 
 
 def _analysed(

@@ -1,5 +1,7 @@
 """Matrices that cannot be factorized, and the motion that says why."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, Vector
@@ -14,6 +16,10 @@ mechanism comes out at the round-off of the product, 1e-16.
 """
 
 
+BACKWARD_ERROR = 1e-12
+"""Error of the matrix that the factors stand for, over its entries; 1e-16 is usual."""
+
+
 class NotDefiniteError(ModelError):
     """A backend met a pivot it cannot use."""
 
@@ -21,6 +27,16 @@ class NotDefiniteError(ModelError):
         super().__init__(
             "the matrix is not positive definite: some motion has zero or negative stiffness; "
             "check the supports, and the matrices if they come from a file"
+        )
+
+
+class InertiaError(ModelError):
+    """The signs of the pivots cannot be relied on."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(
+            f"the negative eigenvalues cannot be counted: {reason}; choose a frequency further "
+            "from the natural frequencies"
         )
 
 
@@ -32,6 +48,23 @@ class SingularMatrixError(ModelError):
             message or "the matrix is singular: the structure can move without resistance"
         )
         self.motion = motion
+
+
+def check_signs(A: SparseMatrix, solve: Callable[[Vector], Vector]) -> None:
+    """Check by one substitution that factors of an indefinite matrix stand for it.
+
+    Raises
+    ------
+    InertiaError
+        If pivots grew out of bounds, so that their signs mean nothing.
+    """
+    b = np.random.default_rng(0).standard_normal(A.shape[0])
+    with np.errstate(all="ignore"):
+        x = solve(b)
+        error = np.abs(b - A @ x).max() / (np.abs(A) @ np.abs(x) + np.abs(b)).max()
+    if not error <= BACKWARD_ERROR:
+        reason = f"the factors are off by {error:.0e}"
+        raise InertiaError(reason)
 
 
 def softest_motion(A: SparseMatrix | Matrix, factorization: Factorization) -> tuple[Vector, float]:

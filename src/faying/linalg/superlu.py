@@ -8,12 +8,19 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from faying._typing import Indices, Matrix, SparseMatrix
+from faying.linalg.memory import FactorMemory, require_memory
 from faying.linalg.nested_dissection import nested_dissection
-from faying.linalg.singular import NotDefiniteError
+from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
 from faying.linalg.substitution import solved_gram
 
 BYTES_PER_ENTRY = 12
 """A number and its row."""
+
+FILL, FILL_EXPONENT = 4.35, 1.484
+"""Entries of L and U are 4.35 n^1.484, fitted to joints of 600 to 49 000 degrees of freedom.
+
+Plates and blocks of all element kinds lie within a factor of 1.8.
+"""
 
 
 @final
@@ -64,6 +71,7 @@ def factorize_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> Sup
     NotDefiniteError
         If a pivot is exactly zero.
     """
+    require_memory(estimate_superlu(A))
     order = nested_dissection(A)
     try:
         factors = spla.splu(
@@ -75,3 +83,36 @@ def factorize_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> Sup
     except RuntimeError:
         raise NotDefiniteError from None
     return SuperluFactorization(factors=factors, order=order)
+
+
+def estimate_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> FactorMemory:  # noqa: ARG001  as above
+    """Tell about what :func:`factorize_superlu` would take, from the order alone."""
+    n = A.shape[0]
+    most = n * (n + 1)  # L and U, both with their diagonal
+    size = BYTES_PER_ENTRY * int(min(FILL * n**FILL_EXPONENT, most))
+    return FactorMemory(backend="superlu", order=n, factor=size, peak=size, counted=False)
+
+
+def count_negative_superlu(A: SparseMatrix) -> int:
+    """Count the negative eigenvalues of a symmetric matrix by the signs of its diagonal pivots.
+
+    Raises
+    ------
+    InertiaError
+        If the diagonal did not do: the matrix is singular, or a leading part of it nearly is.
+
+    Notes
+    -----
+    SciPy copies the factors to show their diagonal: twice the memory for a moment.
+    """
+    try:
+        factorization = factorize_superlu(A)
+    except NotDefiniteError:
+        reason = "the matrix is singular"
+        raise InertiaError(reason) from None
+    factors = factorization.factors
+    if not np.array_equal(factors.perm_r, factors.perm_c):
+        reason = "a pivot is zero, and SuperLU takes one off the diagonal"
+        raise InertiaError(reason)
+    check_signs(A, factorization.solve)
+    return int(np.count_nonzero(factors.U.diagonal() < 0))

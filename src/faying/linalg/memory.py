@@ -1,0 +1,65 @@
+"""What a factorization will take, known before it begins, and whether there is as much."""
+
+import logging
+from dataclasses import dataclass
+
+from faying.exceptions import ModelError
+from faying.linalg.machine_memory import free_memory
+
+_log = logging.getLogger("faying")
+
+
+class NotEnoughMemoryError(ModelError):
+    """The factors would not fit into the memory that is free."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FactorMemory:
+    """Memory of a factorization.
+
+    Attributes
+    ----------
+    backend
+        Name of the library.
+    order
+        Of the matrix.
+    factor
+        Held as long as the factors are [bytes].
+    peak
+        Most held at once while they are made [bytes]; the matrix is not counted.
+    counted
+        Whether the entries of the factor were counted; else a law fitted to measurements was used,
+        which may be off by a factor of two.
+    """
+
+    backend: str
+    order: int
+    factor: int
+    peak: int
+    counted: bool
+
+
+def require_memory(expected: FactorMemory) -> None:
+    """Say before a factorization begins that it will not fit.
+
+    Raises
+    ------
+    NotEnoughMemoryError
+        If the entries were counted. An estimate is announced on the logger ``"faying"`` instead.
+    """
+    free = free_memory()
+    if free is None or expected.peak <= free:
+        return
+    message = (
+        f"factors of {expected.order} degrees of freedom take about {gigabytes(expected.peak)} "
+        f"({expected.backend}), and {gigabytes(free)} of memory are free; use a coarser mesh, "
+        "close other programs, or a machine with more memory (FAYING_MEMORY overrules what is free)"
+    )
+    if expected.counted:
+        raise NotEnoughMemoryError(message)
+    _log.warning("%s", message)
+
+
+def gigabytes(n_bytes: int) -> str:
+    """Return a number of bytes in words."""
+    return f"{n_bytes / 1e9:.2g} GB" if n_bytes < 9.95e9 else f"{n_bytes / 1e9:.0f} GB"
