@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from faying.contact.problem import contact_problem
     from faying.io.transient_stream import stream_transient
     from faying.linalg.factorization import factorize
-    from faying.model.assembly import Material
+    from faying.model.assembly import Material, NodalLoads
     from faying.model.build import build_model
     from faying.model.model import Model
     from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
@@ -69,6 +69,7 @@ _HOMES = {
     "build_model": "faying.model.build",
     "Model": "faying.model.model",
     "Material": "faying.model.assembly",
+    "NodalLoads": "faying.model.assembly",
     "InterfaceSpec": "faying.model.specs",
     "BoltSpec": "faying.model.specs",
     "BoundarySpec": "faying.model.specs",
@@ -134,6 +135,7 @@ __all__ = [
     "LoadBox",
     "Material",
     "Model",
+    "NodalLoads",
     "Rayleigh",
     "ReducedModel",
     "Solution",

@@ -31,6 +31,14 @@ GEOMETRY = 1e-3
 3e-4 of displacement and 2e-4 of the largest pressure are measured.
 """
 
+PRESSED = 0.5
+FOLLOWS = 2e-5
+"""CalculiX turns a pressure with its surface where there is contact; faying does not.
+
+5e-6 of the largest displacement is measured at this pressure, nothing at a tenth of it, 1e-3 at ten
+times as much.
+"""
+
 CASES = {"LC1": [0, 0, -500.0, 0, 0, 0], "LC2": [0, 0, -500.0, 20e3, 0, 0]}
 PARAMS = [("standard", "LC1"), ("incompatible", "LC1"), ("incompatible", "LC2")]
 CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -267,6 +275,41 @@ def test_initial_interference(binary, data, tmp_path):
     interface = ccx_rule(model.interfaces["joint"], data).with_initial_gap(-2e-3)
     tightened = fy.preload(model.with_interfaces({"joint": interface}), preloads, increments=1)
     check(fy.solve_static(tightened), theirs, 1, PRINTED)
+
+
+@pytest.mark.parametrize("element", ["standard", "incompatible"])
+def test_pressure_and_force_of_a_step_as_one_load(element, binary, data, tmp_path):
+    """*DLOAD on the top and *CLOAD at the tip, with contact; the step is a load of the model."""
+    path, one = tmp_path / "joint.inp", tmp_path / "one.inp"
+    write_deck(cantilever(element, "LC1"), path)
+    start = path.read_text()
+    case = start.index("** LC1")
+    assert "*CLOAD\n" in start[case:]
+    pressed = "*DLOAD\n" + "".join(f"{brick},P2,{PRESSED}\n" for brick in bricks_on_top(path))
+    text = start[:case] + start[case:].replace("*CLOAD\n", f"{pressed}*CLOAD\n", 1)
+    path.write_text(text)
+    joint = read_joint(path)
+    assert joint.selected_load == "step 2"
+    model = build_model(joint.assembly, interfaces=joint.interfaces, bolts=joint.bolts)
+    ((name, interface),) = model.interfaces.items()
+    model = model.with_interfaces({name: ccx_rule(interface, data)}).with_deck_loads("step 2")
+    tightened = fy.preload(model, joint.preloads, increments=1)
+    solution = fy.solve_static(tightened, fy.Load({"step 2": 1.0}))
+    without = fy.solve_static(tightened)
+    assert abs(solution.max_pressure - without.max_pressure) > 0.02 * without.max_pressure
+    preloaded = run_calculix(binary, path).displacements[1]
+    control = max(preloaded)
+    one.write_text(in_one_increment(text, control, preloaded[control][0]))
+    check(solution, run_calculix(binary, one), 1, FOLLOWS)
+
+
+def bricks_on_top(path):
+    """Element ids of the bricks whose second face (nodes 5 to 8) is the top beyond the washer."""
+    mesh = read_joint(path).assembly.mesh
+    for block in mesh.blocks:
+        upper = mesh.nodes[block.nodes[:, 4:]]
+        top = np.isclose(upper[:, :, 2], mesh.nodes[:, 2].max()).all(axis=1)
+        yield from block.ids[top & (upper[:, :, 0].min(axis=1) > 5)].tolist()
 
 
 @pytest.mark.slow

@@ -371,9 +371,9 @@ def _contact_displacements(model: Joint, forces: Matrix) -> Matrix:
 
 
 def at_ports(model: Model, displacements: Matrix) -> Matrix:
-    """Q U (n_port, k) of displacements U (n_dof, k)."""
+    """Q U (n_port[, k]) of displacements U (n_dof[, k])."""
     structure = model.structure
-    return np.vstack(
+    return np.concatenate(
         [
             structure.relative_operator @ displacements,
             displacements[structure.boundary],
