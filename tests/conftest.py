@@ -3,16 +3,26 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
 
 import faying as fy
 
 # The same examples in every run, so that what fails here fails everywhere and a change alone can
 # turn a run red. New examples are looked for with `pytest tests/properties --hypothesis-profile
-# searching`, and what that finds becomes a test.
-settings.register_profile("repeatable", derandomize=True)
-settings.register_profile("searching", derandomize=False, print_blob=True)
+# searching`, and what that finds becomes a test. No example has a deadline: how long one takes
+# says how busy the machine is.
+settings.register_profile(
+    "repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.register_profile(
+    "searching", settings.get_profile("repeatable"), derandomize=False, print_blob=True
+)
 settings.load_profile("repeatable")
+# Beside random numbers Hypothesis tries those it reads in the sources of modules that are imported,
+# so that examples would depend on what ran before; there is no public way to have none of them.
+# tests/properties/test_examples.py notices where this stops working.
+providers._get_local_constants = lambda: providers._local_constants
 
 DATA = Path(__file__).parent / "data"
 
