@@ -36,7 +36,7 @@ def faying(arguments: list[str], folder: Path) -> None:
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=600,
     )
     assert done.returncode == 0, done.stderr + done.stdout
 

@@ -52,7 +52,7 @@ def run_octave(program: str, folder: Path, script: str) -> dict[str, np.ndarray]
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=600,
         env={"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin", "HOME": str(folder)},
     )
     assert done.returncode == 0, done.stdout + done.stderr
