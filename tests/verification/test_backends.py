@@ -154,6 +154,7 @@ def test_threads_may_solve_at_once(backend, interior):
     factor = factorize(K, backend=backend)
     right = np.random.default_rng(0).standard_normal((8, K.shape[0], 3))
     alone = [factor.solve(b) for b in right]
+    before = threading.active_count()
 
     def work(b):
         np.linalg.inv(np.eye(300) + 0.1)  # NumPy's threads meanwhile
@@ -163,7 +164,7 @@ def test_threads_may_solve_at_once(backend, interior):
         together = list(pool.map(work, np.repeat(right, 4, axis=0)))
     for x, y in zip(together, np.repeat(alone, 4, axis=0), strict=True):
         np.testing.assert_allclose(x, y, rtol=0, atol=1e-12 * np.abs(y).max())
-    assert threading.active_count() < 50
+    assert threading.active_count() <= before
 
 
 def test_two_threads_in_every_library(backend):
@@ -183,13 +184,14 @@ for _ in range(3):
 """
     environment = {**os.environ, "OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"}
     done = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=600
     )
     assert done.returncode == 0, done.stderr
 
 
 @needs_mkl
 def test_memory_is_freed_with_the_factorization(interior, monkeypatch):
+    gc.collect()  # factorizations that other tests left are none of this one's
     released = []
     release = PardisoHandle.release
 
