@@ -23,8 +23,8 @@ from faying.report.figures import (
     write_figures,
 )
 from faying.report.figures.deformed import exaggeration
-from faying.report.figures.error import shown_methods
-from faying.report.figures.model import plot_bodies
+from faying.report.figures.error import error_figure, shown_methods
+from faying.report.figures.model import model_figure, plot_bodies
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import step_check
@@ -358,3 +358,61 @@ def test_numbers_as_text(text, expected):
 def test_file_names_stay_apart():
     names = file_names(["a/b", "a b", "A-B", "///", "jim-a+compliance"])
     assert list(names.values()) == ["a-b", "a-b-2", "A-B-3", "unnamed", "jim-a+compliance"]
+
+
+def test_round_off_is_not_drawn_in_full_colours(coarse):
+    case = RESULTS.cases["LC1"]
+    exact = {
+        name: {
+            count: replace(
+                result,
+                response=replace(result.response, pressure=case.reference.pressure * (1 + 1e-13)),
+            )
+            for count, result in sizes.items()
+        }
+        for name, sizes in case.methods.items()
+    }
+    drawn = error_figure(RESULTS, replace(case, methods=exact))
+    bars = [bar for axes in drawn.figure.axes for bar in axes.child_axes]
+    assert bars
+    for axes in bars:
+        assert axes.get_ylim() == pytest.approx((-1.0, 1.0))  # percent
+    assert "max |error| < 1e-7 %" in drawn.caption
+    assert "1e-7 % at" not in drawn.caption  # where round-off is largest means nothing
+
+
+def test_caption_of_the_preload_names_all_three_panels(entries):
+    caption = next(entry.caption for entry in entries if entry.path.stem == "preload")
+    assert all(side in caption for side in ("Left:", "Middle:", "Right: the node pairs"))
+
+
+def test_titles_stand_above_bodies_and_names(coarse):
+    # A cube fills the picture; its bolt sticks out of it.
+    drawn = model_figure(
+        replace(
+            RESULTS,
+            nodes=RESULTS.nodes / np.ptp(RESULTS.nodes, axis=0) * 10.0,
+            bolts={
+                name: replace(bolt, axis=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 10.0]]))
+                for name, bolt in RESULTS.bolts.items()
+            },
+        )
+    )
+    drawn.figure.canvas.draw()
+    axes = drawn.figure.axes[0]
+    title = next(text for text in axes.texts if "solid elements" in text.get_text())
+    bottom = title.get_window_extent().y0
+    names = [text for text in axes.texts if text is not title]
+    assert names
+    for name in names:
+        assert name.get_window_extent().y1 < bottom
+    (bodies,) = (c for c in axes.collections if type(c).__name__ == "Poly3DCollection")
+    drawn_bodies = bodies.get_transform().transform_path(bodies.get_paths()[0]).vertices
+    assert drawn_bodies[:, 1].max() < bottom
+    assert bottom < drawn.figure.bbox.y1
+
+
+def test_wide_pictures_are_told_apart(entries):
+    wide = {entry.path.stem for entry in entries if entry.wide}
+    assert "preload" in wide
+    assert not wide & {"model", "tightening", "case_LC1_deformed"}

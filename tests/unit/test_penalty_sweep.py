@@ -1,12 +1,14 @@
 """The penalty doctor: what it measures, what it recommends, what it says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.contact.gap_field import with_gap_offset
 from faying.exceptions import ModelError
-from faying.simulation.penalty_advice import recommend_penalty
+from faying.simulation.penalty_advice import UnitNames, recommend_penalty
 from faying.simulation.penalty_sweep import PenaltySweep, penalty_sweep
 
 LOADS = (fy.Load({"tip.Fz": -300.0}, name="down"), fy.Load({"tip.Mx": 8e3}, name="twist"))
@@ -112,7 +114,7 @@ def made_up(deviation, max_pressure=None):
 def test_the_softest_within_the_tolerance_is_recommended():
     advice = recommend_penalty(made_up([0.5, 0.04, 0.01]), tolerance=0.05)
     assert (advice.penalty, advice.deviation, advice.reached) == (1e4, 0.04, True)
-    assert "1e+04" in advice.text
+    assert "stiffness: 1e4, the softest" in advice.text
     assert "single contact points" not in advice.text
 
 
@@ -120,6 +122,15 @@ def test_the_closest_is_recommended_where_none_is_within():
     advice = recommend_penalty(made_up([0.5, 0.2, 0.3]), tolerance=0.05)
     assert (advice.penalty, advice.reached) == (1e4, False)
     assert "none stays within 5%" in advice.text
+
+
+def test_advice_has_units_and_does_not_call_round_off_zero():
+    sweep = replace(made_up([0.5, 0.04, 0.01]), errors={"compliance": np.full((3, 1), 1e-12)})
+    units = UnitNames(penalty="N/mm³", length="mm")
+    text = recommend_penalty(sweep, units=units).text
+    assert "Recommended contact stiffness: 1e4 N/mm³, the softest" in text
+    assert "penetration there: 1.00e+00 mm" in text
+    assert "compliance: largest pressure error below 1e-07 at the recommended value" in text
 
 
 def test_overconstrained_points_are_warned_of(gauss):

@@ -2,14 +2,18 @@
 
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
 from fake_results import fake_results
 
 from faying.exceptions import FormatError
+from faying.reduction.methods import METHODS
+from faying.reduction.rivals import RIVALS
 from faying.report import style
 from faying.report.html import render, write_report
+from faying.report.meanings import MEANINGS, meanings
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.verdict import headline, reservations, verdicts
 from faying.study.results import ValidationRecord
@@ -18,6 +22,7 @@ from faying.study.units import units_of
 WHOLE = fake_results()
 # Two cases show all there is to show and draw in less time.
 RESULTS = replace(WHOLE, cases={name: WHOLE.cases[name] for name in ("LC1", "LC2-step")})
+WHERE = Path("run")
 VOID = {"meta", "img", "br", "hr", "link"}
 
 
@@ -244,3 +249,40 @@ def test_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FormatError, match="cannot write"):
         write_report(RESULTS, tmp_path / "file")
+
+
+def test_names_of_methods_are_explained(written):
+    text = " ".join("".join(written[1].text).split())
+    assert "What the methods are" in text
+    assert all(meaning in text for meaning in meanings(RESULTS).values())
+    assert set(meanings(RESULTS)) == {name for c in RESULTS.cases.values() for name in c.methods}
+    assert set(MEANINGS) == {*METHODS, *RIVALS}
+
+
+def test_page_knows_no_words_of_our_own(written):
+    text = " ".join("".join(written[1].text).split())
+    assert "the seed" not in text
+    assert "Numerical Studies on the Reduced Order Modeling" in text
+    assert "Certified bound:" in text
+
+
+def test_numbers_stay_with_their_units_and_tables_are_printed_whole(written):
+    page = written[0].read_text(encoding="utf-8")
+    assert "td { white-space: nowrap; }" in page
+    printed = page[page.index("@media print") :]
+    assert ".scroll, pre { overflow: visible; }" in printed
+    assert 'loading="lazy"' not in page  # pictures not yet seen would be missing in print
+
+
+def test_instant_of_the_run_reads_like_one():
+    provenance = {"faying": "0.1.0", "date": "2026-11-21T15:34:23+00:00"}
+    page = render(replace(RESULTS, provenance=provenance), [], WHERE)
+    assert "faying 0.1.0, 2026-11-21 15:34 UTC." in page
+    odd = render(replace(RESULTS, provenance={"date": "once"}), [], WHERE)
+    assert ", once." in odd
+
+
+def test_one_mode_is_singular():
+    assert style.label("jim-a", 1) == "jim-a, 1 joint mode"
+    assert "from 2 joint modes on" in verdicts(with_errors(jim_a={1: 0.5, 2: 0.01}))[0].sentence
+    assert "with 1 joint mode," in verdicts(with_errors(jim_a={1: 0.5, 2: 0.6}))[0].sentence

@@ -20,7 +20,9 @@ def load_space_table(results: Results) -> Table:
         for name, sizes in (record.methods.items() if record else ())
         for count, result in sorted(sizes.items())
     )
-    return table(("method", "joint modes", "median load's max error", "worst load's"), rows)
+    return table(
+        ("method", "joint modes", "median load's max error", "worst load's max error"), rows
+    )
 
 
 def worst_case_table(results: Results) -> Table:

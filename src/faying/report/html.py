@@ -1,6 +1,7 @@
 """The report of a run: one page that works offline, its figures beside it."""
 
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from urllib.parse import quote
 
@@ -11,6 +12,7 @@ from faying.report.beyond import choice_table, load_space_table, worst_case_tabl
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.time_step import StepCheck, step_check
+from faying.report.meanings import meanings
 from faying.report.quantities import percent, quantity
 from faying.report.tables import (
     Table,
@@ -27,6 +29,9 @@ from faying.study.file_names import file_names
 from faying.study.files import write_text
 from faying.study.results import CaseResult, Results
 from faying.study.units import Units, units_of
+
+LONG = 22
+"""Characters of a cell that may be broken into lines; a number stays with its unit."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,11 +84,14 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         lstrip_blocks=True,
     )
     environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
+    environment.filters["instant"] = _instant
+    environment.globals["LONG"] = LONG
     found = verdicts(results)
     return environment.get_template("report.html.j2").render(
         results=results,
         headline=headline(found, results),
         verdicts=found,
+        methods=meanings(results),
         reservations=reservations(results),
         good=f"{100 * GOOD:g} %",
         fair=f"{100 * FAIR:g} %",
@@ -103,6 +111,14 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
             for section in ("model", "preload", "convergence", "beyond")
         },
     )
+
+
+def _instant(text: str) -> str:
+    """Return the instant of a run as people write it; another text as it is."""
+    try:
+        return datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M %Z")
+    except ValueError:
+        return text
 
 
 def _sections(results: Results, figures: list[FigureEntry]) -> list[CaseSection]:

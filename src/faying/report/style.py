@@ -93,8 +93,8 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Save a figure as PNG, its empty margins cut off, atomically."""
+def save(figure: Figure, path: Path) -> tuple[int, int]:
+    """Save a figure as PNG, its empty margins cut off, atomically; return width and height."""
     canvas: Any = FigureCanvasAgg(figure)  # its methods are not typed
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
@@ -102,14 +102,15 @@ def save(figure: Figure, path: Path) -> None:
     rows, columns = (_extent(inked.max(axis=axis)) for axis in (1, 0))
     with replacing(path) as temporary:
         imsave(temporary, pixels[rows, columns], format="png", dpi=DPI)
+    return columns.stop - columns.start, rows.stop - rows.start
 
 
 def _extent(inked: Mask) -> slice:
     """Return the range of lines with ink, a margin around it."""
     found = np.flatnonzero(inked)
     if not len(found):
-        return slice(None)
-    return slice(max(int(found[0]) - MARGIN, 0), int(found[-1]) + 1 + MARGIN)
+        return slice(0, len(inked))
+    return slice(max(int(found[0]) - MARGIN, 0), min(int(found[-1]) + 1 + MARGIN, len(inked)))
 
 
 def colour(method: str) -> str:
@@ -124,7 +125,9 @@ def marker(method: str) -> str:
 
 def label(method: str, joint_modes: int) -> str:
     """Return how a method with a number of joint modes is called in figures and tables."""
-    return f"{method}, {joint_modes} joint modes" if joint_modes else method
+    if not joint_modes:
+        return method
+    return f"{method}, {joint_modes} joint mode{'s' if joint_modes > 1 else ''}"
 
 
 def plain(text: str) -> str:

@@ -128,7 +128,7 @@ def _reference(results: Results, case: CaseResult, units: Units) -> Iterator[str
     yield quantity(float(pressure.max(initial=0.0)), units.pressure)
     yield _peak_place(results, case, pressure, units)
     yield _each(response.contact_forces, lambda f: _range(f, units.force))
-    yield _each(response.open_fraction, lambda f: _range(100 * np.asarray(f), "%"))
+    yield _each(response.open_fraction, lambda f: _range(100 * np.asarray(f), "%", 2))
     yield quantity(float(np.maximum(-response.gap, 0.0).max(initial=0.0)), units.length)
     yield _each(response.bolt_forces, lambda f: _range(f, units.force))
 
@@ -141,8 +141,8 @@ def _each(values: Mapping[str, Matrix], text: Callable[[Matrix], str]) -> str:
     )
 
 
-def _range(values: Matrix, unit: str) -> str:
-    low, high = number(float(np.min(values)), 4), number(float(np.max(values)), 4)
+def _range(values: Matrix, unit: str, digits: int = 4) -> str:
+    low, high = (number(float(extreme(values)), digits) for extreme in (np.min, np.max))
     return f"{low} {unit}" if low == high else f"{low} … {high} {unit}"
 
 
@@ -188,7 +188,7 @@ def _force(force: dict[str, object], units: Units) -> str:
 def error_table(case: CaseResult) -> Table:
     """Return the errors of every method and size in one load case."""
     columns = (
-        "method", "joint modes", "basis length", "max error", "rms error", "99.9th percentile",
+        "method", "joint modes", "coordinates", "max error", "rms error", "99.9th percentile",
         "peak pressure ratio", "displacement error", "max error of recovered pressures",
         "certified bound of max error",
     )  # fmt: skip

@@ -10,9 +10,9 @@ from faying.report.style import label
 from faying.study.results import CaseResult, MethodResult, Results
 
 GOOD = 0.05
-"""Largest relative pressure error that counts as trustworthy: what the seed asks of 20 modes."""
+"""Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
 FAIR = 0.10
-"""Largest one that counts as usable with care; the seed rejects method A above it."""
+"""Largest one that counts as usable with care; the paper rejects method A above it."""
 STEP_MATTERS = 0.05
 """A change of the pressure with half the time step that a reader must know of."""
 
@@ -112,12 +112,16 @@ def _sentence(
     size += _recovery(_all(cases, method, count))
     these = "these load cases" if _is_transient(method) else "these static load cases"
     if error <= GOOD:
-        modes = f" from {count} joint modes on" if count and several else ""
+        modes = f" from {_modes(count)} on" if count and several else ""
         return f"can be trusted for pressure on {these}{modes}: {size}."
-    best = f"at best, with {count} joint modes, " if count and several else ""
+    best = f"at best, with {_modes(count)}, " if count and several else ""
     if error <= FAIR:
         return f"usable with care: {best}{size}."
     return f"not to be trusted for pressure on {these}: {best}{size}."
+
+
+def _modes(count: int) -> str:
+    return f"{count} joint mode{'s' if count > 1 else ''}"
 
 
 def _recovery(results: list[MethodResult]) -> str:

@@ -14,7 +14,7 @@ from faying.reduction.choose import JointModeChoice
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.reduction.snapshots import LoadBox
-from faying.simulation.penalty_advice import recommend_penalty
+from faying.simulation.penalty_advice import UnitNames, recommend_penalty
 from faying.simulation.penalty_sweep import penalty_sweep
 from faying.simulation.static import solve_static_cases
 from faying.simulation.worst_case import WorstCase, worst_case_load
@@ -29,6 +29,7 @@ from faying.study.results import (
     WorstCaseRecord,
 )
 from faying.study.tables import Study
+from faying.study.units import units_of
 
 Models = Mapping[str, Mapping[int, System]]
 
@@ -138,7 +139,9 @@ def _penalty(
         if name in METHODS
     }
     swept = penalty_sweep(model, loads, methods=methods) if loads else penalty_sweep(model)
-    advice = recommend_penalty(swept)
+    units = units_of(study.units)
+    names = UnitNames(penalty=units.of("force/length³"), length=units.length)
+    advice = recommend_penalty(swept, units=names)
     return PenaltyRecord(
         sweep=swept, recommended=advice.penalty, reached=advice.reached, advice=advice.text
     )

@@ -66,8 +66,18 @@ def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
     of_case = drawn.section in stems and drawn.stem not in SHARED
     stem = f"case_{stems[drawn.section]}_{drawn.stem}" if of_case else drawn.stem
     path = folder / f"{stem}.png"
-    save(drawn.figure, path)
-    return FigureEntry(path=path, title=drawn.title, caption=drawn.caption, section=drawn.section)
+    width, height = save(drawn.figure, path)
+    return FigureEntry(
+        path=path,
+        title=drawn.title,
+        caption=drawn.caption,
+        section=drawn.section,
+        wide=width > WIDE * height,
+    )
+
+
+WIDE = 2.4
+"""Width over height of pictures with several panels side by side."""
 
 
 SHARED = ("model", "preload", "tightening", "convergence", "unseen-loads", "penalty")

@@ -10,7 +10,7 @@ from faying.study.results import CaseResult, Results
 FLOOR = 1e-6
 """Bottom of the picture, as a fraction: better is better than anyone needs."""
 MARK = 0.05
-"""The seed's verdict on method B at 20 modes: less than 5 %."""
+"""The paper's verdict on method B at 20 modes: less than 5 %."""
 
 
 def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
@@ -71,8 +71,8 @@ def convergence_figure(results: Results) -> Drawn | None:
     caption = (
         "Largest relative pressure error, Eq. (15.31), over all contact points and instants "
         "against the number of joint modes, one panel per load case. Dashed: methods without "
-        "joint modes. Triangles on the lower edge: errors below 1e-4 %. Dotted: 5 %, what the "
-        "seed's method B reached with 20 modes."
+        "joint modes. Triangles on the lower edge: errors below 1e-4 %. Dotted: 5 %, what "
+        "Breitfuss and Holl report of method B (jim-b) with 20 modes."
     )
     return Drawn(
         figure=figure,

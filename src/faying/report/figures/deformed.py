@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from faying.report.figures.entry import Drawn
-from faying.report.figures.model import name_axes, plot_bodies, title_height
+from faying.report.figures.model import name_axes, plot_bodies, title_above
 from faying.report.quantities import number, place, quantity
 from faying.report.style import new_figure, plain
 from faying.study.results import CaseResult, Results
@@ -61,10 +61,10 @@ def deformed_figure(results: Results, case: CaseResult) -> Drawn | None:
     note = f"largest displacement {quantity(distance.max(), units.length)} at {where}"
     times = f"{number(factor, 1)} ×"
     title = f"{case.name}: deformed shape, full model, displacements {times}\n{note}"
-    axes.set_title(plain(title), y=title_height(axes))
+    title_above(axes, plain(title))
     caption = (
-        f"Bodies deformed by preload and {case.name} (as Fig. 15.4), displacements drawn {times} "
-        f"too large; one colour per body. Bodies may seem to overlap or gape: gaps are exaggerated "
+        f"Bodies deformed by preload and {case.name} (as Fig. 15.4), displacements exaggerated "
+        f"{times}; one colour per body. Bodies may seem to overlap or gape: gaps are exaggerated "
         f"as well. {note[0].upper()}{note[1:]}."
     )
     return Drawn(

@@ -20,12 +20,15 @@ class FigureEntry:
         How to read it, with the numbers that matter.
     section
         ``"model"``, ``"preload"``, ``"convergence"``, ``"beyond"`` or the name of a load case.
+    wide
+        Whether it is too wide to be read when it is shrunk to the width of a phone.
     """
 
     path: Path
     title: str
     caption: str
     section: str
+    wide: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -16,14 +16,16 @@ from faying.report.figures.surface_map import (
     prepare,
     scale,
 )
-from faying.report.quantities import percent, place
+from faying.report.quantities import ROUND_OFF, percent, place
 from faying.report.style import ERROR_MAP, label, new_figure, plain
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.study.units import Units, units_of
 
 JOINT_MODES = 20
-"""Count of the seed's Fig. 15.6."""
+"""Count of the paper's Fig. 15.6."""
 SHOWN = ("jim-a", "jim-b", "compliance")
+VISIBLE = 0.01
+"""Least end of the colour scale, as a fraction: round-off in full colours looks like errors."""
 SATURATED = 1.0
 """Errors beyond the largest reference pressure get the end colours, or one bad point of one method
 would blanch all other maps."""
@@ -82,7 +84,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
         return None
     units, records = units_of(results.units), results.interfaces
     errors = [(result.response.pressure - reference) / top for _, result in methods]
-    largest = min(max(float(np.abs(error).max()) for error in errors), SATURATED)
+    worst = max(float(np.abs(error).max()) for error in errors)
+    largest = min(max(worst, VISIBLE), SATURATED)
     sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
     figure = new_figure(5.4 * len(methods), max(sum(h + 0.3 for _, h in sizes), 2.4))
     grid = figure.subplots(
@@ -102,8 +105,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     caption = (
         f"Relative pressure error (p − p_ref) / max p_ref, Eq. (15.31), in {case.name} (as "
         "Fig. 15.6). Colours are values at the contact points, not averages; red is too high, "
-        "blue too low; all panels share one scale, which ends at 100 % at most, so a white panel "
-        "is a good one. "
+        "blue too low; all panels share one scale, which ends between 1 % and 100 %, so a white "
+        "panel is a good one. "
         f"{'. '.join(notes)}."
     )
     return Drawn(
@@ -120,5 +123,7 @@ def _described(record: InterfaceRecord, error: Vector, units: Units) -> str:
         return "no contact points"
     worst = int(np.abs(error).argmax())
     size = float(np.ptp(record.points, axis=0).max())
+    if abs(error[worst]) < ROUND_OFF:
+        return f"max |error| {percent(abs(error[worst]))}"
     where = place(record.points[worst], units.length, size)
     return f"max |error| {percent(abs(error[worst]))} at {where}"

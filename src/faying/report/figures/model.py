@@ -33,6 +33,8 @@ from faying.study.results import Results
 from faying.study.units import units_of
 
 VIEW = {"elev": 24.0, "azim": -58.0}
+SLENDER = 0.5
+"""Height over length from which a body fills the picture and needs room for names above it."""
 MANY_FACETS = 20_000
 """Beyond this, edges would blacken the picture."""
 # From above left of the viewer; enough ambient light that no side is black.
@@ -101,7 +103,7 @@ def frame(axes: Any, points: Matrix) -> None:
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, extent, strict=True
     ):
         set_limits(centre - size / 2, centre + size / 2)
-    axes.set_box_aspect(extent, zoom=0.85)
+    axes.set_box_aspect(extent, zoom=0.85 if extent[2] < SLENDER * extent.max() else 0.7)
     axes.view_init(**VIEW)
     axes.grid(visible=False)
     for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent, strict=True):
@@ -115,14 +117,28 @@ def _ticks(size: float, longest: float) -> Any:
     return MaxNLocator(nbins=bins, prune=None if bins > 4 else "both")
 
 
-def title_height(axes: Any) -> float:
-    """Return where a title stands just above the drawn box, in axes coordinates."""
+def title_above(axes: Any, title: str) -> None:
+    """Write a title just above what is drawn: the box, the bolts and their names."""
     limits = [axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()]
     corners = np.stack(np.meshgrid(*limits), axis=-1).reshape(-1, 3)
-    axes.apply_aspect()
-    _, height, _ = proj3d.proj_transform(*corners.T, axes.get_proj())
-    top = axes.transData.transform(np.stack([np.zeros_like(height), height], axis=-1))
-    return float(axes.transAxes.inverted().transform(top)[:, 1].max()) + 0.03
+    names = np.array([text.get_position_3d() for text in axes.texts]).reshape(-1, 3)
+    axes.figure.draw_without_rendering()  # only now are axes and projection those of the picture
+    box = _heights(axes, corners) + 0.03
+    above = _heights(axes, names) + NAME_HEIGHT
+    height = float(np.concatenate([box, above]).max())
+    axes.text2D(0.5, height, title, transform=axes.transAxes, ha="center", fontsize="large")
+
+
+NAME_HEIGHT = 0.06
+"""Of a name with some air above it, in axes coordinates."""
+
+
+def _heights(axes: Any, points: Matrix) -> Vector:
+    """Return where points (n, 3) are drawn above the lower edge of the axes, in their height."""
+    _, height, _ = proj3d.proj_transform(*points.T, axes.get_proj())
+    drawn = axes.transData.transform(np.stack([np.zeros(len(points)), height], axis=-1))
+    heights: Vector = axes.transAxes.inverted().transform(drawn)[:, 1]
+    return heights
 
 
 def name_axes(axes: Any, length: str) -> None:
@@ -181,7 +197,7 @@ def plot_model(model: Model, axes: Any, *, bolts: Mapping[str, Matrix | None] | 
         axes.plot(*mesh.nodes[support.nodes].T, ".", color=SUPPORT_COLOUR, ms=4, zorder=4)
     _add_legend(model, axes)
     title = f"{model.name}: {len(mesh.nodes)} nodes, {mesh.n_elements} solids"
-    axes.set_title(plain(title), y=title_height(axes))
+    title_above(axes, plain(title))
     return axes
 
 
@@ -236,7 +252,7 @@ def model_figure(results: Results) -> Drawn:
     elements = sum(len(block.ids) for block in results.blocks)
     n_body = int(results.body.max(initial=-1)) + 1
     size = f"{len(results.nodes)} nodes, {elements} solid elements, {n_body} bodies"
-    axes.set_title(plain(f"{results.title}: {size}"), y=title_height(axes))
+    title_above(axes, plain(f"{results.title}: {size}"))
     drawn = [name for name, bolt in results.bolts.items() if bolt.axis is not None]
     axis_note = f"; dash-dotted: axis of {', '.join(drawn)}" if drawn else ""
     extent = np.ptp(results.nodes, axis=0) if len(results.nodes) else np.zeros(3)

@@ -70,7 +70,8 @@ def penalty_figure(results: Results) -> Drawn | None:
         "Static load cases over the penalty stiffness at the same final bolt forces. Left: "
         "largest difference of the full model's nodal average pressures from hard contact, over "
         "the largest of hard contact. Right: largest relative error of the reduced models against "
-        "the full model of the same penalty, worst load case. Recommended: "
+        "the full model of the same penalty, worst load case; errors below 0.001 % lie on the "
+        "lower edge. Recommended: "
         f"{quantity(record.recommended, unit)}{missed} (automatic: "
         f"{quantity(sweep.automatic, unit)})."
     )

@@ -5,7 +5,8 @@ from matplotlib.axes import Axes
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import (
-    HOW_TO_READ,
+    AVERAGES,
+    POINTS,
     described_average,
     described_peak,
     plot_point_pressure,
@@ -55,7 +56,8 @@ def preload_figure(results: Results) -> Drawn:
     caption = (
         "Contact pressure after tightening, before any pair was tied, and the node pairs tied in "
         "tangential direction in all load cases because their pressure passes the study's "
-        f"threshold (as Fig. 15.3). {HOW_TO_READ} {'. '.join(notes)}."
+        f"threshold (as Fig. 15.3). Left: {POINTS}. Middle: {AVERAGES}. Grey carries no pressure. "
+        f"Right: the node pairs, large dots where they stick. {'. '.join(notes)}."
     )
     return Drawn(
         figure=figure,

@@ -21,11 +21,11 @@ from faying.study.units import Units, units_of
 
 CLOSED = 1e-9
 """Averages below this fraction of the largest count as no contact."""
-HOW_TO_READ = (
-    "Left: values at the contact points, each over the area nearest to it, where the cross marks "
-    "the largest. Right: the same as nodal averages, interpolated over each facet, which smooth "
-    "peaks. Grey carries no pressure."
+POINTS = (
+    "values at the contact points, each over the area nearest to it, where the cross marks the "
+    "largest"
 )
+AVERAGES = "the same as nodal averages, interpolated over each facet, which smooth peaks"
 
 
 def plot_pressure(
@@ -137,8 +137,8 @@ def pressure_figure(results: Results, case: CaseResult) -> Drawn:
         notes.append(summary(name, record, own, units))
     figure.suptitle(plain(f"{case.name}: contact pressure, full model"))
     caption = (
-        f"Contact pressure of the full model in {case.name} (as Fig. 15.5). {HOW_TO_READ} "
-        f"{'. '.join(notes)}."
+        f"Contact pressure of the full model in {case.name} (as Fig. 15.5). Left: {POINTS}. "
+        f"Right: {AVERAGES}. Grey carries no pressure. {'. '.join(notes)}."
     )
     return Drawn(
         figure=figure,

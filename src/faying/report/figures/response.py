@@ -15,7 +15,7 @@ from faying.study.results import CaseResult, MethodResult, Response, Results
 from faying.study.units import Units, units_of
 
 COUNTS = (5, 20)
-"""Joint modes of the seed's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""
+"""Joint modes of the paper's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""
 HEADROOM = 1.6
 """Pressures beyond this multiple of the reference's leave the picture."""
 FLOOR = 1e-6

@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import percent, quantity
@@ -24,7 +25,8 @@ def plot_tightening(results: Results, axes: Axes) -> Axes:
     if 0 < len(stages) <= NAMED:
         axes.set_xticks(np.arange(len(stages)), [plain(s) for s in stages], rotation=35, ha="right")
     else:
-        axes.set_xlabel("stage")
+        axes.set_xlabel("stage of tightening, one bolt after the other")
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"bolt force [{units_of(results.units).force}]")
     if len(results.bolts) > 1:
