@@ -131,6 +131,46 @@ def test_same_solutions(
     close(found["ends"], recovered.displacement("tip")[1:].T)
 
 
+DECK_LOADS = """
+joint = load('joint.mat');
+tip = [0; 0; -100; 0; 0; 0];
+state = faying_static(joint, [tip; 0.8; -2]);
+q = state.q; pressure = state.lambda ./ joint.w;
+recovered = faying_recover(joint, 0 * q, 0 * q, [tip; 0.8; -2]);
+state = faying_static(joint);
+for k = 1:5
+  state = faying_step(joint, state, [tip; 0.8; -2], {step});
+  steps(:, k) = state.q;
+end
+state = faying_static(joint, tip); alone = state.q;
+state = faying_static(joint, [tip; 0; 0]); zero = state.q;
+names = joint.load_names;
+try, faying_static(joint, [tip; 1]); catch e, text = e.message; end
+"""
+
+
+def test_deck_loads_come_behind_the_boundary(program: str, joint: fy.Model, tmp_path: Path) -> None:
+    loads = {
+        "7": fy.NodalLoads(nodes=[100, 101], forces=[[0, 40.0, -90.0, 0, 0, 0]] * 2),
+        "step 2": fy.NodalLoads(nodes=[60], forces=[[0, 0, 50.0, 0, 0, 0]]),
+    }
+    model = joint.with_load_patterns(loads)
+    rom = model_of(model, "penalty")
+    given = hand_over_of(rom)
+    export(given, "mat", out=tmp_path / "joint.mat")
+    found = run_octave(program, tmp_path, DECK_LOADS.format(step=STEP))
+    load = fy.Load({"tip.Fz": -100.0, "7": 0.8, "step 2": -2.0})
+    static = fy.solve_static(rom, load)
+    close(found["q"][:, 0], static.states)
+    close(found["pressure"][:, 0], static.pressure)
+    close(found["recovered"][:, 0], fy.solve_static(model, load).pressure)
+    history = fy.solve_transient(rom, load, step=STEP, duration=5 * STEP)
+    close(found["steps"], history.states[1:].T)
+    np.testing.assert_array_equal(found["alone"], found["zero"])
+    assert [str(name[0]) for name in found["names"].ravel()] == ["7", "step 2"]
+    assert "found 7 loads, expected 6 at the boundary and then 2 factors" in str(found["text"])
+
+
 JACOBIAN = """
 joint = load('joint.mat');
 state = faying_static(joint, [0; 0; -300; 0; 0; 0]);
