@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from faying.reduction.craig_bampton import craig_bampton
     from faying.reduction.jim_a import jim_a
     from faying.reduction.jim_b import jim_b
+    from faying.reduction.mode_count import count_modes_below
     from faying.reduction.pod import pod
     from faying.reduction.reduced_model import ReducedModel, reduce
     from faying.reduction.rivals import rival_system
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
     from faying.simulation.certificate import certify
     from faying.simulation.energy import energy_balance
     from faying.simulation.frame_motion import FrameMotion
-    from faying.simulation.frequencies import preloaded_frequencies
+    from faying.simulation.frequencies import count_frequencies_below, preloaded_frequencies
     from faying.simulation.imported_recovery import recover_from_boundary_loads, recover_from_modal
     from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
     from faying.simulation.load import History, Load
@@ -101,6 +102,8 @@ _HOMES = {
     "ImplicitEuler": "faying.simulation.integrators",
     "GeneralizedAlpha": "faying.simulation.integrators",
     "Solution": "faying.simulation.solution",
+    "count_modes_below": "faying.reduction.mode_count",
+    "count_frequencies_below": "faying.simulation.frequencies",
     "preloaded_frequencies": "faying.simulation.frequencies",
     "FrameMotion": "faying.simulation.frame_motion",
     "compare": "faying.simulation.accuracy",
@@ -146,6 +149,8 @@ __all__ = [
     "choose_joint_modes",
     "compare",
     "contact_problem",
+    "count_frequencies_below",
+    "count_modes_below",
     "craig_bampton",
     "energy_balance",
     "factorize",

@@ -9,6 +9,7 @@ from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
+from faying.reduction.mode_count import ModeCount
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.recovery_results import (
@@ -35,6 +36,7 @@ from faying.study.store_fields import MEANINGS
 
 GROUPS = {
     "/": Results,
+    "/normal_modes": ModeCount,
     "/blocks/0": CellBlock,
     "/interfaces/NAME": InterfaceRecord,
     "/interfaces/NAME/faces/0": FacePairs,

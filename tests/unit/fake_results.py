@@ -6,6 +6,7 @@ from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
+from faying.reduction.mode_count import ModeCount
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.results import (
@@ -265,5 +266,6 @@ def fake_results():
         timings={"assembly": 0.5, "compliance": 0.1, "jim-b": 3.0, "project compliance": 0.01},
         provenance={"faying": "0.1.0", "python": "3.11"},
         validation=_validation(),
+        normal_modes=ModeCount(below=4e4, found=20, counted=20),
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
     )

@@ -2,7 +2,7 @@
 
 from faying.model.model import Model
 from faying.reduction.basis import Basis, ModeKind
-from faying.reduction.normal_modes import fixed_interface_normal_modes
+from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 
 
 def craig_bampton(model: Model, *, normal_modes: int = 20) -> Basis:
@@ -30,14 +30,18 @@ def craig_bampton(model: Model, *, normal_modes: int = 20) -> Basis:
     One back-substitution per boundary degree of freedom, bolt and load pattern, and one Lanczos
     run, all with one factorization.
     """
+    return classic_basis(model, fixed_interface_normal_modes(model.structure, normal_modes))
+
+
+def classic_basis(model: Model, modes: NormalModes) -> Basis:
+    """Return the basis of :func:`craig_bampton` with normal modes already computed."""
     structure = model.structure
-    modes = fixed_interface_normal_modes(structure, normal_modes)
     classic = (
         Basis(
             vectors=structure.constraint_modes,
             kinds=(ModeKind.CONSTRAINT,) * len(structure.boundary),
         )
-        + Basis(vectors=modes.vectors, kinds=(ModeKind.NORMAL,) * normal_modes)
+        + Basis(vectors=modes.vectors, kinds=(ModeKind.NORMAL,) * len(modes.frequencies))
         + Basis(vectors=structure.bolt_shapes, kinds=(ModeKind.BOLT,) * len(model.bolts))
         + Basis(
             vectors=structure.solve_held(model.pattern_forces.T),

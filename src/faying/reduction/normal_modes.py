@@ -22,10 +22,13 @@ class NormalModes:
         Mass-normalized.
     frequencies : (n_mode,) [1/time]
         Cyclic, ascending.
+    next_frequency : [1/time]
+        That of the first mode left out; infinite where there is none.
     """
 
     vectors: Matrix
     frequencies: Vector
+    next_frequency: float
 
 
 def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalModes:
@@ -38,7 +41,8 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
 
     Notes
     -----
-    Shift-invert Lanczos with the interior factorization the structure already has.
+    Shift-invert Lanczos with the interior factorization the structure already has. One mode more
+    is computed, so that :func:`~faying.reduction.mode_count.check_modes` can count below it.
     """
     inner = structure.interior
     if count > len(inner):
@@ -49,10 +53,14 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
         raise ModelError(message)
     vectors = np.zeros((structure.n_dof, count))
     if count == 0:
-        return NormalModes(vectors=vectors, frequencies=np.empty(0))
+        return NormalModes(vectors=vectors, frequencies=np.empty(0), next_frequency=np.inf)
     K, M = structure.K[inner][:, inner], structure.M[inner][:, inner]
-    squares, vectors[inner] = lowest_modes(K, M, structure.interior_factor, count)
-    return NormalModes(vectors=vectors, frequencies=np.sqrt(squares) / (2 * np.pi))
+    squares, found = lowest_modes(K, M, structure.interior_factor, min(count + 1, len(inner)))
+    vectors[inner] = found[:, :count]
+    frequencies = np.append(np.sqrt(squares) / (2 * np.pi), np.inf)
+    return NormalModes(
+        vectors=vectors, frequencies=frequencies[:count], next_frequency=float(frequencies[count])
+    )
 
 
 def lowest_modes(

@@ -56,9 +56,22 @@ def model_table(results: Results) -> Table:
         ("bodies", f"{int(results.body.max(initial=-1)) + 1}"),
         ("free degrees of freedom", f"{results.dofs}"),
         ("mass", quantity(results.mass, units.mass, 4)),
+        *_normal_modes(results, units),
         ("units", f"{results.units}: forces in {units.force}, pressures in {units.pressure}"),
     ]
     return table(("model", ""), rows)
+
+
+def _normal_modes(results: Results, units: Units) -> Iterator[tuple[str, str]]:
+    """Say whether all fixed-interface normal modes up to some frequency are there."""
+    count = results.normal_modes
+    if count is None:
+        return
+    below = quantity(count.below, units.of("1/time"), 4)
+    found = f"{count.found} below {below}, not counted: {count.reason}"
+    if count.counted is not None:
+        found = f"{count.found} of {count.counted} below {below} found"
+    yield "fixed-interface normal modes", found
 
 
 def interface_table(results: Results) -> Table:

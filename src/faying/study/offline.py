@@ -11,10 +11,12 @@ from faying.model.model import Model
 from faying.model.system import System
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.choose import JointModeChoice, choose_joint_modes
-from faying.reduction.craig_bampton import craig_bampton
+from faying.reduction.craig_bampton import classic_basis
 from faying.reduction.jim_a import jim_a
 from faying.reduction.jim_b import jim_b
 from faying.reduction.methods import METHODS, Method
+from faying.reduction.mode_count import ModeCount, check_modes
+from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.reduction.rivals import RIVALS, rival_system
 from faying.reduction.snapshots import static_snapshots
@@ -116,21 +118,33 @@ class TrainedBases:
         ``"classic"``, and ``"jim-a"`` and ``"jim-b"`` where a method needs them.
     contact_forces : (n_point, n_snapshot) [force]
         Of the training runs; no snapshot where no method is trained.
+    mode_count
+        Proof that no normal mode is missing from them.
     """
 
     bases: Mapping[str, Basis]
     contact_forces: Matrix
+    mode_count: ModeCount | None
 
 
 def build_bases(
     study: Study, joint: PreparedJoint, stages: Stages, checkpoint: Checkpoint
 ) -> TrainedBases:
-    """Build the bases that the study's methods need, and train where one must be."""
+    """Build the bases that the study's methods need, and train where one must be.
+
+    Raises
+    ------
+    ConvergenceError
+        If a normal mode was missed.
+    """
     reduction, model = study.reduction, joint.model
     own = [METHODS[name].joint_modes for name in reduction.methods if name in METHODS]
     most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
-        classic = craig_bampton(model, normal_modes=reduction.normal_modes)
+        modes = fixed_interface_normal_modes(model.structure, reduction.normal_modes)
+        classic = classic_basis(model, modes)
+    with stages.stage("mode_count"):
+        mode_count = check_modes(model.structure, modes)
     bases = {"classic": classic}
     if "jim-a" in own:
         with stages.stage("jim-a"):
@@ -148,7 +162,7 @@ def build_bases(
     if "jim-b" in own:
         with stages.stage("jim-b"):
             bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
-    return TrainedBases(bases=bases, contact_forces=forces)
+    return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
 
 
 def is_trained(study: Study) -> bool:

@@ -14,8 +14,7 @@ from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.model.model import Model
 from faying.model.system import System
-from faying.reduction.basis import Basis
-from faying.study.offline import PreparedJoint
+from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.portable_records import kept_models, ports_record, reduced_records
 from faying.study.progress import Stages
 from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
@@ -26,7 +25,7 @@ def record(
     study: Study,
     joint: PreparedJoint,
     models: Mapping[str, Mapping[int, System]],
-    classic: Basis,
+    trained: TrainedBases,
     cases: Mapping[str, CaseResult],
     validation: ValidationRecord,
     stages: Stages,
@@ -36,7 +35,8 @@ def record(
     model, mesh = joint.model, joint.model.assembly.mesh
     with stages.stage("recovery matrices"):
         ports = ports_record(model)
-        reduced, shapes = reduced_records(model, kept_models(model, models, classic))
+        kept = kept_models(model, models, trained.bases["classic"])
+        reduced, shapes = reduced_records(model, kept)
     return Results(
         title=study.title or study.path.stem,
         units=model.units,
@@ -47,6 +47,7 @@ def record(
         blocks=mesh.blocks,
         mass=mass_properties(model.assembly).mass,
         dofs=model.structure.n_dof,
+        normal_modes=trained.mode_count,
         interfaces=interface_records(model, joint.preload.pressure),
         bolts={name: _bolt(joint, name) for name in model.bolts},
         tightening_stages=joint.tightening.stages,

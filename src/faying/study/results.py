@@ -9,6 +9,7 @@ from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
+from faying.reduction.mode_count import ModeCount
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.recovery_results import PortsRecord, ReducedRecord
@@ -291,6 +292,8 @@ class Results:
         Solid elements.
     mass, dofs
         Of the model.
+    normal_modes
+        Count of the fixed-interface normal modes; None where there are none, or no gap to count in.
     tightening_stages
         What was done at each entry of the bolts' histories.
     cases
@@ -328,3 +331,4 @@ class Results:
     ports: PortsRecord | None = None
     reduced: Mapping[str, Mapping[int, ReducedRecord]] = field(default_factory=dict)
     shapes: Matrix | None = None
+    normal_modes: ModeCount | None = None

@@ -83,7 +83,7 @@ def run(
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages)
     results = record(
-        study, joint, models, trained.bases["classic"], cases, validation, stages, failures
+        study, joint, models, trained, cases, validation, stages, failures
     )
     write_results(results, out / "results.h5")
     summary = summarize(results)

@@ -6,6 +6,7 @@ from faying.contact.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.best_possible import BestPossible
 from faying.reduction.choose import JointModeChoice
+from faying.reduction.mode_count import ModeCount
 from faying.simulation.accuracy import Accuracy
 from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.recovery_results import (
@@ -74,6 +75,13 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "1",
             "(n_shape, n_node, 3)",
         ),
+        "normal_modes": Meaning("proof that no fixed-interface normal mode was missed"),
+    },
+    ModeCount: {
+        "below": Meaning("frequency in a gap between modes", "1/time"),
+        "found": Meaning("modes computed below it", "1"),
+        "counted": Meaning("modes there are, by the inertia of K - w^2 M", "1"),
+        "reason": Meaning("why they could not be counted"),
     },
     PortsRecord: {
         "compliance": Meaning(

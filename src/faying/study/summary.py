@@ -37,6 +37,7 @@ def summarize(results: Results) -> dict[str, Any]:
             "dofs": results.dofs,
             "mass": results.mass,
         },
+        "normal_modes": None if results.normal_modes is None else asdict(results.normal_modes),
         "interfaces": {name: _interface(face) for name, face in results.interfaces.items()},
         "bolts": {
             name: {"preload": bolt.preload, "initial_force": bolt.initial_force}
@@ -76,7 +77,14 @@ def timings(results: Results) -> dict[str, Any]:
     seconds = results.timings
     table: dict[str, Any] = {
         stage: seconds[stage]
-        for stage in ("assembly", "factorization", "compliance", "preload", "normal_modes")
+        for stage in (
+            "assembly",
+            "factorization",
+            "compliance",
+            "preload",
+            "normal_modes",
+            "mode_count",
+        )
         if stage in seconds
     }
     table["full"] = _per_solution([(case, case.reference) for case in results.cases.values()])

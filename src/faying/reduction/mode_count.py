@@ -1,0 +1,116 @@
+"""How many vibration modes there are below a frequency, and whether all of them were found.
+
+Lanczos finds eigenvalues, and cannot tell whether it has missed one, least of all where several
+coincide. The signs of the pivots of K − ω²M can (:mod:`faying.linalg.inertia`).
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from faying.exceptions import ConvergenceError
+from faying.linalg.inertia import count_negative
+from faying.linalg.memory import NotEnoughMemoryError
+from faying.linalg.singular import InertiaError
+from faying.model.model import Model
+from faying.model.structure import Structure
+from faying.reduction.normal_modes import NormalModes
+
+GAP = 1e-6
+"""Relative distance of two frequencies from which on they count as apart.
+
+Round-off moves them by 1e-10 on meshes of 50 000 degrees of freedom.
+"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeCount:
+    """Fixed-interface normal modes below a frequency that lies in a gap between two.
+
+    Attributes
+    ----------
+    below : [1/time]
+    found
+        Modes computed below it.
+    counted
+        Modes there are; None if they could not be counted.
+    reason
+        Why not.
+    """
+
+    below: float
+    found: int
+    counted: int | None = None
+    reason: str = ""
+
+
+def count_modes_below(model: Model, frequency: float) -> int:
+    """Count the fixed-interface normal modes below a frequency [1/time], without computing any.
+
+    The boundary is held and contact absent, as for :func:`faying.craig_bampton`: how many
+    ``normal_modes`` reach up to a frequency, and the proof that none was missed.
+
+    Raises
+    ------
+    InertiaError
+        If the frequency is so close to one of theirs that round-off decides.
+
+    Notes
+    -----
+    One factorization of K − ω²M, by Sylvester's law of inertia. Backend and memory as in
+    :func:`faying.factorize`.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.count_modes_below(fy.lap_joint(element_size=5.0), 10e3)
+    7
+    """
+    return _count(model.structure, frequency)
+
+
+def check_modes(structure: Structure, modes: NormalModes) -> ModeCount | None:
+    """Count the normal modes of a structure and compare with those that were found.
+
+    Returns
+    -------
+    ModeCount or None
+        None where the frequencies leave no gap to count in.
+
+    Raises
+    ------
+    ConvergenceError
+        If a mode was missed.
+    """
+    gap = _last_gap([*modes.frequencies.tolist(), modes.next_frequency])
+    if gap is None:
+        return None
+    found, below = gap
+    try:
+        counted = _count(structure, below)
+    except (InertiaError, NotEnoughMemoryError) as error:
+        return ModeCount(below=below, found=found, reason=str(error))
+    if counted != found:
+        message = (
+            f"{found} fixed-interface normal modes were computed below {below:g}, where there are "
+            f"{counted}: the eigenvalue solver missed some; ask for a few more normal modes, and "
+            "if that does not help for fewer"
+        )
+        raise ConvergenceError(message)
+    return ModeCount(below=below, found=found, counted=counted)
+
+
+def _last_gap(frequencies: list[float]) -> tuple[int, float] | None:
+    """Return how many frequencies lie below the last gap between them, and its middle."""
+    gaps = list(enumerate(pairwise(frequencies), start=1))
+    for below, (lower, upper) in reversed(gaps):
+        if upper > lower * (1 + GAP):
+            return below, (lower + upper) / 2 if np.isfinite(upper) else 1.1 * lower
+    return None
+
+
+def _count(structure: Structure, frequency: float) -> int:
+    inner = structure.interior
+    K, M = (matrix[inner][:, inner] for matrix in (structure.K, structure.M))
+    return count_negative(K - (2 * np.pi * frequency) ** 2 * M)
