@@ -15,7 +15,7 @@ from faying.model.rigid_motion import free_motions, rigid_motions
 
 REMEDY = "support it, or tie it to a held body with a bolt (contact alone holds nothing)"
 
-# Rounding of unit vectors and of twists of unit size.
+# Rounding of unit vectors, of twists of unit size and of places, over the size of the body.
 _ROUNDING = 1e-6
 
 MOST_NODES = 4
@@ -159,7 +159,8 @@ def _axis(twist: Vector, centre: Vector, radius: float) -> str:
     """Say about which line a twist turns."""
     rotation = twist[3:] / radius
     point = centre + np.cross(rotation, twist[:3]) / (rotation @ rotation)
-    place = ", ".join(f"{value + 0.0:.4g}" for value in np.where(np.abs(point) < 1e-9, 0.0, point))
+    point = np.where(np.abs(point) < _ROUNDING * radius, 0.0, point)
+    place = ", ".join(f"{value + 0.0:.4g}" for value in point)
     return f"about the axis {_direction(rotation)} through ({place})"
 
 

@@ -145,9 +145,11 @@ def best_possible_gap_errors(
         given = la.orth(shapes)
     left = training.gap.T - given @ (given.T @ training.gap.T)
     modes = pod(left, count=int(numbers.max(initial=1))).vectors
+    # Modes of what is left but round-off need not be orthogonal to what was taken away.
+    orthonormal = la.qr(np.hstack([given, modes]), mode="economic")[0]
 
     def miss(cases: Solution, count: int) -> Matrix:
-        fields = np.hstack([given, modes[:, :count]])
+        fields = orthonormal[:, : given.shape[1] + count]
         gap = (cases.gap @ fields) @ fields.T
         pressure = contact.penalty * np.maximum(-gap, 0.0)
         pressed = cases.max_pressure > 0
