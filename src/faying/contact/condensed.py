@@ -11,7 +11,7 @@ from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.compressed_space import CompressedSpace, solve_compressed
 from faying.contact.dense_points import DensePoints
 from faying.contact.interface import Contact
-from faying.contact.pair_space import PairSpace
+from faying.contact.pair_space import PairSpace, solve_between_pairs
 from faying.contact.pivoting import ActiveSetSpace, ContactForces, solve_complementarity
 from faying.exceptions import ModelError
 from faying.linalg.budget import pairs_fit
@@ -126,6 +126,8 @@ class CondensedContact:
             raise ModelError(message)
         if isinstance(self.space, CompressedSpace):
             return solve_compressed(self.space, free_gap, active)
+        if isinstance(self.space, PairSpace):
+            return solve_between_pairs(self.space, free_gap, active)
         return solve_complementarity(self.space, free_gap, active)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:

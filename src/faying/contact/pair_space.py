@@ -20,7 +20,8 @@ import scipy.sparse.linalg as spla
 from scipy.linalg import lapack
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.pivoting import ROUND_OFF
+from faying.contact.pivoting import ROUND_OFF, ContactForces, solve_complementarity
+from faying.contact.sprung_pairs import MOST_CHANGED, InaccurateError, SprungPairs
 from faying.linalg.threads import threads_for
 
 UPDATED_FRACTION = 0.05
@@ -34,6 +35,12 @@ UPDATED_SIZE = 1000
 """Pairs in contact from which factorizations are updated; smaller ones cost little anew.
 
 An update is not quite as accurate: round-off of S r, amplified by the penalty, shows in the forces.
+"""
+
+LEAST_TOUCHED = 1 / 8
+"""Pairs in contact over all pairs from which pairs on springs pay.
+
+All pairs take part in what is made for the springs, only those in contact in a factorization.
 """
 
 TRUSTED = 1e-6
@@ -63,6 +70,7 @@ class PairSpace:
     S: Matrix
     D: Vector
     noise: float = ROUND_OFF
+    _held: "_Held" = field(default_factory=lambda: _Held(), repr=False)
     _last: dict[str, "_Factor"] = field(default_factory=dict, repr=False)
     _last_springs: dict[str, "_Springs"] = field(default_factory=dict, repr=False)
 
@@ -172,6 +180,69 @@ class PairSpace:
             self._last.clear()
             self._last["factor"] = last = _factorize(self, self._springs(active))
         return last
+
+
+def solve_between_pairs(
+    space: PairSpace, g_free: Vector, active: Mask | None = None
+) -> ContactForces:
+    """Solve s = H λ + g_free ≥ 0, λ ≥ 0, λᵀ s = 0, from the problem solved last if it is similar.
+
+    Where few points have changed sides, pairs on springs (:class:`SprungPairs`) take the place of
+    a factorization per linear system; :func:`solve_complementarity` does the rest.
+
+    Parameters
+    ----------
+    active : (n_point,), optional
+        Points assumed in contact at the start; by default those with g_free < 0.
+
+    Raises
+    ------
+    ConvergenceError
+        If H is not positive semidefinite.
+    """
+    start = g_free < 0 if active is None else np.array(active, dtype=bool)
+    held = space._held
+    with threads_for(len(space.S)):
+        found = _solve_on_springs(space, g_free, start)
+    if found is None:
+        found = solve_complementarity(space, g_free, start)
+    held.last = found.active
+    return found
+
+
+@dataclass(eq=False)
+class _Held:
+    """What the last problem left: its closed points, and pairs on springs since they pay."""
+
+    last: Mask | None = None
+    pairs: SprungPairs | None = None
+    useless: bool = False
+
+
+def _solve_on_springs(space: PairSpace, g_free: Vector, active: Mask) -> ContactForces | None:
+    """Solve from a similar set of closed points; None if there is none or it does not help."""
+    held = space._held
+    if held.useless:
+        return None
+    try:
+        if held.pairs is None or not held.pairs.near(active):
+            if held.last is None or not _similar(space, active, held.last):
+                return None
+            if held.pairs is None:
+                held.pairs = SprungPairs(N=space.N, S=space.S, D=space.D, own=space.diagonal)
+            held.pairs.renew(active)
+        return held.pairs.solve(g_free, active)
+    except (la.LinAlgError, InaccurateError):
+        held.useless = True
+        return None
+
+
+def _similar(space: PairSpace, active: Mask, last: Mask) -> bool:
+    """Say whether few points have changed sides, and enough pairs are in contact."""
+    if np.count_nonzero(active ^ last) > MOST_CHANGED * len(space.S):
+        return False
+    touched = np.count_nonzero(abs(space.N).T @ active)
+    return bool((space.D > 0).all() and touched >= LEAST_TOUCHED * len(space.S))
 
 
 @final
