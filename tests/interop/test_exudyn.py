@@ -12,6 +12,7 @@ import faying as fy
 from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.hand_over import hand_over_of
+from faying.simulation.recovery import balanced_accelerations
 
 exu = pytest.importorskip("exudyn", reason="Exudyn is not installed")
 
@@ -339,6 +340,38 @@ def test_two_joints_in_one_system_do_not_disturb_each_other(given, module):
         # As for one.
         found = mbs.GetSensorStoredData(sensor)[:, 1:]
         np.testing.assert_allclose(found, own.states, atol=1e-6 * np.abs(own.states).max(), rtol=0)
+
+
+def test_deck_loads_and_their_recovery(joint, tmp_path):
+    """A load on many nodes is a load on every coordinate, here as a function of time."""
+    loads = {"7": fy.NodalLoads(nodes=[100, 101], forces=[[0, 60.0, -150.0, 0, 0, 0]] * 2)}
+    model = joint.with_load_patterns(loads)
+    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=10), compliance=True)
+    own = swing.imported(export(hand_over_of(rom), "exudyn", out=tmp_path / "loaded.py")[0])
+    slope, step, steps = 4e3, 2e-5, 25
+    q, _ = stepped(own, {"tip.Fz": -100.0, "7": lambda t: slope * t}, step, steps)
+    ours = fy.solve_transient(
+        rom,
+        fy.Load({"tip.Fz": -100.0, "7": fy.History([0.0, 1.0], [0.0, slope])}),
+        step=step,
+        duration=steps * step,
+        integrator=fy.GeneralizedAlpha(rho_infinity=0.8),
+    )
+    # As in the step response above.
+    np.testing.assert_allclose(q, ours.states, atol=1e-6 * np.abs(ours.states).max(), rtol=0)
+    recovered = own.joint().recover(
+        ours.velocities,
+        balanced_accelerations(rom, ours),
+        {"tip.Fz": np.full(len(ours.times), -100.0), "7": slope * ours.times},
+    )
+    wanted = fy.recover_pressure(model, ours).pressure
+    # Round-off of contact problems of 100 points; the first instant is before the force at the tip.
+    np.testing.assert_allclose(recovered[1:], wanted[1:], rtol=0, atol=1e-8 * wanted.max())
+    mbs = exu.SystemContainer().AddSystem()
+    with pytest.raises(ValueError, match="'7' is a load of the deck; on a body only forces"):
+        own.add_load(mbs, own.add_body(mbs), "7", 1.0)
+    with pytest.raises(ValueError, match=r"takes no load '8'; it takes .*tip\.Mz, 7$"):
+        own.add_load(mbs, own.add_joint(mbs), "8", 1.0)
 
 
 def test_unknown_load_is_named(module):

@@ -214,13 +214,10 @@ def test_hand_over(results, finished, model):
     close((linear.outputs @ motion)[:6], moved - rest, 1e-6)
 
 
-@pytest.mark.parametrize(
-    ("name", "receiver"),
-    [("nastran", "Nastran superelement"), ("fmu", "FMU"), ("exudyn", "Exudyn's module")],
-)
-def test_programs_without_such_loads_are_refused(results, tmp_path, name, receiver):
-    with pytest.raises(StudyError, match=f"{receiver} cannot apply the deck load '8' of this run"):
-        export(hand_over(results), name, out=tmp_path / "joint")
+def test_program_without_such_loads_is_refused(results, tmp_path):
+    message = "a Nastran superelement cannot apply the deck load '8' of this run; export to mat"
+    with pytest.raises(StudyError, match=message):
+        export(hand_over(results), "nastran", out=tmp_path / "joint")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying.exceptions import StudyError
 from faying.export.arrays import variables
-from faying.export.hand_over import HandOver, refuse_deck_loads
+from faying.export.hand_over import HandOver
 
 PARTS = ("exudyn_joint.py", "exudyn_contact.py")
 """What is handed over, word for word: the second takes the place of its import in the first."""
@@ -32,9 +32,8 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     ------
     StudyError
         If contact is hard and the model does not keep its residual compliance, so that no function
-        of q gives the contact forces; or if the run applies loads of its deck.
+        of q gives the contact forces.
     """
-    refuse_deck_loads(hand_over, "Exudyn's module")
     _check_law(hand_over)
     module = path.with_name(f"{_importable(path.stem)}.py")
     data = module.with_suffix(".npz")

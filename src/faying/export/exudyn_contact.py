@@ -117,6 +117,11 @@ class Joint:
         """Number of coordinates q."""
         return len(self.data["M"])
 
+    @property
+    def load_names(self) -> list[str]:
+        """Return the loads of the deck that the study applied."""
+        return [str(name) for name in self.data["load_names"]]
+
     def _law(self, flexibility: Array) -> Contact:
         own = np.diag(flexibility)
         penalty = np.maximum(1.0 / (self.data["cn"] * self.weights), NEARLY_RIGID * own)
@@ -180,7 +185,8 @@ class Joint:
             if name in (f"{boundary}.{force}", f"{boundary}.{node}.{force}")
         ]
         if not chosen:
-            message = f"the joint takes no load '{name}'; it takes {', '.join(known)}"
+            takes = ", ".join([*known, *self.load_names])
+            message = f"the joint takes no load '{name}'; it takes {takes}"
             raise ValueError(message)
         return chosen
 
@@ -201,7 +207,7 @@ class Joint:
         velocity, acceleration : (n_time, n_mode)
             q̇ and q̈.
         loads
-            ``"tip.Fz"`` and the like to forces (n_time,); all others are zero.
+            ``"tip.Fz"`` and the like to forces (n_time,), deck loads to factors; others are zero.
         frame : (n_time, 12), optional
             Accelerations of a moving frame, see :func:`frame_fields`.
 
@@ -214,8 +220,12 @@ class Joint:
         law = self._law(self.N @ compliance[:n, :n] @ self.N.T)
         n_boundary = len(data["boundary"])
         inputs = np.zeros((len(velocity), len(compliance) - n))
-        inputs[:, n_boundary:] = -data["N0"]
+        first = n_boundary + len(data["N0"])
+        inputs[:, n_boundary:first] = -data["N0"]
         for name, force in (loads or {}).items():
+            if name in self.load_names:
+                inputs[:, first + self.load_names.index(name)] += np.asarray(force)
+                continue
             places = self.boundary_forces(name)
             inputs[:, places] += np.asarray(force)[:, None] / len(places)
         ports = inputs @ compliance[n:, :n]

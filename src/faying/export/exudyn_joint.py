@@ -145,14 +145,17 @@ def add_load(
 ) -> list[int]:
     """Load a boundary, e.g. ``"tip.Fz"``, with a constant or a function of time.
 
-    On a body only forces, and in global axes; moments there need a marker of your own
-    (``MarkerSuperElementRigid`` on the nodes around).
+    The name of a deck load stands for what it is multiplied by; not on a body. There only forces,
+    and in global axes; moments need a marker of your own (``MarkerSuperElementRigid`` on the nodes
+    around).
 
     Returns
     -------
     list of int
         Load numbers.
     """
+    if name in joint().load_names:
+        return _deck_load(mbs, added, name, load)
     places = joint().boundary_forces(name)
     share = 1.0 / len(places)
     if added.body is None:
@@ -165,6 +168,22 @@ def add_load(
     direction = share * np.eye(3)[axis]
     nodes = [int(joint().data["boundary_names"][place].split(".")[-2]) for place in places]
     return [_force(mbs, boundary_marker(mbs, added, node), load, direction) for node in nodes]
+
+
+def _deck_load(
+    mbs: Any, added: Added, name: str, load: float | Callable[[float], float]
+) -> list[int]:
+    """Add a load to every coordinate that a load of the deck works on."""
+    if added.body is not None:
+        message = (
+            f"'{name}' is a load of the deck; on a body only forces at boundaries can be added"
+        )
+        raise ValueError(message)
+    shares = joint().data["L"][joint().load_names.index(name)]
+    return [
+        _coordinate_load(mbs, added.node, place, load, float(shares[place]))
+        for place in np.flatnonzero(shares).tolist()
+    ]
 
 
 def boundary_marker(mbs: Any, added: Added, node_id: int) -> int:

@@ -184,8 +184,8 @@ def refuse_deck_loads(given: HandOver, receiver: str) -> None:
     if given.model.load_patterns:
         names = ", ".join(f"'{name}'" for name in given.model.load_patterns)
         message = (
-            f"{receiver} cannot apply the deck load {names} of this run; export to mat or npz, or "
-            "run the study without 'deck_load', with loads at a [[boundary]]"
+            f"{receiver} cannot apply the deck load {names} of this run; export to mat, npz, fmu "
+            "or exudyn, or run the study without 'deck_load', with loads at a [[boundary]]"
         )
         raise StudyError(message)
 

@@ -20,7 +20,7 @@ from faying.export.fmu.library import compile_library, platform_folder, suffix
 from faying.export.fmu.quantities import fmu_units, seconds
 from faying.export.fmu.resources import joint_file, read_me, recovery_file
 from faying.export.fmu.variables import Defaults, Variable, scalars, with_arrays
-from faying.export.hand_over import HandOver, refuse_deck_loads
+from faying.export.hand_over import HandOver
 from faying.export.linearized import linearized
 
 SOURCES = Path(__file__).parent / "sources"
@@ -51,13 +51,12 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     ModelError
         If two variables would have the same name.
     StudyError
-        If the interfaces are too large, or the run applies loads of its deck.
+        If the interfaces are too large.
 
     Notes
     -----
     Sources always; a binary for this system if it has a C compiler, which takes some seconds.
     """
-    refuse_deck_loads(hand_over, "an FMU")
     defaults = Defaults(step_size=_step_size(hand_over))
     joint, token = joint_file(hand_over, defaults)
     common = Description(

@@ -12,6 +12,7 @@ from faying.exceptions import StudyError
 from faying.export.fmu.quantities import seconds
 from faying.export.fmu.variables import Defaults
 from faying.export.hand_over import HandOver
+from faying.model.load_pattern import pattern_forces
 from faying.model.system import boundary_dofs, elongations
 
 MAGIC = int.from_bytes(b"FYJOINT1", "little")
@@ -74,6 +75,7 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
         ),
         rows.data,
         np.empty(0) if residual is None else residual,
+        pattern_forces(model.load_patterns, len(model.K)),
     ]
     indices = [boundary, [0, *(one.stop for one in slices)], rows.indptr, rows.indices]
     payload = b"".join(
@@ -91,6 +93,7 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
         relative.shape[0],
         len(rows.data),
         int(residual is not None),
+        len(model.load_patterns),
     )
     header = np.zeros(N_HEADER, dtype="<u8")
     header[0], header[1 : 1 + len(counts)], header[-1] = MAGIC, counts, _checksum(payload)

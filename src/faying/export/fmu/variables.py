@@ -42,6 +42,7 @@ class Kind(IntEnum):
     Q_VELOCITY = 15
     Q_ACCELERATION = 16
     PRESSURE = 17
+    FACTOR = 18
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +143,7 @@ def _distinct(found: Sequence[Variable]) -> tuple[Variable, ...]:
         if variable.name in names:
             message = (
                 f"two variables of the FMU are both called '{variable.name}'; give boundaries, "
-                "bolts and interfaces different names"
+                "bolts, loads and interfaces different names"
             )
             raise ModelError(message)
         names.add(variable.name)
@@ -238,6 +239,7 @@ def _ports(given: HandOver) -> Iterator[Variable]:
             )
         if kind == Kind.FORCE:
             yield from _initial_forces(given)
+            yield from _factors(given)
     for index, name in enumerate(given.model.bolts):
         yield Variable(
             name=f"{name}.force",
@@ -260,6 +262,18 @@ def _initial_forces(given: HandOver) -> Iterator[Variable]:
             start=float(bolt.initial_force),
             description=f"force that bolt {name} would have at zero elongation; what tightening "
             "set, not the force it ends with",
+        )
+
+
+def _factors(given: HandOver) -> Iterator[Variable]:
+    for index, name in enumerate(given.model.load_patterns):
+        yield Variable(
+            name=f"{name}.factor",
+            kind=Kind.FACTOR,
+            index=index,
+            causality="input",
+            start=0.0,
+            description=f"what load {name} of the deck is multiplied by",
         )
 
 

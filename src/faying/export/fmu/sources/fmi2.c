@@ -348,7 +348,8 @@ NAMED(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference un
 static enum outcome write_rate(struct motion *m, unsigned int reference, double value)
 {
     const enum kind kind = kind_of(reference);
-    double *place = kind == KIND_FORCE || kind == KIND_INITIAL_FORCE ? settable(m, reference) : NULL;
+    const int is_input = kind == KIND_FORCE || kind == KIND_INITIAL_FORCE || kind == KIND_FACTOR;
+    double *place = is_input ? settable(m, reference) : NULL;
     if (!place) {
         report(m, "variable %u is no input that could be set now", reference);
         return OUTCOME_ERROR;

@@ -18,6 +18,7 @@
 struct joint {
     char token[TOKEN_LENGTH];
     size_t n_mode, n_boundary, n_bolt, n_interface, n_point, n_relative, n_entry, has_residual;
+    size_t n_pattern;
     double *payload;
 
     const double *M, *C, *K;         /* (n_mode, n_mode) */
@@ -31,6 +32,7 @@ struct joint {
     const double *defaults;          /* step size, rho at infinity, integrator, start loaded */
     const double *interpolation;     /* (n_entry) gaps at points from relative displacements */
     const double *residual;          /* (n_relative, n_relative) or nothing */
+    const double *patterns;          /* (n_pattern, n_mode) forces of deck loads, factor one */
     const uint64_t *boundary;        /* (n_boundary) coordinate of each boundary displacement */
     const uint64_t *interface_start; /* (n_interface + 1) points of each interface */
     const uint64_t *row_start;       /* (n_point + 1) entries of each row of the interpolation */
@@ -73,6 +75,7 @@ static void lay_out(struct joint *j)
     j->defaults = take(&place, N_DEFAULT);
     j->interpolation = take(&place, j->n_entry);
     j->residual = take(&place, j->has_residual ? r * r : 0);
+    j->patterns = take(&place, j->n_pattern * m);
     /* Indices and numbers are both read as they stand in the file. */
     j->boundary = (const uint64_t *)(const void *)take(&place, j->n_boundary);
     j->interface_start = (const uint64_t *)(const void *)take(&place, j->n_interface + 1);
@@ -85,7 +88,8 @@ static uint64_t payload_length(const struct joint *j)
 {
     const uint64_t m = j->n_mode, r = j->n_relative;
     return 3 * m * m + r * m + j->n_bolt * (m + 2) + 2 * j->n_point + j->n_interface + N_DEFAULT
-           + j->n_entry + (j->has_residual ? r * r : 0) + j->n_boundary + (j->n_interface + 1)
+           + j->n_entry + (j->has_residual ? r * r : 0) + j->n_pattern * m + j->n_boundary
+           + (j->n_interface + 1)
            + (j->n_point + 1) + j->n_entry;
 }
 
@@ -111,7 +115,8 @@ static int indices_fit(const struct joint *j)
 static const char *read_counts(struct joint *j, const uint64_t header[N_HEADER])
 {
     size_t *counts[] = {&j->n_mode,  &j->n_boundary, &j->n_bolt,  &j->n_interface,
-                        &j->n_point, &j->n_relative, &j->n_entry, &j->has_residual};
+                        &j->n_point, &j->n_relative, &j->n_entry, &j->has_residual,
+                        &j->n_pattern};
     if (header[0] != JOINT_MAGIC)
         return "is no joint of faying, or of a machine with another byte order";
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {

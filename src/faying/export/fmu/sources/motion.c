@@ -38,7 +38,8 @@ struct motion {
     size_t n_input, n_state; /* inputs; words of the state block */
     double *state;
     double *penalty;         /* (n_interface) */
-    double *inputs, *rates;  /* (n_input) boundary forces, initial bolt forces; their derivatives */
+    double *inputs, *rates;  /* (n_input) boundary forces, initial bolt forces, factors of deck
+                              * loads; their derivatives */
     double *held;            /* (n_bolt) initial forces that acted at the end of the last step */
     double *q, *v, *a, *f;   /* (n_mode) motion and the forces that act */
     double *forces;          /* (n_point) */
@@ -124,7 +125,7 @@ static int allocate(struct motion *m)
 {
     const struct joint *j = &m->joint;
     const size_t n = j->n_mode, r = j->n_relative;
-    m->n_input = j->n_boundary + j->n_bolt;
+    m->n_input = j->n_boundary + j->n_bolt + j->n_pattern;
     m->n_state = lay_out_state(m);
     m->state = calloc(2 * m->n_state, sizeof *m->state);
     m->A = malloc((n * n + n * r + 5 * n + r + 2 * j->n_point) * sizeof *m->A);
@@ -232,16 +233,21 @@ static void pull_of_contact(struct motion *m)
     add_transposed_product(m->pull, j->relative, m->pairs, j->n_relative, j->n_mode);
 }
 
-/* y += external forces of the inputs, those of the boundary times a factor, ``later`` after they
- * were set. An initial force pulls head and nut together. */
-static void add_external(const struct motion *m, double *y, double boundary_factor, double later)
+/* y += external forces of the inputs, all but those of the bolts times a factor, ``later`` after
+ * they were set. An initial force pulls head and nut together. */
+static void add_external(const struct motion *m, double *y, double loaded, double later)
 {
     const struct joint *j = &m->joint;
     for (size_t i = 0; i < j->n_boundary; i++)
-        y[j->boundary[i]] += boundary_factor * (m->inputs[i] + later * m->rates[i]);
+        y[j->boundary[i]] += loaded * (m->inputs[i] + later * m->rates[i]);
     for (size_t i = 0; i < j->n_bolt; i++) {
         const size_t k = j->n_boundary + i;
         add_row(y, j->elongations + i * j->n_mode, -(m->inputs[k] + later * m->rates[k]),
+                j->n_mode);
+    }
+    for (size_t i = 0; i < j->n_pattern; i++) {
+        const size_t k = j->n_boundary + j->n_bolt + i;
+        add_row(y, j->patterns + i * j->n_mode, loaded * (m->inputs[k] + later * m->rates[k]),
                 j->n_mode);
     }
 }
@@ -291,7 +297,7 @@ static enum outcome find_acceleration(struct motion *m)
     return OUTCOME_OK;
 }
 
-/* Static equilibrium under the bolts, and under the boundary forces if the start is loaded. */
+/* Static equilibrium under the bolts, and under all other loads if the start is loaded. */
 static enum outcome start_motion(struct motion *m)
 {
     const struct joint *j = &m->joint;

@@ -22,6 +22,7 @@ enum kind {
     KIND_Q_VELOCITY,
     KIND_Q_ACCELERATION,
     KIND_PRESSURE, /* of all points of an interface */
+    KIND_FACTOR,   /* of a deck load */
     N_KIND
 };
 
@@ -56,6 +57,8 @@ static size_t count_of(const struct motion *m, enum kind kind)
     case KIND_INITIAL_FORCE:
     case KIND_BOLT_FORCE:
         return j->n_bolt;
+    case KIND_FACTOR:
+        return j->n_pattern;
     case KIND_Q:
     case KIND_Q_VELOCITY:
     case KIND_Q_ACCELERATION:
@@ -151,6 +154,7 @@ static void copy_values(const struct motion *m, unsigned int reference, double *
     case KIND_Q_VELOCITY: copy_motion(m, m->v, i, out); break;
     case KIND_Q_ACCELERATION: copy_motion(m, m->a, i, out); break;
     case KIND_PRESSURE: copy_pressures(m, i, out); break;
+    case KIND_FACTOR: *out = m->inputs[j->n_boundary + j->n_bolt + i]; break;
     case KIND_INTEGRATOR:
     case KIND_START_LOADED:
     case N_KIND: break;
@@ -168,7 +172,8 @@ static enum outcome read_values(struct motion *m, const unsigned int *references
             report(m, "there is no real variable %u, or too little room for it", references[i]);
             return OUTCOME_ERROR;
         }
-        if (is_mode(m, MODE_INITIALIZING) && kind_of(references[i]) >= KIND_DISPLACEMENT) {
+        const enum kind kind = kind_of(references[i]);
+        if (is_mode(m, MODE_INITIALIZING) && kind >= KIND_DISPLACEMENT && kind != KIND_FACTOR) {
             const enum outcome outcome = start_motion(m);
             if (outcome != OUTCOME_OK)
                 return outcome;
@@ -193,6 +198,10 @@ static double *settable(struct motion *m, unsigned int reference)
         return is_mode(m, MODE_TERMINATED) ? NULL : m->inputs + i;
     if (kind == KIND_INITIAL_FORCE)
         return is_mode(m, MODE_TERMINATED) ? NULL : m->inputs + m->joint.n_boundary + i;
+    if (kind == KIND_FACTOR)
+        return is_mode(m, MODE_TERMINATED)
+                   ? NULL
+                   : m->inputs + m->joint.n_boundary + m->joint.n_bolt + i;
     if (!is_mode(m, MODE_INSTANTIATED) && !is_mode(m, MODE_INITIALIZING))
         return NULL;
     switch (kind) {
