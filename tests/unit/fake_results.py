@@ -264,8 +264,9 @@ def fake_results():
             "LC2-step": _case("LC2-step", "step", joint.points, nodes, TIMES),
         },
         timings={"assembly": 0.5, "compliance": 0.1, "jim-b": 3.0, "project compliance": 0.01},
-        provenance={"faying": "0.1.0", "python": "3.11"},
+        provenance={"faying": "0.1.0", "python": "3.11", "factorization": "superlu"},
         validation=_validation(),
         normal_modes=ModeCount(below=4e4, found=20, counted=20),
+        factor_bytes=2_500_000,
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
     )

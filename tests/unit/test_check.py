@@ -1,5 +1,6 @@
 """``faying check`` says what can move, what bolts are, and what applies loads of the deck."""
 
+import re
 import sys
 import tomllib
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 import faying as fy
 from faying import cli
+from faying.linalg.backends import available_backends
 from faying.model.diagnosis import free_parts
 
 SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
@@ -46,6 +48,25 @@ def test_held_joint_has_no_rigid_body_modes(check):
     status, lines, _ = check({})
     assert status == 0
     assert cells(lines, "none") == ["none", "everything", "is", "held"]
+
+
+def test_the_memory_of_the_factorization_is_foreseen(check, monkeypatch):
+    monkeypatch.delenv("FAYING_FACTORIZATION", raising=False)
+    monkeypatch.setenv("FAYING_MEMORY", "3e11")
+    said = " ".join(cells(check({})[1], "factorization"))
+    name = available_backends()[0]
+    # A thousand degrees of freedom: a few megabytes, and workspace of PARDISO's threads.
+    taken = r"(\S+) GB of factors, (\S+) GB while they are made"
+    found = re.fullmatch(rf"factorization {name}, {taken}.*; 300 GB are free", said)
+    assert found, said
+    factor, peak = map(float, found.groups())
+    assert 1e-3 < factor <= peak < 300
+    monkeypatch.setenv("FAYING_MEMORY", "1e3")
+    status, lines, _ = check({})
+    assert status == 0
+    assert " ".join(cells(lines, "factorization")).endswith("are free, which is not enough")
+    monkeypatch.setenv("FAYING_FACTORIZATION", "superlu")
+    assert "give or take" in " ".join(cells(check({})[1], "factorization"))
 
 
 def test_supports_say_what_they_hold(check):

@@ -9,6 +9,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from faying.contact.interface import Interface
+from faying.linalg.machine_memory import free_memory
+from faying.linalg.memory import FactorMemory, gigabytes
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.bolt_axis import bolt_direction
@@ -79,10 +81,23 @@ def _overview(study: Study, model: Model) -> Table:
         ("solid elements", f"{assembly.mesh.n_elements} {', '.join(kinds)}{formulation}"),
         ("beams", len(assembly.beams)),
         ("free degrees of freedom", int(model.K.shape[0])),
+        ("factorization", _factorization(model.structure.factor_memory)),
         (f"mass [{units[1]}]", weight.mass),
         (f"centre of mass [{units[0]}]", _point(centre.tolist())),
     ]
     return _table(study.title or study.path.stem, ["model", ""], rows)
+
+
+def _factorization(memory: FactorMemory) -> str:
+    """Say which library will factorize, and what that takes."""
+    about = "" if memory.counted else ", give or take a factor of two"
+    free = free_memory()
+    there = "" if free is None else f"; {gigabytes(free)} are free"
+    enough = free is None or memory.peak <= free
+    return (
+        f"{memory.backend}, {gigabytes(memory.factor)} of factors, {gigabytes(memory.peak)} while "
+        f"they are made{about}{there}{'' if enough else ', which is not enough'}"
+    )
 
 
 def _extent(mesh: Mesh) -> float:

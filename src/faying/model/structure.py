@@ -9,12 +9,15 @@ import numpy as np
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.linalg.budget import default_budget, pairs_fit
 from faying.linalg.compressed import Compliance, plus, symmetrized
+from faying.linalg.estimate import estimate_memory
 from faying.linalg.factorization import (
     Factorization,
+    MatrixFactorization,
     SingularMatrixError,
     factorize,
     factorize_condensed,
 )
+from faying.linalg.memory import FactorMemory
 from faying.linalg.partial import compressed_port_compliance, port_compliance
 from faying.model.system import PortCompliance
 
@@ -73,17 +76,29 @@ class Structure:
         return np.flatnonzero(inner)
 
     @cached_property
-    def interior_factor(self) -> Factorization:
+    def interior_factor(self) -> MatrixFactorization:
         """Factorization of K_ii."""
         try:
-            return factorize(
-                self.K[self.interior][:, self.interior],
-                ports=self._held_ports if self._is_kept_whole else None,
-            )
+            return factorize(self._interior_stiffness, ports=self._told_ports)
         except SingularMatrixError as error:
             motion = np.zeros(self.n_dof)
             motion[self.interior] = error.motion
             raise self.unconstrained(motion) from None
+
+    @property
+    def factor_memory(self) -> FactorMemory:
+        """What the factorization of K_ii takes, by its pattern alone."""
+        return estimate_memory(self._interior_stiffness, ports=self._told_ports)
+
+    @property
+    def _interior_stiffness(self) -> SparseMatrix:
+        """K_ii."""
+        return self.K[self.interior][:, self.interior]
+
+    @property
+    def _told_ports(self) -> SparseMatrix | None:
+        """Rows between which the whole inverse of K_ii will be wanted, where it is."""
+        return self._held_ports if self._is_kept_whole else None
 
     def unconstrained(self, motion: Vector) -> SingularMatrixError:
         """Return the error that says what moves freely in a motion (n_dof,)."""

@@ -55,11 +55,19 @@ def model_table(results: Results) -> Table:
         ("solid elements", f"{elements} ({kinds})"),
         ("bodies", f"{int(results.body.max(initial=-1)) + 1}"),
         ("free degrees of freedom", f"{results.dofs}"),
+        *_factorization(results),
         ("mass", quantity(results.mass, units.mass, 4)),
         *_normal_modes(results, units),
         ("units", f"{results.units}: forces in {units.force}, pressures in {units.pressure}"),
     ]
     return table(("model", ""), rows)
+
+
+def _factorization(results: Results) -> Iterator[tuple[str, str]]:
+    """Say which library factorized, and how much memory that took."""
+    backend = results.provenance.get("factorization")
+    if backend:
+        yield "factorization", f"{backend}, {results.factor_bytes / 1e6:.0f} MB of factors"
 
 
 def _normal_modes(results: Results, units: Units) -> Iterator[tuple[str, str]]:

@@ -48,6 +48,7 @@ def record(
         mass=mass_properties(model.assembly).mass,
         dofs=model.structure.n_dof,
         normal_modes=trained.mode_count,
+        factor_bytes=model.structure.interior_factor.memory,
         interfaces=interface_records(model, joint.preload.pressure),
         bolts={name: _bolt(joint, name) for name in model.bolts},
         tightening_stages=joint.tightening.stages,

@@ -292,6 +292,8 @@ class Results:
         Solid elements.
     mass, dofs
         Of the model.
+    factor_bytes
+        Memory of the factors of the full model, boundary held.
     normal_modes
         Count of the fixed-interface normal modes; None where there are none, or no gap to count in.
     tightening_stages
@@ -332,3 +334,4 @@ class Results:
     reduced: Mapping[str, Mapping[int, ReducedRecord]] = field(default_factory=dict)
     shapes: Matrix | None = None
     normal_modes: ModeCount | None = None
+    factor_bytes: int = 0

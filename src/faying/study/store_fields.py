@@ -76,6 +76,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "(n_shape, n_node, 3)",
         ),
         "normal_modes": Meaning("proof that no fixed-interface normal mode was missed"),
+        "factor_bytes": Meaning("memory of the factors of the full model", "1"),
     },
     ModeCount: {
         "below": Meaning("frequency in a gap between modes", "1/time"),

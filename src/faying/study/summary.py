@@ -36,6 +36,8 @@ def summarize(results: Results) -> dict[str, Any]:
             "elements": sum(len(block.ids) for block in results.blocks),
             "dofs": results.dofs,
             "mass": results.mass,
+            "factorization": results.provenance.get("factorization", ""),
+            "factor_bytes": results.factor_bytes,
         },
         "normal_modes": None if results.normal_modes is None else asdict(results.normal_modes),
         "interfaces": {name: _interface(face) for name, face in results.interfaces.items()},
