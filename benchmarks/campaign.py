@@ -1,55 +1,58 @@
-"""How much two workers on two cores gain: a campaign of transient runs of the full model.
+"""What a campaign of transients of the full model gains side by side, and by a second worker.
 
-``python benchmarks/campaign.py`` prints the table of docs/how-to/run_on_a_cluster.md (about two
-minutes on two idle cores): wall times of the same runs with one and with two Dask workers, in
-turns, and their ratio. A worker has one thread. What a worker does once is done before the clock
-starts, for it is the same for campaigns of any length.
+``python benchmarks/campaign.py`` prints the tables of docs/how-to/run_on_a_cluster.md (about two
+minutes on two idle cores): the same runs through ``transient_campaign`` as it comes, in groups
+side by side, and one by one, each with one and with two Dask workers, in turns. A worker has one
+thread. What a worker does once is done before the clock starts, for it is the same for campaigns of
+any length.
 
 On a machine that does other work the wall times say little. Processor times say what is left then:
 those of all runs on one worker over those of the busier of two. They contain how evenly the runs
-were shared and how much the workers slow each other down, not the time that Dask takes; the last
-column says for what part of the wall time the two workers had a run to work at.
+were shared and how much the workers slow each other down, not the time that Dask takes.
 """
 
 import os
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
 from statistics import median
 
+import numpy as np
+
 import faying as fy
-from faying.execution import DaskExecutor, Executor, forgetting, run_campaign
-from faying.simulation.transient import TransientSolver, transient_solver
+from faying.execution import DaskExecutor, Executor, grouped, responses, transient_campaign
+from faying.execution.checkpoint import Arrays
 
 ELEMENT_SIZE = 2.0
-STEPS = 60
-RUNS = 8
+STEPS = 30
+RUNS = 16
 REPEATS = 5
 LOADS = {
-    f"{run}": fy.Load({"tip.Fz": -500.0 + 100.0 * run, "tip.Mx": 20e3}, name=f"{run}")
+    f"{run}": fy.Load({"tip.Fz": -500.0 + 60.0 * run, "tip.Mx": 20e3}, name=f"{run}")
     for run in range(RUNS)
 }
+WAYS: Mapping[str, int | None] = {"one by one": 1, "side by side": None}
+"""How many at a time; None is what a campaign does unless told."""
 
 
 @dataclass(frozen=True)
 class Times:
-    """Times of a campaign.
+    """Times of a campaign, per response.
 
     Attributes
     ----------
     wall : [s]
-    busiest
-        Largest processor time of a worker [s].
-    occupied
-        Part of the wall time that its workers had a run to work at.
+    processor : [s]
+        Of all workers.
+    busiest : [s]
+        Of the worker with the largest processor time.
     """
 
     wall: float
+    processor: float
     busiest: float
-    occupied: float
 
 
 def joint() -> fy.Model:
@@ -59,62 +62,86 @@ def joint() -> fy.Model:
     return fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking())
 
 
-def prepare(step: float) -> Callable[[fy.Load], Mapping[str, float]]:
-    """Build and factorize on a worker."""
-    model = joint()
-    solver, rest = transient_solver(model, step=step), fy.solve_static(model)
-    return partial(run, solver, rest)
+def noted(solution: fy.Solution) -> Arrays:
+    """Take what a campaign keeps, and note who has it and the processor time until then."""
+    clock = np.asarray(time.process_time())
+    return {**responses(solution), "worker": np.asarray(os.getpid()), "clock": clock}
 
 
-def run(solver: TransientSolver, rest: fy.Solution, load: fy.Load) -> dict[str, float]:
-    """Integrate one response."""
-    start, began = time.process_time(), time.perf_counter()
-    response = forgetting(solver).solve(load, duration=STEPS * solver.step, initial=rest)
-    return {
-        "peak": float(response.max_pressure.max()),
-        "worker": os.getpid(),
-        "seconds": time.process_time() - start,
-        "elapsed": time.perf_counter() - began,
-    }
+class Workers:
+    """An executor, and what the clocks of its processes were."""
 
+    def __init__(self, executor: Executor) -> None:
+        self.executor = executor
+        self.clocks: Counter[int] = Counter()
 
-def campaign(executor: Executor, step: float) -> Times:
-    """Compute all runs."""
-    start = time.perf_counter()
-    found = run_campaign(partial(prepare, step), LOADS, executor)
-    wall = time.perf_counter() - start
-    seconds: Counter[int] = Counter()
-    for result in found.values():
-        seconds[int(result["worker"])] += float(result["seconds"])
-    elapsed = sum(float(result["elapsed"]) for result in found.values())
-    return Times(wall, max(seconds.values()), elapsed / (wall * executor.n_workers))
+    def campaign(self, step: float, side_by_side: int | None) -> Times:
+        """Compute all runs."""
+        start = time.perf_counter()
+        found = transient_campaign(
+            joint,
+            LOADS,
+            self.executor,
+            step=step,
+            duration=STEPS * step,
+            take=noted,
+            side_by_side=side_by_side,
+        )
+        wall = time.perf_counter() - start
+        clocks: Counter[int] = Counter()
+        for result in found.values():
+            worker = int(result["worker"])
+            clocks[worker] = max(clocks[worker], float(result["clock"]))
+        used = [clock - self.clocks[worker] for worker, clock in clocks.items()]
+        self.clocks |= clocks
+        return Times(wall / RUNS, sum(used) / RUNS, max(used) / RUNS)
 
 
 def main() -> None:
-    """Print one line per repetition, then the medians."""
+    """Print a line per repetition and way, then what is gained."""
     model = joint()
-    period = 1.0 / float(fy.preloaded_frequencies(model, 1)[0])
+    step = 1e-2 / float(fy.preloaded_frequencies(model, 1)[0])
+    size = len(grouped(LOADS)[0])
     write = sys.stdout.write
-    write(f"{model.structure.n_dof} dofs, {model.contact.n_points} contact points, ")
-    write(f"{RUNS} runs of {STEPS} steps; {os.cpu_count()} cores\n\n")
-    write("| repetition | load average | one worker [s] | two workers [s] | ratio | ")
-    write("processor time: one [s] | busier of two [s] | ratio | occupied |\n")
-    write(f"|{'---|' * 9}\n")
-    walls, busiest = [], []
-    with DaskExecutor.local(1) as one, DaskExecutor.local(2) as two:
-        for executor in (one, two):
-            campaign(executor, period / 100)  # prepares
+    write(f"{model.structure.n_dof} dofs, {model.contact.n_points} contact points, {RUNS} runs ")
+    write(f"of {STEPS} steps, side by side {size} at a time; {os.cpu_count()} cores\n\n")
+    write("| repetition | load average | | wall time per run: one worker [s] | two [s] | ratio | ")
+    write("processor time per run: one [s] | two [s] | busier of two [s] | ratio |\n")
+    write(f"|{'---|' * 10}\n")
+    taken: dict[str, list[tuple[Times, Times]]] = {way: [] for way in WAYS}
+    with DaskExecutor.local(1) as first, DaskExecutor.local(2) as second:
+        one, two = Workers(first), Workers(second)
+        for workers in (one, two):
+            workers.campaign(step, RUNS // 2)  # prepares; two groups, so that both workers do
         for repeat in range(REPEATS):
-            load = os.getloadavg()[0]
-            alone, shared = campaign(one, period / 100), campaign(two, period / 100)
-            walls.append(alone.wall / shared.wall)
-            busiest.append(alone.busiest / shared.busiest)
-            write(f"| {repeat + 1} | {load:.1f} | {alone.wall:.1f} | {shared.wall:.1f} ")
-            write(f"| {walls[-1]:.2f} | {alone.busiest:.1f} | {shared.busiest:.1f} ")
-            write(f"| {busiest[-1]:.2f} | {shared.occupied:.0%} |\n")
-            sys.stdout.flush()
-    write(f"\nmedian ratio {median(walls):.2f} by wall time, ")
-    write(f"{median(busiest):.2f} by processor time\n")
+            for way, side_by_side in WAYS.items():
+                load = os.getloadavg()[0]
+                alone, shared = (w.campaign(step, side_by_side) for w in (one, two))
+                taken[way].append((alone, shared))
+                write(f"| {repeat + 1} | {load:.1f} | {way} ")
+                write(f"| {alone.wall:.3f} | {shared.wall:.3f} | {alone.wall / shared.wall:.2f} ")
+                write(f"| {alone.processor:.3f} | {shared.processor:.3f} | {shared.busiest:.3f} ")
+                write(f"| {alone.busiest / shared.busiest:.2f} |\n")
+                sys.stdout.flush()
+    write("\nmedians (range):\n")
+    for way, times in taken.items():
+        wall = [alone.wall / shared.wall for alone, shared in times]
+        processor = [alone.busiest / shared.busiest for alone, shared in times]
+        write(f"{way}, two workers for one: {spread(wall)} by wall time, ")
+        write(f"{spread(processor)} by processor time\n")
+    pairs = list(zip(taken["one by one"], taken["side by side"], strict=True))
+    for number, workers_text in enumerate(("one worker", "two workers")):
+        wall = [single[number].wall / several[number].wall for single, several in pairs]
+        used = [single[number].processor / several[number].processor for single, several in pairs]
+        write(f"side by side for one by one, {workers_text}: {spread(wall)} by wall time, ")
+        write(f"{spread(used)} by processor time\n")
+    both = [single[0].wall / several[1].wall for single, several in pairs]
+    write(f"two workers side by side for one of one by one: {spread(both)} by wall time\n")
+
+
+def spread(values: list[float]) -> str:
+    """Return median and range."""
+    return f"{median(values):.2f} ({min(values):.2f} to {max(values):.2f})"
 
 
 if __name__ == "__main__":

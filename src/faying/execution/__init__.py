@@ -3,10 +3,11 @@
 See docs/how-to/run_on_a_cluster.md.
 """
 
-from faying.execution.campaign import run_campaign
+from faying.execution.campaign import run_campaign, run_grouped_campaign
 from faying.execution.checkpoint import Checkpoint
 from faying.execution.dask import DaskExecutor
 from faying.execution.executor import Executor
+from faying.execution.groups import grouped
 from faying.execution.processes import ProcessExecutor
 from faying.execution.serial import SerialExecutor
 from faying.execution.transients import forgetting, responses, transient_campaign
@@ -18,7 +19,9 @@ __all__ = [
     "ProcessExecutor",
     "SerialExecutor",
     "forgetting",
+    "grouped",
     "responses",
     "run_campaign",
+    "run_grouped_campaign",
     "transient_campaign",
 ]

@@ -2,7 +2,7 @@
 
 import hashlib
 import traceback
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence, Set
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -66,6 +66,50 @@ def run_campaign(
     Equal numbers whatever the executor, as long as each process has as many threads: libraries sum
     in another order with others.
     """
+    groups = [{name: task} for name, task in tasks.items()]
+    return run_grouped_campaign(
+        partial(_singly, prepare), groups, executor, keep=keep, progress=progress
+    )
+
+
+def run_grouped_campaign(
+    prepare: Prepare,
+    groups: Sequence[Mapping[str, Any]],
+    executor: Executor | None = None,
+    *,
+    keep: Checkpoint | Path | str | None = None,
+    progress: Callable[[str], object] | None = None,
+) -> Mapping[str, Arrays]:
+    """Compute named tasks that are worked at in groups, each giving named arrays of its own.
+
+    Parameters
+    ----------
+    prepare
+        As in :func:`run_campaign`, but what it returns is given a list of tasks, and returns
+        or yields one mapping of arrays for each.
+    groups
+        Names of tasks to what is given to that function; :func:`grouped` makes such groups.
+    executor, keep, progress
+        As in :func:`run_campaign`; what is kept is one result per task, whatever its group.
+
+    Returns
+    -------
+    Mapping
+        As :func:`run_campaign`, in the order of the groups.
+
+    Raises
+    ------
+    FayingError
+        As :func:`run_campaign`, or if two tasks have one name.
+
+    Notes
+    -----
+    A worker is given a whole group, and one that dies a whole group again. Where only some results
+    of a group are kept it is computed as a whole once more, and the missing ones are taken: in
+    other company their last digits would differ. Where a task of a group fails, each of the group
+    is computed alone, so that the others are kept.
+    """
+    tasks = _ungrouped(groups)
     store = _store(keep)
     keys = dict(_keys(prepare, tasks, plain=not isinstance(keep, (Path, str))))
     missing = [name for name in tasks if not store.has(keys[name])]
@@ -74,7 +118,7 @@ def run_campaign(
             if store.has(keys[name]):
                 progress(name)
     failures: dict[str, Failure] = {}
-    found = _outcomes(prepare, tasks, missing, executor or SerialExecutor())
+    found = _outcomes(prepare, groups, set(missing), executor or SerialExecutor())
     with closing(found):  # else workers would go on as long as somebody looks at the error
         for name, outcome in found:
             if isinstance(outcome, Failure):
@@ -97,41 +141,84 @@ class Failure:
     preparing: bool = False
 
 
+Group = tuple[list[Any], list[int]]
+"""Tasks of a group, and the places of those whose results are wanted."""
+
+
+def _singly(prepare: Prepare) -> Callable[[list[Any]], Iterator[Any]]:
+    """Prepare a function of one task for groups."""
+    return partial(map, prepare())
+
+
+def _ungrouped(groups: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    tasks: dict[str, Any] = {}
+    for group in groups:
+        for name, task in group.items():
+            if name in tasks:
+                message = f"two tasks are called '{name}'; give each a name of its own"
+                raise CampaignError(message)
+            tasks[name] = task
+    return tasks
+
+
 def _outcomes(
-    prepare: Prepare, tasks: Mapping[str, Any], names: Sequence[str], executor: Executor
+    prepare: Prepare,
+    groups: Sequence[Mapping[str, Any]],
+    missing: Set[str],
+    executor: Executor,
 ) -> Generator[tuple[str, Arrays | Failure], None, None]:
-    """Yield the result of each task or why there is none."""
-    if not names:
+    """Yield the result of each missing task or why there is none."""
+    todo = [group for group in groups if not missing.isdisjoint(group)]
+    if not todo:
         return
-    found = executor.map(partial(_guarded, prepare), [tasks[name] for name in names])
+    wanted = [[place for place, name in enumerate(group) if name in missing] for group in todo]
+    names = [[name for name in group if name in missing] for group in todo]
+    sent: list[Group] = [
+        (list(group.values()), places) for group, places in zip(todo, wanted, strict=True)
+    ]
+    found = executor.map(partial(_guarded, prepare), sent)
     with closing(found):
         try:
-            for place, outcome in found:
-                if isinstance(outcome, Failure) and outcome.preparing:
-                    raise _error(outcome, "")
-                yield names[place], outcome
+            for number, outcomes in found:
+                for name, outcome in zip(names[number], outcomes, strict=True):
+                    if isinstance(outcome, Failure) and outcome.preparing:
+                        raise _error(outcome, "")
+                    yield name, outcome
         except LostTasksError as error:
-            for place in error.places:
-                text = (
-                    "every worker that tried it died; one that runs out of memory dies like this, "
-                    "give each more of it"
-                )
-                yield names[place], Failure("CampaignError", text)
+            for number in error.places:
+                for name in names[number]:
+                    yield name, _lost(len(todo[number]))
 
 
-def _guarded(prepare: Prepare) -> Callable[[Any], Arrays | Failure]:
+def _lost(n_together: int) -> Failure:
+    several = f" or let fewer than {n_together} go side by side" if n_together > 1 else ""
+    text = (
+        "every worker that tried it died; one that runs out of memory dies like this, "
+        f"give each more of it{several}"
+    )
+    return Failure("CampaignError", text)
+
+
+def _guarded(prepare: Prepare) -> Callable[[Group], list[Arrays | Failure]]:
     """Prepare on a worker, with errors that come back as values: others' results go on."""
     try:
         function = prepare()
     except Exception as error:
         failure = _failure(error, preparing=True)
-        return lambda _: failure
+        return lambda group: [failure] * len(group[1])
 
-    def attempt(task: Any) -> Arrays | Failure:
+    def attempt(group: Group) -> list[Arrays | Failure]:
+        tasks, wanted = group
         try:
-            return _arrays(function(task))
+            outcomes = list(map(_arrays, function(tasks)))
         except Exception as error:
-            return _failure(error, preparing=False)
+            if len(tasks) == 1:
+                return [_failure(error, preparing=False)]
+            return [attempt(([tasks[place]], [0]))[0] for place in wanted]
+        if len(outcomes) != len(tasks):
+            text = f"{len(tasks)} tasks gave {len(outcomes)} results; return one for each"
+            return [Failure("CampaignError", text)] * len(wanted)
+        return [outcomes[place] for place in wanted]
 
     return attempt
 

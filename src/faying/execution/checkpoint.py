@@ -5,7 +5,7 @@ import os
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -30,6 +30,14 @@ class Checkpoint:
         arrays = compute()
         self.put(key, arrays)
         return arrays
+
+    def fill(self, keys: Sequence[str], compute: Callable[[], Iterable[Arrays]]) -> None:
+        """Compute bundles that only come together, unless all are there, and keep the missing."""
+        if all(map(self.has, keys)):
+            return
+        for key, arrays in zip(keys, compute(), strict=True):
+            if not self.has(key):
+                self.put(key, arrays)
 
     def has(self, key: str) -> bool:
         """Say whether there is a bundle under a key."""

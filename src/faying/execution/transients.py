@@ -1,6 +1,6 @@
-"""Campaign of transient runs: one model, many loads."""
+"""Campaign of transient runs: one model, many loads, some of them side by side."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from faying.contact.condensed import CondensedContact
-from faying.execution.campaign import run_campaign
+from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Executor
+from faying.execution.groups import even_parts, grouped
 from faying.model.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
+from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.transient import TransientSolver, transient_solver
@@ -28,6 +30,7 @@ def transient_campaign(
     duration: float,
     integrator: Integrator | None = None,
     take: Callable[[Solution], Arrays] | None = None,
+    side_by_side: int | None = None,
     keep: Path | str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mapping[str, Arrays]:
@@ -47,6 +50,10 @@ def transient_campaign(
         :class:`ImplicitEuler` unless given.
     take
         What is kept of each solution, a function of a module; :func:`responses` unless given.
+    side_by_side
+        Loads a worker advances together at most; unless given, :func:`grouped` decides by how many
+        there are. Their histories are in memory at once, so that fewer go together where
+        :data:`faying.simulation.side_by_side.HISTORY_BYTES` do not hold them.
     keep
         Folder in which results are kept as they come, to resume from; see :func:`run_campaign`.
     progress
@@ -60,12 +67,19 @@ def transient_campaign(
     Raises
     ------
     FayingError
-        As :func:`run_campaign`.
+        As :func:`run_campaign`, or if the number side by side is not positive.
+
+    Notes
+    -----
+    Side by side the factorization is read once a step for all loads of a group. Groups follow from
+    the order and number of the loads: whoever computes them, they are the same, and so are the
+    numbers. Another grouping moves pressures by 1e-10 of the largest or so.
     """
     prepare = partial(
         _prepare, build, step=step, duration=duration, integrator=integrator, take=take or responses
     )
-    return run_campaign(prepare, loads, executor, keep=keep, progress=progress)
+    groups = grouped(loads, side_by_side)
+    return run_grouped_campaign(prepare, groups, executor, keep=keep, progress=progress)
 
 
 def responses(solution: Solution) -> Arrays:
@@ -95,11 +109,31 @@ def _prepare(
     duration: float,
     integrator: Integrator | None,
     take: Callable[[Solution], Arrays],
-) -> Callable[[Load], Arrays]:
+) -> Callable[[Sequence[Load]], Iterator[Arrays]]:
     """Build and factorize on a worker."""
     system = build()
     solver, rest = transient_solver(system, step=step, integrator=integrator), solve_static(system)
-    return lambda load: take(forgetting(solver).solve(load, duration=duration, initial=rest))
+    # Nothing here may hold a solution: the histories of all that were beside it hang on it.
+    return lambda loads: map(take, step_responses(solver, loads, duration=duration, initial=rest))
+
+
+def step_responses(
+    solver: TransientSolver,
+    loads: Sequence[Load],
+    *,
+    duration: float,
+    initial: Solution | None,
+    progress: Callable[[int], object] | None = None,
+) -> Iterator[Solution]:
+    """Integrate responses from one state, as many side by side as have room in memory."""
+    most = runs_at_once(solver.system, round(duration / solver.step) + 1)
+    for part in even_parts(loads, most):
+        yield from forgetting(solver).solve_cases(
+            part,
+            duration=duration,
+            initial=None if initial is None else [initial] * len(part),
+            progress=progress,
+        )
 
 
 def forgetting(solver: TransientSolver) -> TransientSolver:

@@ -11,11 +11,9 @@ from faying.exceptions import ModelError
 from faying.model.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
+from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.static import solve_static_cases
 from faying.simulation.transient import transient_solver
-
-HISTORY_BYTES = 2 * 2**30
-"""Memory that the histories of responses stepped side by side may take."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,11 +113,11 @@ def step_snapshots(
 
     Notes
     -----
-    As many responses side by side as :data:`HISTORY_BYTES` hold; their back-substitutions then
+    As many responses side by side as have room in memory; their back-substitutions then
     read the factorization once a step for all.
     """
     solver = transient_solver(system, step=step, integrator=integrator)
-    together = _runs_at_once(system, round(duration / step) + 1)
+    together = runs_at_once(system, round(duration / step) + 1)
     found = [
         run.contact_forces
         for first in range(0, len(loads), together)
@@ -128,9 +126,3 @@ def step_snapshots(
         )
     ]
     return np.concatenate(found).T
-
-
-def _runs_at_once(system: System, n_time: int) -> int:
-    """Return how many responses may be stepped side by side: their histories are in memory."""
-    numbers = n_time * (3 * system.K.shape[0] + 2 * system.contact.n_points)
-    return max(1, HISTORY_BYTES // (8 * int(numbers)))

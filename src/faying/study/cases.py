@@ -1,14 +1,16 @@
 """Load cases of a run: solved by the full model and by every reduced one, and compared."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import ConvergenceError
+from faying.execution.groups import grouped
+from faying.execution.transients import step_responses
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.model.model import Model
 from faying.model.system import System
@@ -21,14 +23,14 @@ from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler, Integ
 from faying.simulation.recovery import recover_pressure
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
-from faying.simulation.transient import solve_transient
+from faying.simulation.transient import solve_transient, transient_solver
 from faying.study.checkpoint import Checkpoint
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
 from faying.study.progress import Stages
 from faying.study.results import CaseResult, MethodResult, Response
 from faying.study.tables import LoadCaseSection
-from faying.study.timing import time_span, time_step
+from faying.study.timing import instants, time_span, time_step
 
 Models = Mapping[str, Mapping[int, System]]
 
@@ -42,6 +44,7 @@ class CaseRunner:
     classic: Basis
     stages: Stages
     checkpoint: Checkpoint
+    groups: Sequence[Mapping[str, LoadCaseSection]]
 
     def solve(self, case: LoadCaseSection) -> tuple[CaseResult, list[str]]:
         """Solve one load case with every model; also say what did not converge.
@@ -52,7 +55,7 @@ class CaseRunner:
             If the full model finds no solution: there is then nothing to compare with.
         """
         model = self.joint.model
-        reference = self._response(case, model, "full")
+        reference = self._reference(case)
         methods: dict[str, dict[int, MethodResult]] = {}
         failures = []
         for name, sizes in self.models.items():
@@ -111,6 +114,23 @@ class CaseRunner:
         certificate = self._judge.certify_inputs(inputs, response.pressure)
         return float(certificate.max_relative_error)
 
+    def _reference(self, case: LoadCaseSection) -> Response:
+        """Solve with the full model; a transient with those that are stepped beside it."""
+        if case.kind == "static":
+            return self._response(case, self.joint.model, "full")
+        key = response_key(case)
+        group = next(group for group in self.groups if key in group)
+        cases = list(group.values())
+        more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
+
+        def compute() -> list[dict[str, Matrix]]:
+            total = self._steps(case, 1) * len(cases)
+            with self.stages.stage(f"{cases[0].name}{more} full", total) as advance:
+                return list(map(packed, transient_references(self.joint, cases, advance)))
+
+        self.checkpoint.fill(list(group), compute)
+        return _unpacked(self.checkpoint.get(key))
+
     def _half_step(self, case: LoadCaseSection) -> Response:
         """Repeat a transient with half the time step, on a reduced model with exact compliance."""
         rom = reduce(self.joint.model, self.classic, compliance=True)
@@ -158,11 +178,45 @@ def solve_case(
             step=time_step(case, joint.period) / refinement,
             duration=time_span(case, joint.period),
             integrator=integrator_of(case),
-            # Solved anew it would depend, in the last digits, on what was solved before.
-            initial=joint.rest if system is joint.model else None,
             progress=progress,
         )
     return solution, time.perf_counter() - start
+
+
+def case_groups(cases: Sequence[LoadCaseSection]) -> list[dict[str, LoadCaseSection]]:
+    """Return which transients the full model computes together: their keys and load cases.
+
+    Their steps, their lengths and their integrators are the same.
+    """
+    alike: dict[object, dict[str, LoadCaseSection]] = {}
+    for case in cases:
+        if case.kind != "static":
+            some = alike.setdefault((instants(case), integrator_of(case)), {})
+            some[response_key(case)] = case
+    return [group for some in alike.values() for group in grouped(some)]
+
+
+def transient_references(
+    joint: PreparedJoint,
+    cases: Sequence[LoadCaseSection],
+    progress: Callable[[int], object] | None = None,
+) -> list[Response]:
+    """Solve transients with the full model, side by side; each has its share of the time."""
+    first, start = cases[0], time.perf_counter()
+    solver = transient_solver(
+        joint.model, step=time_step(first, joint.period), integrator=integrator_of(first)
+    )
+    found = step_responses(
+        solver,
+        [case_load(case) for case in cases],
+        duration=time_span(first, joint.period),
+        # Solved anew it would depend, in the last digits, on what was solved before.
+        initial=joint.rest,
+        progress=progress,
+    )
+    responses = list(map(partial(respond, model=joint.model, seconds=0.0), found))
+    seconds = (time.perf_counter() - start) / len(cases)
+    return [replace(response, seconds=seconds) for response in responses]
 
 
 def integrator_of(case: LoadCaseSection) -> Integrator:

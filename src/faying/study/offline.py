@@ -31,7 +31,7 @@ from faying.study.loads import check_loads, training_box
 from faying.study.progress import Stages
 from faying.study.tables import Study
 from faying.study.timing import time_step
-from faying.study.training import StepTraining, step_key, step_loads
+from faying.study.training import StepTraining, step_groups, step_loads
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -195,9 +195,9 @@ def _training_forces(
     steps = step_training(study, joint, classic)
     loads = step_loads(training)
     with stages.stage("step training", len(loads) * steps.n_steps) as advance:
-        for number in range(len(loads)):
-            compute = partial(steps.forces, number, advance)
-            snapshots.append(checkpoint.bundle(step_key(number), compute)["forces"])
+        for group in step_groups(training):
+            checkpoint.fill(list(group), partial(steps.forces, list(group.values()), advance))
+            snapshots += [checkpoint.get(key)["forces"] for key in group]
     return np.hstack(snapshots)
 
 

@@ -1,40 +1,37 @@
 """The expensive pieces of a run, computed by workers before it and found finished by it.
 
 These are integrations of the full model: reference responses of transient load cases, and the
-training steps of method B. Static solutions take milliseconds once the joint is condensed, and
-reduced models need bases, which would cost every worker more than they give.
+training steps of method B, in the groups that a run without workers computes side by side too.
+Static solutions take milliseconds once the joint is condensed, and reduced models need bases, which
+would cost every worker more than they give.
 """
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 from faying import __version__
 from faying.exceptions import StudyError
-from faying.execution.campaign import run_campaign
+from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
-from faying.study.cases import packed, respond, response_key, solve_case
+from faying.study.cases import case_groups, packed, transient_references
 from faying.study.offline import PreparedJoint, is_trained, prepare_joint, step_training
 from faying.study.progress import Stages
 from faying.study.schema import parse_study
-from faying.study.tables import Study
-from faying.study.training import StepTraining, step_key, step_loads
+from faying.study.tables import LoadCaseSection, Study
+from faying.study.training import StepTraining, step_groups
 
-Piece = tuple[str, int]
-"""``"case"`` or ``"training"``, and which of them."""
+Piece = int | LoadCaseSection
+"""A training step by its number, or a load case."""
 
 
-def pieces(study: Study) -> dict[str, Piece]:
-    """Return the pieces that are worth a worker, by the keys the run looks them up under."""
-    found: dict[str, Piece] = {
-        response_key(case): ("case", number)
-        for number, case in enumerate(study.load_cases)
-        if case.kind != "static"
-    }
+def pieces(study: Study) -> list[dict[str, Piece]]:
+    """Return the pieces that are worth a worker, in groups, by the keys the run knows them by."""
+    found: list[dict[str, Piece]] = [{**group} for group in case_groups(study.load_cases)]
     training = study.reduction.training
     if is_trained(study) and training.system == "full":
-        numbers = range(len(step_loads(training)))
-        found |= {step_key(number): ("training", number) for number in numbers}
+        found += [{**group} for group in step_groups(training)]
     return found
 
 
@@ -48,10 +45,12 @@ def compute_pieces(
     FayingError
         As the run would raise, or if workers fail; what is finished is kept to resume from.
     """
-    tasks = pieces(study)
-    with stages.stage("workers", len(tasks)) as advance:
+    groups = pieces(study)
+    with stages.stage("workers", sum(map(len, groups))) as advance:
         prepare = partial(prepare_pieces, study.source.text, study.source.path, __version__)
-        run_campaign(prepare, tasks, executor, keep=checkpoint, progress=lambda _: advance(1))
+        run_grouped_campaign(
+            prepare, groups, executor, keep=checkpoint, progress=lambda _: advance(1)
+        )
 
 
 def prepare_pieces(text: str, path: Path, version: str) -> Function:
@@ -70,12 +69,12 @@ def prepare_pieces(text: str, path: Path, version: str) -> Function:
         raise StudyError(message)
     study = parse_study(text, path)
     joint = prepare_joint(study, Stages(None))
-    return partial(_computed, study, joint, step_training(study, joint, None))
+    return partial(_computed, joint, step_training(study, joint, None))
 
 
-def _computed(study: Study, joint: PreparedJoint, steps: StepTraining, piece: Piece) -> Arrays:
-    kind, number = piece
-    if kind == "training":
-        return steps.forces(number)
-    solution, seconds = solve_case(joint, study.load_cases[number], joint.model)
-    return packed(respond(solution, joint.model, seconds))
+def _computed(joint: PreparedJoint, steps: StepTraining, group: Sequence[Piece]) -> list[Arrays]:
+    numbers = [piece for piece in group if isinstance(piece, int)]
+    cases = [piece for piece in group if not isinstance(piece, int)]
+    if numbers:
+        return list(steps.forces(numbers))
+    return list(map(packed, transient_references(joint, cases)))

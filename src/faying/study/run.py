@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from faying.execution.executor import Executor
-from faying.study.cases import CaseRunner
+from faying.study.cases import CaseRunner, case_groups
 from faying.study.checkpoint import open_checkpoint
 from faying.study.files import write_text
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
@@ -77,6 +77,7 @@ def run(
         classic=trained.bases["classic"],
         stages=stages,
         checkpoint=checkpoint,
+        groups=case_groups(study.load_cases),
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     cases = {name: result for name, (result, _) in solved.items()}

@@ -25,3 +25,11 @@ def time_span(timed: Timed, period: float) -> float:
         if files:
             return min(float(read_history(file).times[-1]) for file in files)
     return period * (timed.periods or DEFAULT_PERIODS)
+
+
+def instants(timed: Timed) -> tuple[float, ...]:
+    """Return what is equal of runs with the same step and length, whatever the period is.
+
+    Both grow in proportion to the period or not at all, so two periods tell.
+    """
+    return tuple(of(timed, period) for of in (time_step, time_span) for period in (1.0, 2.0))

@@ -1,11 +1,12 @@
-"""The step responses that train method B: one piece of work per load."""
+"""The step responses that train method B, some of them side by side."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from faying.execution.checkpoint import Arrays
-from faying.execution.transients import forgetting
+from faying.execution.groups import grouped
+from faying.execution.transients import step_responses
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.transient import TransientSolver
@@ -41,19 +42,27 @@ class StepTraining:
         step = time_step(self.training, self.period)
         return round(time_span(self.training, self.period) / step)
 
-    def forces(self, number: int, progress: Callable[[int], object] | None = None) -> Arrays:
-        """Return ``forces``, λ (n_point, n_time) [force] of the response to one load."""
-        solution = forgetting(self._solver).solve(
-            step_loads(self.training)[number],
+    def forces(
+        self, numbers: Sequence[int], progress: Callable[[int], object] | None = None
+    ) -> Iterator[Arrays]:
+        """Yield ``forces``, λ (n_point, n_time) [force], of the responses to some of the loads."""
+        loads = step_loads(self.training)
+        found = step_responses(
+            self._solver,
+            [loads[number] for number in numbers],
             duration=time_span(self.training, self.period),
             initial=self.rest,
             progress=progress,
         )
-        return {"forces": solution.contact_forces.T}
+        return map(_forces, found)
 
     @cached_property
     def _solver(self) -> TransientSolver:
         return self.solver()
+
+
+def _forces(solution: Solution) -> Arrays:
+    return {"forces": solution.contact_forces.T}
 
 
 def step_loads(training: TrainingSection) -> Sequence[Load]:
@@ -64,3 +73,9 @@ def step_loads(training: TrainingSection) -> Sequence[Load]:
 def step_key(number: int) -> str:
     """Return the key that a training step is kept under."""
     return f"training step {number}"
+
+
+def step_groups(training: TrainingSection) -> list[dict[str, int]]:
+    """Return which training steps are computed together: their keys and numbers."""
+    numbers = range(len(step_loads(training)))
+    return grouped({step_key(number): number for number in numbers})

@@ -1,0 +1,15 @@
+"""How many responses may be stepped side by side: their histories are in memory together."""
+
+from faying.model.system import System
+
+HISTORY_BYTES = 2 * 2**30
+"""Memory that the histories of responses stepped side by side may take.
+
+The same on every machine, for round-off depends on how many there are.
+"""
+
+
+def runs_at_once(system: System, n_time: int) -> int:
+    """Return how many histories of ``n_time`` instants fit; one always does."""
+    numbers = n_time * (3 * system.K.shape[0] + 2 * system.contact.n_points)
+    return max(1, HISTORY_BYTES // (8 * int(numbers)))
