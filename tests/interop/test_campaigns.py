@@ -341,23 +341,22 @@ def test_the_company_of_a_task_is_the_same_after_a_stop(any_executor, tmp_path):
         campaign_tasks.company, groups, any_executor, keep=tmp_path / "new"
     )
     np.testing.assert_equal({name: found[name]["all"] for name in tasks}, expected)
-    first, *_ = sorted((tmp_path / "kept").iterdir())
-    first.unlink()
 
     class Counting(SerialExecutor):
         def map(self, prepare, sent):
             counts.append(len(sent))
             return super().map(prepare, sent)
 
-    counts, seen = [], []
-    again = run_grouped_campaign(
-        campaign_tasks.company, groups, Counting(), keep=tmp_path / "kept", progress=seen.append
-    )
-    assert counts == [1]
-    assert sorted(seen) == sorted(tasks)
-    np.testing.assert_equal({name: again[name]["all"] for name in tasks}, expected)
-    for name, task in tasks.items():
-        assert again[name]["own"] == task
+    for path in sorted((tmp_path / "kept").iterdir()):
+        path.unlink()
+        counts, seen = [], []
+        again = run_grouped_campaign(
+            campaign_tasks.company, groups, Counting(), keep=tmp_path / "kept", progress=seen.append
+        )
+        assert counts == [1]
+        assert sorted(seen) == sorted(tasks)
+        np.testing.assert_equal({name: again[name]["all"] for name in tasks}, expected)
+        assert {name: int(again[name]["own"]) for name in tasks} == tasks
 
 
 def test_errors_in_a_group_name_their_task_and_the_others_are_kept(any_executor, tmp_path):
