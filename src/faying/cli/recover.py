@@ -86,9 +86,12 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     # Brackets around units and in names are no markup.
     units, console = units_of(results.units), Console(markup=False, highlight=False)
     modes = f" with {recovered.joint_modes} joint modes" if recovered.joint_modes else ""
+    derived = recovered.derivatives
+    if "velocities" not in derived and "accelerations" not in derived:
+        derived = f"velocities and accelerations: {derived}"
     console.print(
         f"{recovered.history}: {recovered.route}, {len(recovered.times)} instants, "
-        f"{recovered.method}{modes}; velocities and accelerations: {recovered.derivatives}"
+        f"{recovered.method}{modes}; {derived}"
     )
     given = ", ".join(recovered.loads)
     console.print(f"Boundary forces: {given or 'none'} from the history; all others are zero")

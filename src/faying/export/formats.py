@@ -15,7 +15,7 @@ from typing import cast
 
 from faying.exceptions import FormatError, StudyError
 from faying.export.hand_over import HandOver, hand_over
-from faying.study.errors import nearest, quoted
+from faying.study.errors import nearest
 from faying.study.file_names import file_names
 
 LINEAR = "linear hand-over"
@@ -121,10 +121,7 @@ def format_named(name: str) -> Format:
         If there is none.
     """
     if name not in FORMATS:
-        message = (
-            f"there is no export format '{name}'; {nearest(name, FORMATS)}; "
-            f"the formats are {quoted(FORMATS)}"
-        )
+        message = f"there is no export format '{name}'; {nearest(name, FORMATS)}"
         raise StudyError(message)
     return FORMATS[name]
 

@@ -114,12 +114,19 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
     stages: list[str] = []
     history: list[Vector] = []
     for name, target in forces.items():
-        chosen = np.array([names.index(name)])
+        chosen = np.array([names.index(name)], dtype=np.int64)
         for fraction in np.arange(1, increments + 1) / increments:
             goal = np.array([fraction * target])
             state, active, reached = _reach(system, chosen, goal, state, active)
             stages.append(f"{name} to {fraction:.0%}")
             history.append(reached)
+    if not forces:
+        return Tightening(
+            initial_forces=dict(zip(names, state.tolist(), strict=True)),
+            bolts=tuple(names),
+            stages=(),
+            bolt_forces=np.empty((0, len(names))),
+        )
     chosen = np.array([names.index(name) for name in forces])
     goal = np.array(list(forces.values()))
     state, active, reached = _reach(system, chosen, goal, state, active)

@@ -240,7 +240,8 @@ def _reduction(study: Study) -> Iterator[Problem]:
     if not training.box and learning:
         text = (
             f"method '{learning[0]}' learns from training loads and there are none; add "
-            "[reduction.training] with box = [{ boundary, component, min, max }]"
+            "[reduction.training] with box = [{ boundary, component, min, max }], or name methods "
+            'that need none, as in methods = ["craig-bampton", "compliance"]'
         )
         yield _in_table(study, ("reduction",), text)
     yield from _repeated(study, ("reduction", "training", "box"), training.box)

@@ -1,5 +1,6 @@
 """Load histories: two columns of a csv file, time and value."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +29,7 @@ def read_history(path: Path) -> History:
         for number, line in enumerate(_text(path).splitlines(), start=1)
     ]
     rows = [(number, line) for number, line in numbered if line]
-    if rows and not _is_numeric(rows[0][1]):
+    if rows and not any(_is_numeric(cell) for cell in re.split("[,;]", rows[0][1])):
         rows = rows[1:]
     values = np.array([_row(path, number, line) for number, line in rows]).reshape(-1, 2)
     _check(path, [number for number, _ in rows], values)
@@ -59,7 +60,7 @@ def _row(path: Path, number: int, line: str) -> tuple[float, float]:
     if len(cells) != 2 or not _is_numeric(line):
         message = (
             f"{path}, line {number}: found '{line[:40]}', expected two numbers 'time, value' "
-            "separated by a comma"
+            "with decimal points, separated by a comma"
         )
         raise StudyError(message)
     return float(cells[0]), float(cells[1])

@@ -9,7 +9,7 @@ import numpy as np
 
 from faying.contact.gap_field import read_gap_field, with_gap_offset
 from faying.contact.interface import Interface
-from faying.exceptions import StudyError
+from faying.exceptions import ModelError, StudyError
 from faying.model.assembly import Assembly, Material
 from faying.model.build import build_model
 from faying.model.description import JointDescription
@@ -105,8 +105,8 @@ def build_loaded(loaded: LoadedModel) -> Model:
     Raises
     ------
     ModelError
-        As :func:`faying.model.build.build_model`, if a gap field does not cover its interface, or
-        if a load of the deck cannot be applied.
+        As :func:`faying.model.build.build_model`, if there is no mass, if a gap field does not
+        cover its interface, or if a load of the deck cannot be applied.
     """
     model = build_model(
         loaded.assembly,
@@ -116,6 +116,12 @@ def build_loaded(loaded: LoadedModel) -> Model:
         damping=loaded.damping,
         units=loaded.units,
     )
+    if not model.M.diagonal().any():
+        message = (
+            "the model has no mass: its materials have no density and it has no point masses; give "
+            "rho where the materials are, or by [material.NAME] in the study"
+        )
+        raise ModelError(message)
     return model.with_interfaces(
         {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
     ).with_deck_loads(*loaded.deck_loads)
@@ -366,6 +372,12 @@ def _preloads(
             message = (
                 f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
                 f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
+            )
+            raise StudyError(message)
+        if not given[bolt.name] >= 0:
+            message = (
+                f"{study.path.name}: bolt '{bolt.name}' has the preload {given[bolt.name]:g}, "
+                "which presses it; give a positive final force in the deck or by [[bolt]]"
             )
             raise StudyError(message)
     return given

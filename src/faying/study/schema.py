@@ -1,5 +1,6 @@
 """Reading a study file: :func:`read_study` gives a checked :class:`Study` or one clear message."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -46,7 +47,7 @@ def parse_study(text: str, path: Path) -> Study:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        message = f"{path.name} is not valid TOML: {error}; correct the line"
+        message = f"{path.name} is not valid TOML: {error}; {_remedy(text, str(error))}"
         raise StudyError(message) from None
     source = StudySource(path.resolve(), text, line_numbers(text))
     try:
@@ -58,10 +59,23 @@ def parse_study(text: str, path: Path) -> Study:
     return study
 
 
+def _remedy(text: str, error: str) -> str:
+    """Return what to do about a line that is no TOML, if it is one of the usual mistakes."""
+    place = re.search(r"at line (\d+)", error)
+    line = text.splitlines()[int(place[1]) - 1] if place else ""
+    if "overwrite" in error or "twice" in error:
+        return "the key or table is there twice, keep one"
+    if re.search(r"[=\[{,]\s*[-+]?\d+,\d", line):
+        return "write numbers with a decimal point, as in 5.0"
+    if "\\" in line:
+        return "write paths with /, or in single quotes, as in 'C:\\models\\deck.bdf'"
+    return "correct the line"
+
+
 def _text(path: Path) -> str:
     """Read a file as UTF-8 text."""
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         message = f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8"
     except OSError as error:

@@ -1,6 +1,7 @@
 """What all tables of a study file have in common, and the types of their values."""
 
 import math
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
@@ -59,6 +60,8 @@ def _existing_file(path: Path, info: ValidationInfo) -> Path:
     if not resolved.is_file():
         what = "is a folder" if resolved.is_dir() else "does not exist"
         message = f"file '{path}' {what} ({resolved}); paths are relative to the study file"
+        if "\\" in str(path) and os.sep != "\\":
+            message += ", and / separates folders here"
         raise refusal(message)
     return resolved
 

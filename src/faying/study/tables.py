@@ -32,6 +32,7 @@ from faying.study.section import (
     Switch,
     refusal,
 )
+from faying.study.units import KINDS_OF_UNITS
 
 Method = Literal[
     "craig-bampton",
@@ -244,10 +245,17 @@ class ValidationSection(Section):
 
 
 def _units(label: str) -> str:
-    if len(label.split("-")) == 3 and all(label.split("-")):
-        return label
-    message = f"found {shown(label)}, expected length-mass-time of a consistent set, as in 'mm-t-s'"
-    raise refusal(message)
+    parts = label.split("-")
+    expected = "expected length-mass-time of a consistent set, as in 'mm-t-s'"
+    if len(parts) != 3 or not all(parts):
+        message = f"found {shown(label)}, {expected}"
+        raise refusal(message)
+    for part, wanted in zip(parts, ("a length", "a mass", "a time"), strict=True):
+        kind = next((kind for kind, names in KINDS_OF_UNITS.items() if part in names), wanted)
+        if kind != wanted:
+            message = f"found {shown(label)}, {expected}; '{part}' is {kind}, not {wanted}"
+            raise refusal(message)
+    return label
 
 
 class Study(Section):

@@ -14,6 +14,16 @@ DERIVED = {
 }
 
 
+KINDS_OF_UNITS = {
+    "a length": ("m", "dm", "cm", "mm", "um", "µm", "in", "ft"),
+    "a mass": ("kg", "g", "mg", "t", "Mg", "slug", "slinch", "lb", "lbm"),
+    "a time": ("s", "ms", "us", "µs", "min", "h"),
+    "a force": ("N", "mN", "kN", "MN", "daN", "dyn", "lbf", "kgf"),
+    "a pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "psf"),
+}
+"""Names of units whose kind is known; a study may use others."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Units:
     """Names of units.

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.deck_lines import Lines
+from faying.io.deck_lines import Lines, deck_text
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
@@ -78,12 +78,13 @@ def _is_file(path: Path, origin: str) -> bool:
 
 def _read(path: Path, included_from: str) -> bytes:
     try:
-        return path.read_bytes()
+        data = path.read_bytes()
     except (OSError, ValueError) as error:
         origin = f"{included_from}: *INCLUDE: " if included_from else ""
         reason = "is not there" if isinstance(error, FileNotFoundError) else "cannot be read"
         message = f"{origin}input deck '{path}' {reason}; check the path"
         raise FormatError(message) from error
+    return deck_text(data, path)
 
 
 def _file_name(line: bytes, origin: str) -> str:

@@ -73,6 +73,9 @@ def _forces(
     for card in cards.get("BOLTFOR", ()):
         own = sets.setdefault(card.integer(0), {})
         force = card.real(1)
+        if not force >= 0:
+            text = f"the force is {force:g}; a bolt is tightened by a positive one"
+            raise card.error(text, 1)
         for bolt in id_list(card, [text for text in card.texts[2:] if text], np.array(list(names))):
             if bolt not in names:
                 text = f"bolt {bolt} is not a BOLT of the deck; define it"

@@ -7,6 +7,7 @@ from os import PathLike
 import numpy as np
 
 from faying._typing import Indices
+from faying.io.deck_lines import naming
 from faying.io.nastran.bolts import read_bolts
 from faying.io.nastran.contact_msc import all_bodies_touch, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_closed, check_distinct
@@ -46,7 +47,11 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
     A deck with case control but without BCSET or BCONTACT has no active contact; what it defines
     is then named in ``assembly.ignored``. Penalty factors are left to the study.
     """
-    deck = read_parts(path, subcase)
+    with naming(path):
+        return _described(read_parts(path, subcase))
+
+
+def _described(deck: Deck) -> JointDescription:
     regions = read_regions(deck.cards, deck.grids, deck.solids)
     notes: dict[str, None] = {}
     pairs = [

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.deck_lines import Lines
+from faying.io.deck_lines import Lines, deck_text
 
 _INCLUDE = re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?", re.IGNORECASE)
 _BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
@@ -78,7 +78,7 @@ def _shown(line: bytes) -> str:
 
 def _read(path: Path, included_from: str) -> bytes:
     try:
-        return path.read_bytes()
+        data = path.read_bytes()
     except OSError as error:
         origin = f"{included_from}: INCLUDE: " if included_from else ""
         reason = "is not there" if isinstance(error, FileNotFoundError) else "cannot be read"
@@ -87,6 +87,7 @@ def _read(path: Path, included_from: str) -> bytes:
     except ValueError as error:  # a path with a NUL character
         message = f"{included_from}: INCLUDE names an impossible path; correct it"
         raise FormatError(message) from error
+    return deck_text(data, path)
 
 
 def _expand(

@@ -1,0 +1,234 @@
+"""Mistakes that people make in studies and decks end in one message that says what to do."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import FormatError, ModelError, StudyError
+from faying.export.formats import format_named
+from faying.io import abaqus, nastran
+from faying.io.deck_lines import naming
+from faying.study.history import read_history
+from faying.study.load_model import build_loaded, load_model
+from faying.study.schema import parse_study, read_study
+from small_abaqus_deck import DECK as ABAQUS
+
+STUDY = """
+units = "mm-t-s"
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
+[[bolt]]
+name = "bolt"
+preload = 1e3
+[reduction]
+methods = ["compliance"]
+"""
+MARK = b"\xef\xbb\xbf"
+SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
+GRIDS = "".join(
+    f"GRID,{10 * part + 4 * top + i + 1},,{x}.,{y}.,{10 * (part + top)}.\n"
+    for part in (0, 1)
+    for top in (0, 1)
+    for i, (x, y) in enumerate(SQUARE)
+)
+NASTRAN = f"""SOL 101
+CEND
+SPC = 1
+BCSET = 1
+BOLTLD = 1
+BEGIN BULK
+{GRIDS}CHEXA,1,1,1,2,3,4,5,6
+,7,8
+CHEXA,2,1,11,12,13,14,15,16
+,17,18
+PSOLID,1,1
+MAT1,1,210000.,,.3,7.8-9
+GRID,21,,5.,5.,0.
+GRID,22,,5.,5.,20.
+RBE2,31,21,123,1,2,3,4
+RBE2,32,22,123,15,16,17,18
+SPC1,1,123456,21
+CBEAM,41,5,21,22,1.,0.,0.
+PBEAM,5,1,28.,63.,63.,,126.
+BSURFS,1,,,,1,5,6,7
+BSURFS,2,,,,2,11,12,13
+BCTSET,1,1,2,0.
+BOLT,1,1,41
+BOLTFOR,1,5000.,1
+ENDDATA
+"""
+DECK_STUDY = """
+[model]
+source = "nastran"
+file = "joint.bdf"
+[reduction]
+methods = ["compliance"]
+"""
+
+
+def refused(text, change=("", ""), error=StudyError):
+    assert change[0] in text
+    with pytest.raises(error) as raised:
+        parse_study(text.replace(*change), Path("study.toml"))
+    return str(raised.value)
+
+
+@pytest.fixture
+def deck(tmp_path):
+    """Write a Nastran deck with a change, and its study; return the study's path."""
+
+    def write(*change):
+        assert not change or change[0] in NASTRAN
+        text = NASTRAN.replace(*change) if change else NASTRAN
+        (tmp_path / "joint.bdf").write_text(text)
+        (tmp_path / "study.toml").write_text(DECK_STUDY)
+        return tmp_path / "study.toml"
+
+    return write
+
+
+@pytest.mark.parametrize(
+    ("units", "reason"),
+    [
+        ("N-mm-MPa", "'N' is a force, not a length"),
+        ("t-mm-s", "'t' is a mass, not a length"),
+        ("mm-MPa-s", "'MPa' is a pressure, not a mass"),
+        ("mm-t", "expected length-mass-time"),
+    ],
+)
+def test_units_of_another_kind(units, reason):
+    message = refused(STUDY, ('"mm-t-s"', f'"{units}"'))
+    assert "'units'" in message
+    assert reason in message
+
+
+def test_units_that_are_not_known_are_left_to_the_user():
+    assert parse_study(STUDY.replace("mm-t-s", "furlong-firkin-d"), Path("s.toml")).units
+
+
+@pytest.mark.parametrize(
+    ("change", "line", "remedy"),
+    [
+        (("preload = 1e3", "preload = 1000,0"), 8, "decimal point"),
+        (("element_size = 10.0", "element_size = 10,0"), 5, "decimal point"),
+        (('"lap-joint"', '"lap\\joint"'), 4, "write paths with /"),
+        (("preload = 1e3", "preload = 1e3\npreload = 2e3"), 9, "keep one"),
+        (("preload = 1e3", "preload = 1e"), 8, "correct the line"),
+    ],
+)
+def test_lines_that_are_no_toml(change, line, remedy):
+    message = refused(STUDY, change)
+    assert f"study.toml is not valid TOML: {message.split('TOML: ')[1]}" in message
+    assert f"line {line}" in message
+    assert message.endswith(remedy) or remedy in message.rpartition(";")[2]
+
+
+def test_study_with_a_byte_order_mark(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_bytes(MARK + STUDY.replace("\n", "\r\n").encode())
+    assert read_study(path).bolts[0].preload == 1e3
+
+
+def test_path_of_another_system(tmp_path):
+    text = DECK_STUDY.replace('"joint.bdf"', r"'decks\joint.bdf'")
+    with pytest.raises(StudyError, match=r"does not exist.*, and / separates folders here"):
+        parse_study(text, tmp_path / "study.toml")
+
+
+def test_methods_without_training_are_named(tmp_path):
+    message = refused(STUDY, ('methods = ["compliance"]', ""))
+    assert "'jim-b' learns from training loads" in message
+    assert 'methods = ["craig-bampton", "compliance"]' in message
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("SOL 101\nCEND\nBEGIN BULK\nENDDATA\n", "has no GRID"),
+        (NASTRAN.replace("SPC1,1,", "SPC1,2,"), "selects SPC = 1"),
+        (NASTRAN.replace("BCTSET,1,", "BCTSET,2,"), "selects BCSET = 1"),
+        (NASTRAN.replace("BOLTFOR,1,", "BOLTFOR,2,"), "selects BOLTLD = 1"),
+    ],
+)
+def test_mistakes_of_a_deck_as_a_whole_name_it(tmp_path, text, reason):
+    path = tmp_path / "joint.bdf"
+    path.write_text(text)
+    with pytest.raises(FormatError, match=reason) as raised:
+        nastran.read_joint(path)
+    assert str(raised.value).startswith(str(path))
+
+
+def test_places_are_named_once():
+    with pytest.raises(FormatError, match=r"^sub/part\.bdf:3: GRID: wrong$"), naming("deck.bdf"):
+        raise FormatError("sub/part.bdf:3: GRID: wrong")
+    with pytest.raises(FormatError, match=r"^deck\.bdf: wrong$"), naming("deck.bdf"):
+        raise FormatError("wrong")
+
+
+def test_subcase_that_is_not_there(tmp_path):
+    path = tmp_path / "joint.bdf"
+    path.write_text(NASTRAN)
+    with pytest.raises(FormatError, match=r"joint\.bdf: case control has no subcase 3"):
+        nastran.read_joint(path, subcase=3)
+
+
+@pytest.mark.parametrize(
+    ("read", "text", "name"),
+    [
+        (nastran.read_joint, NASTRAN, "joint.bdf"),
+        (abaqus.read_joint, ABAQUS, "joint.inp"),
+    ],
+)
+def test_decks_as_editors_save_them(tmp_path, read, text, name):
+    plain, marked, wide = (tmp_path / f"{kind}-{name}" for kind in ("plain", "marked", "wide"))
+    plain.write_text(text)
+    marked.write_bytes(MARK + text.replace("\n", "\r\n").encode())
+    wide.write_bytes(text.encode("utf-16"))
+    np.testing.assert_array_equal(read(marked).assembly.mesh.nodes, read(plain).assembly.mesh.nodes)
+    with pytest.raises(FormatError, match=r"wide.* is UTF-16 text; save it as UTF-8"):
+        read(wide)
+
+
+def test_bolt_that_presses(deck):
+    study = deck("BOLTFOR,1,5000.,1", "BOLTFOR,1,-5000.,1")
+    with pytest.raises(FormatError, match=r"joint\.bdf:40: BOLTFOR: the force is -5000"):
+        load_model(read_study(study))
+    study = deck("BOLTFOR,1,5000.,1", "BOLTFOR,7,5000.,1\nBOLTLD,1,1.,-1.,7")
+    with pytest.raises(StudyError, match="'bolt-1' has the preload -5000, which presses it"):
+        load_model(read_study(study))
+
+
+def test_structure_without_mass(deck):
+    assert build_loaded(load_model(read_study(deck()))).M.diagonal().any()
+    massless = load_model(read_study(deck(",7.8-9", "")))
+    with pytest.raises(ModelError, match=r"no mass.*give rho"):
+        build_loaded(massless)
+
+
+def test_no_bolt_tightened():
+    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    tightening = fy.tighten(model, {})
+    assert tightening.initial_forces == {"bolt": 0.0}
+    assert tightening.bolt_forces.shape == (0, 1)
+    assert fy.solve_static(fy.preload(model, {})).pressure.max() == 0.0
+
+
+def test_first_line_of_a_history_is_a_header_only_without_numbers(tmp_path):
+    path = tmp_path / "force.csv"
+    path.write_text("time [s], force [N]\n0,1\n1,2\n")
+    assert len(read_history(path).times) == 2
+    path.write_text("0.O,1\n1,2\n2,3\n")  # a letter for a zero
+    with pytest.raises(StudyError, match=r"line 1: found '0\.O,1', expected two numbers"):
+        read_history(path)
+    path.write_text("time;force\n0,0;1,5\n1,0;2,5\n")
+    with pytest.raises(StudyError, match=r"line 2: .* with decimal points, separated by a comma"):
+        read_history(path)
+
+
+def test_formats_are_listed_once():
+    with pytest.raises(StudyError) as raised:
+        format_named("ansys")
+    assert str(raised.value).count("'nastran'") == 1
