@@ -5,8 +5,9 @@ Run it on the login node, in an environment that the compute nodes see too::
     pip install 'faying[cluster]' dask-jobqueue
     python examples/slurm_campaign.py results-folder
 
-Every SLURM job is one worker: it builds and factorizes the joint once, then takes loads until none
-is left. Jobs may start hours apart; a job that is killed or runs out of time gives its load back.
+Every SLURM job is one worker: it builds and factorizes the joint once, then takes loads, four at a
+time side by side, until none is left. Jobs may start hours apart; a job that is killed or runs out
+of time gives its loads back.
 Stopped (Ctrl-C, or the login node's limits), the script goes on where it was when it is run again.
 """
 
@@ -16,7 +17,7 @@ from pathlib import Path
 import faying as fy
 from faying.execution import DaskExecutor, transient_campaign
 
-JOBS = 20
+JOBS = 8
 STEP, DURATION = 5e-6, 2e-3
 LOADS = {
     f"Fz {force:.0f} N, Mx {moment:.0f} N mm": fy.Load({"tip.Fz": force, "tip.Mx": moment})

@@ -31,7 +31,7 @@ class Response:
     iterations : () or (n_time,)
         Linear systems of the contact problem.
     seconds
-        Wall time of the solution, offline work excluded.
+        Wall time of the solution, offline work excluded; its share where others were beside it.
     nodal_displacement : (n_node, 3), optional
         Of static cases.
     recovered_pressure : (n_time, n_point), optional

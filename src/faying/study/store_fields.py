@@ -244,7 +244,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "contact_forces": Meaning("total normal force by interface", "force", "([n_time])"),
         "open_fraction": Meaning("area without pressure by interface", "1", "([n_time])"),
         "iterations": Meaning("linear systems of the contact problem", "1", "([n_time])"),
-        "seconds": Meaning("wall time, offline work excluded", "s"),
+        "seconds": Meaning("wall time (side by side: its share), offline work excluded", "s"),
         "nodal_displacement": Meaning("of static cases", "length", "(n_node, 3)"),
         "recovered_pressure": Meaning(
             "pressure recovered from the motion", "force/length²", "(n_time, n_point)"
