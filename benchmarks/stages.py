@@ -388,6 +388,7 @@ def target(name: str, limit: float, measured: float) -> None:
 def draw(rows: dict[str, Result]) -> None:
     """Draw times and memory over dofs, and times over points."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
 
     figure = Figure(figsize=(12, 4.6), layout="constrained")
     axes = figure.subplots(1, 3)
@@ -424,6 +425,7 @@ def draw(rows: dict[str, Result]) -> None:
     axes[2].set(title="memory", xlabel="dofs", ylabel="GiB")
     for ax in axes:
         ax.grid(which="both", alpha=0.2)
+        ax.xaxis.set_minor_formatter(NullFormatter())  # labels of less than a decade collide
     lines, labels = axes[1].get_legend_handles_labels()
     figure.legend(lines, labels, fontsize=8, loc="outside lower center", ncols=8)
     axes[2].legend(fontsize=7)

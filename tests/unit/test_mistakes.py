@@ -1,17 +1,21 @@
 """Mistakes that people make in studies and decks end in one message that says what to do."""
 
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import faying as fy
+from faying import cli
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.export.formats import format_named
 from faying.io import abaqus, nastran
 from faying.io.deck_lines import naming
+from faying.model.assembly import Material
 from faying.study.history import read_history
 from faying.study.load_model import build_loaded, load_model
+from faying.study.plausible import doubts
 from faying.study.schema import parse_study, read_study
 from small_abaqus_deck import DECK as ABAQUS
 
@@ -232,3 +236,47 @@ def test_formats_are_listed_once():
     with pytest.raises(StudyError) as raised:
         format_named("ansys")
     assert str(raised.value).count("'nastran'") == 1
+
+
+def solid(modulus, density, name=""):
+    return Material(youngs_modulus=modulus, poissons_ratio=0.3, density=density, name=name)
+
+
+STEEL = solid(210e3, 7.85e-9, name="steel")
+
+
+@pytest.mark.parametrize(
+    ("material", "units"),
+    [
+        (STEEL, "mm-t-s"),
+        (solid(2.1e11, 7850.0), "m-kg-s"),
+        (solid(210.0, 7.85e-6), "mm-kg-ms"),
+        (solid(3.0e7, 7.35e-4), "in-slinch-s"),
+        (solid(1.0, 0.0), "furlong-firkin-d"),
+        (solid(210e3, 0.0), "mm-t-s"),  # without mass: refused elsewhere
+    ],
+)
+def test_constants_of_solids_raise_no_doubt(material, units):
+    assert list(doubts({1: material}, units)) == []
+
+
+def test_constants_in_other_units_do():
+    wrong = {1: solid(2.1e11, 7850.0, name="steel"), 2: STEEL}
+    assert list(doubts(wrong, "mm-t-s")) == [
+        "material 'steel': E = 2.1e+11 is 2.1e+17 Pa in mm-t-s, as of no solid; check it and "
+        "'units'",
+        "material 'steel': rho = 7850 is 7.85e+15 kg/m³ in mm-t-s, as of no solid; check it and "
+        "'units'",
+    ]
+    assert len(list(doubts({1: STEEL}, "m-kg-s"))) == 1  # 7.85e-9 kg/m³
+
+
+def test_check_tells_of_doubtful_constants(tmp_path, monkeypatch, capsys):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY + "[material.steel]\nE = 2.1e11\n")
+    monkeypatch.setattr(sys, "argv", ["faying", "check", str(path)])
+    monkeypatch.setenv("COLUMNS", "200")
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert not ended.value.code
+    assert "Doubtful: material 'steel': E = 2.1e+11 is 2.1e+17 Pa" in capsys.readouterr().out

@@ -125,6 +125,13 @@ def call(monkeypatch, capsys, *arguments):
     return ended.value.code or 0, *capsys.readouterr()
 
 
+def test_what_is_derived_is_said_once(folder, solution, tmp_path, monkeypatch, capsys):
+    path = write_csv(tmp_path / "bare.csv", modal_columns(solution, derivatives=False))
+    status, out, _ = call(monkeypatch, capsys, "recover", folder, path)
+    assert status == 0
+    assert "craig-bampton; velocities and accelerations by a cubic spline" in out
+
+
 def test_a_modal_csv_gives_the_pressures_of_memory(
     folder, results, solution, expected, tmp_path, monkeypatch, capsys
 ):
@@ -256,6 +263,7 @@ CSV = "time,q1,tip.Fz\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n"
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (CSV.replace(",", ";"), "is one column; separate columns by commas"),
         (CSV.replace("tip.Fz", "tip.Fs"), r"unknown column 'tip.Fs'; did you mean 'tip.Fz'\?"),
         (CSV.replace("time", "tme"), r"unknown column 'tme'; did you mean 'time'\?"),
         (CSV.replace("time", "q2"), "has no column 'time'"),

@@ -23,6 +23,7 @@ def check(
     from faying.model.diagnosis import check_held, free_parts
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads
+    from faying.study.plausible import doubts
     from faying.study.schema import read_study
 
     checked = read_study(study)
@@ -34,6 +35,8 @@ def check(
     console, free = Console(), free_parts(model)
     for table in described(checked, loaded, model, free):
         console.print(table)
+    for doubt in doubts(loaded.assembly.materials, loaded.units):
+        console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
     if free.count:

@@ -174,6 +174,9 @@ def _numbers(path: Path, line: int, header: Sequence[str], row: Sequence[str]) -
 def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> None:
     known = ["time", "q1", "v1", "a1", *loads, *FRAME]
     for name in header:
+        if ";" in name:
+            message = f"{path}: '{name}' is one column; separate columns by commas"
+            raise FormatError(message)
         if name not in known and not MODAL_COLUMN.fullmatch(name):
             message = (
                 f"{path}: unknown column '{name}'; {nearest(name, known)} (columns are time; q1, "
