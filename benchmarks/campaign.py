@@ -26,11 +26,11 @@ from faying.execution import DaskExecutor, Executor, grouped, responses, transie
 from faying.execution.checkpoint import Arrays
 
 ELEMENT_SIZE = 2.0
-STEPS = 30
-RUNS = 16
+STEPS = 15
+RUNS = 32
 REPEATS = 5
 LOADS = {
-    f"{run}": fy.Load({"tip.Fz": -500.0 + 60.0 * run, "tip.Mx": 20e3}, name=f"{run}")
+    f"{run}": fy.Load({"tip.Fz": -500.0 + 30.0 * run, "tip.Mx": 20e3}, name=f"{run}")
     for run in range(RUNS)
 }
 WAYS: Mapping[str, int | None] = {"one by one": 1, "side by side": None}

@@ -58,6 +58,7 @@ def main() -> None:
             DaskExecutor(client),
             step=STEP,
             duration=DURATION,
+            side_by_side=4,  # the thirty loads are then eight groups, one for each job
             keep=folder,
             progress=lambda name: sys.stderr.write(f"finished {name}\n"),
         )
