@@ -187,9 +187,9 @@ def ccx_rule(interface, data):
 def from_deck(path, step):
     """Model, bolt forces and load of a step of a deck, nothing added to what the deck says."""
     joint = read_joint(path, step=step)
-    loads = joint.assembly.loads.values()
+    selected = joint.assembly.loads.get(joint.selected_load)
     forces, boundaries = {}, []
-    for nodes, values in ((load.nodes, load.forces) for load in loads):
+    for nodes, values in [] if selected is None else [(selected.nodes, selected.forces)]:
         for number, row in zip(joint.assembly.mesh.node_ids[nodes].tolist(), values, strict=True):
             boundaries.append(fy.BoundarySpec(name=f"n{number}", node=number))
             forces |= {f"n{number}.{FORCE_NAMES[c]}": row[c] for c in np.flatnonzero(row)}

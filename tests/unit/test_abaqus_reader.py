@@ -287,8 +287,14 @@ STEPS = """\
 )
 def test_steps_add_to_and_replace_earlier_ones(read, step, forces, held):
     described = read(DECK[: DECK.index("*STEP")] + STEPS, step=step)
-    (load,) = described.assembly.loads.values()
+    load = described.assembly.loads[described.selected_load]
     np.testing.assert_array_equal(load.forces[0, :3], forces)
+    loads = described.assembly.loads
+    assert next(iter(loads)) == described.selected_load == f"step {step or 3}"
+    earlier = {"step 1": [0, 0, -7], "step 2": [2, 0, -9], "step 3": [0, 5, 0]}
+    for name, wanted in list(earlier.items())[: (step or 3) - 1]:
+        np.testing.assert_array_equal(loads[name].forces[0, :3], wanted)
+    assert len(loads) == (step or 3)
     (support,) = described.assembly.supports
     assert len(support.components) == held
     if step in (1, 2):

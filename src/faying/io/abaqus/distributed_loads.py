@@ -21,8 +21,8 @@ Key = tuple[str, str]
 
 def read_distributed(
     deck: Deck, assembly: Assembly, sets: NamedSets, surfaces: Surfaces, ignored: list[str]
-) -> Matrix:
-    """Return the forces (n_node, 6) of all distributed loads in force.
+) -> Iterator[Matrix]:
+    """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
     A later step replaces loads of the same kind on the same set or surface; OP=NEW removes all
     that earlier steps left.
@@ -50,7 +50,7 @@ def read_distributed(
             for key, forces in _lines(keyword, assembly, sets, surfaces):
                 here[key] = here.get(key, 0.0) + forces
         result.update(here)
-    return sum(result.values(), np.zeros((len(assembly.mesh.nodes), 6)))
+        yield sum(result.values(), np.zeros((len(assembly.mesh.nodes), 6)))
 
 
 def _lines(

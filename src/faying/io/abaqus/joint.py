@@ -25,8 +25,10 @@ def read_joint(path: str | PathLike[str], *, step: int | None = None) -> JointDe
     Returns
     -------
     JointDescription
-        Slave surfaces are the minus sides. Ids and names are those of the deck; names inside
-        instances are ``instance.name``. ``assembly.ignored`` names everything left out.
+        Slave surfaces are the minus sides. ``assembly.loads`` has ``step 1``, … with what is in
+        force in each step up to the chosen one, which comes first. Ids and names are those of the
+        deck; names inside instances are ``instance.name``. ``assembly.ignored`` names everything
+        left out.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""``*CLOAD``, ``*DLOAD`` and ``*DSLOAD``: forces on nodes in one step."""
+"""``*CLOAD``: forces on nodes, step by step."""
 
 from collections.abc import Iterator
 
@@ -36,8 +36,8 @@ def note_amplitude(keyword: Keyword, ignored: list[str]) -> None:
             ignored.append(note)
 
 
-def read_concentrated(deck: Deck, dofs: Dofs, ignored: list[str]) -> Forces:
-    """Return the *CLOAD in force: (node, component) of the deck to the value.
+def read_concentrated(deck: Deck, dofs: Dofs, ignored: list[str]) -> Iterator[Forces]:
+    """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
     A later step replaces what it names again; within a step values add up. OP=NEW removes what
     earlier steps left.
@@ -50,7 +50,7 @@ def read_concentrated(deck: Deck, dofs: Dofs, ignored: list[str]) -> Forces:
     found: Forces = {}
     for new, here in _steps(deck, dofs, ignored):
         found = {**({} if new else found), **here}
-    return found
+        yield found
 
 
 def last_given(deck: Deck, dofs: Dofs) -> Forces:

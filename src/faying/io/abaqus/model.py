@@ -1,10 +1,11 @@
 """All families of keywords together: a deck as an assembly, and what belongs to it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.io.abaqus import contact, materials, pretension
 from faying.io.abaqus.beams import read_beams
 from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
@@ -56,7 +57,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     sections = pretension.read_sections(deck, dofs, elements, by_element)
     mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, ignored)
     surfaces = read_surfaces(deck, mesh, by_element, by_node)
-    forces = read_concentrated(deck, dofs, ignored)
+    forces = list(read_concentrated(deck, dofs, ignored))
     pairs = contact.read_pairs(deck, surfaces, ignored)
     assembly = Assembly(
         mesh=mesh,
@@ -70,9 +71,12 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         name=deck.path.stem,
     )
     apart = {section.node for section in sections}
-    applied = nodal_forces({place: f for place, f in forces.items() if place[0] not in apart}, dofs)
+    concentrated = (
+        nodal_forces({place: f for place, f in here.items() if place[0] not in apart}, dofs)
+        for here in forces
+    )
     distributed = read_distributed(deck, assembly, by_element, surfaces, ignored)
-    distributed[: len(applied)] += applied
+    loads = _loads(deck, concentrated, distributed)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
@@ -80,7 +84,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     assembly = replace(
         assembly,
         mesh=contact.with_mixed_sides(assembly.mesh, pairs),
-        loads=_loads(deck, distributed),
+        loads=loads,
     )
     specs = contact.specs(assembly, pairs, ignored)
     return JointDescription(
@@ -89,7 +93,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         bolts=bolts,
         preloads=pretension.preloads(sections, last_given(deck, dofs)),
         initial_gaps=contact.clearances(deck, assembly, pairs, specs),
-        selected_load=next(iter(assembly.loads), None),
+        selected_load=_name(deck.n_step) if _name(deck.n_step) in loads else None,
     )
 
 
@@ -181,8 +185,20 @@ def check_supported(deck: Deck, ignored: list[str]) -> None:
         ignored.append("NLGEOM of *STEP: displacements are small here")
 
 
-def _loads(deck: Deck, forces: np.typing.NDArray[np.float64]) -> dict[str, NodalLoads]:
-    loaded = np.flatnonzero((forces != 0).any(axis=1))
-    if not loaded.size:
-        return {}
-    return {f"step {deck.n_step}": NodalLoads(nodes=loaded, forces=forces[loaded])}
+def _loads(
+    deck: Deck, concentrated: Iterable[Matrix], distributed: Iterable[Matrix]
+) -> dict[str, NodalLoads]:
+    """Return the loads in force in every step up to the chosen one, that one first."""
+    steps = {keyword.step for keyword in deck.of("STEP")} | {deck.n_step}
+    found = {}
+    for step, (applied, forces) in enumerate(zip(concentrated, distributed, strict=True)):
+        forces[: len(applied)] += applied
+        loaded = np.flatnonzero((forces != 0).any(axis=1))
+        if loaded.size and step in steps:
+            found[step] = NodalLoads(nodes=loaded, forces=forces[loaded])
+    order = sorted(found, key=lambda step: (step != deck.n_step, step))
+    return {_name(step): found[step] for step in order}
+
+
+def _name(step: int) -> str:
+    return f"step {step}"
