@@ -249,6 +249,25 @@ def test_derivatives_by_bolts_stay_right(small):
     close(change.pressure[:, 0], slope, 1e-7)  # a difference of 1e-4 of pressures to 1e-13
 
 
+def test_derivatives_by_amplitudes(small):
+    """Against central differences, where the range says that they are exact."""
+    load, step = {"5": 1.0, "2": 0.5, "tip.Fz": -20.0}, 1e-3
+    change = fy.sensitivity(small, fy.solve_static(small, fy.Load(load))).load_patterns
+    assert change.parameters == ("5", "2")
+    for column, name in enumerate(change.parameters):
+        assert change.lower[column] < -step < step < change.upper[column]
+        up, down = (
+            fy.solve_static(small, fy.Load({**load, name: load[name] + sign * step}))
+            for sign in (1, -1)
+        )
+        # Differences of 1e-4 of pressures, displacements and forces to 1e-13.
+        close(change.pressure[:, column], (up.pressure - down.pressure) / (2 * step), 1e-7)
+        moved = (up.displacement("tip") - down.displacement("tip")) / (2 * step)
+        close(change.displacement("tip")[:, column], moved, 1e-7)
+        pulled = (up.bolt_force("bolt") - down.bolt_force("bolt")) / (2 * step)
+        assert change.bolt_forces[0, column] == pytest.approx(float(pulled), rel=1e-6)
+
+
 def test_load_sets_of_the_deck(deck):
     assembly = read_parts(deck, None).assembly
     total = {name: load.forces.sum(axis=0)[:3] for name, load in assembly.loads.items()}

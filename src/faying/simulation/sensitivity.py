@@ -61,6 +61,13 @@ class Sensitivity:
         return self._respond(tuple(names), inputs=changes)
 
     @cached_property
+    def load_patterns(self) -> Response:
+        """Derivatives by the amplitudes of the load patterns."""
+        names = tuple(self.system.load_patterns)
+        changes = np.eye(len(self.system.port_compliance.input_rows))
+        return self._respond(names, inputs=changes[:, len(changes) - len(names) :])
+
+    @cached_property
     def initial_bolt_forces(self) -> Response:
         """Derivatives by the initial forces N₀ the bolts are locked at."""
         return self._respond(tuple(self.system.bolts), inputs=self._bolt_inputs(self._unit_bolts))
@@ -246,7 +253,7 @@ def sensitivity(system: System, solution: Solution) -> Sensitivity:
     Returns
     -------
     Sensitivity
-        ``.boundary_forces``, ``.initial_bolt_forces``, ``.final_preloads`` and
+        ``.boundary_forces``, ``.load_patterns``, ``.initial_bolt_forces``, ``.final_preloads`` and
         ``.initial_gap(directions)``, each a :class:`Response` with pressures, contact forces,
         bolt forces, boundary displacements, and the range in which it is exact.
 
