@@ -120,7 +120,14 @@ def cluster():
     levels = {name: logging.getLogger(name).level for name in dasks}
     for name in levels:
         logging.getLogger(name).setLevel(logging.CRITICAL)  # deaths of workers are wanted here
-    with DaskExecutor.local(2) as executor:
+    config = importlib.import_module("dask.config")
+    with (
+        # A busy machine may take minutes to replace a worker: Dask gives up its place after 15 s.
+        config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"}),
+        pytest.MonkeyPatch.context() as patch,
+        DaskExecutor.local(2) as executor,
+    ):
+        patch.setattr(dask, "WITHOUT_WORKERS", 600.0)
         assert executor.n_workers == 2
         yield executor
     for name, level in levels.items():
@@ -502,6 +509,8 @@ def test_a_scheduler_file_is_enough(monkeypatch, capsys, cluster, study, serial_
     # Of a scheduler's file only the address counts. distributed's own writer is no help in a test:
     # once a worker has reported its timings it fails on their keys, which are tuples.
     file.write_text(json.dumps({"type": "Scheduler", "address": cluster._client.scheduler.address}))
+    # Who connects to a scheduler is patient: without workers it would wait for ever.
+    cluster._client.wait_for_workers(1, timeout=600)
     arguments = ["run", study.path, "--out", tmp_path / "out", "--scheduler", file]
     status, err = call(monkeypatch, capsys, *arguments)
     assert status == 0, err
