@@ -68,6 +68,10 @@ def unzipped(files, folder):
 def test_fmpy_finds_nothing_wrong(files, number):
     assert validate_fmu(str(files[number])) == []
     description = fmpy.read_model_description(str(files[number]))
+    said = {v.name: v.description for v in description.modelVariables}
+    assert said["tip.Fx"] == "force on tip"
+    assert said["tip.Mx"] == "moment on tip"
+    assert said["bolt.force"] == "axial force of bolt 'bolt', tension positive"
     units = {v.name: v.unit for v in description.modelVariables}
     assert units["tip.Fz"] == "N"
     assert units["tip.Mx"] == "N.mm"

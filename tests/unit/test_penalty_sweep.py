@@ -130,7 +130,7 @@ def test_advice_has_units_and_does_not_call_round_off_zero():
     text = recommend_penalty(sweep, units=units).text
     assert "Recommended contact stiffness: 1e4 N/mm³, the softest" in text
     assert "penetration there: 1.00e+00 mm" in text
-    assert "compliance: largest pressure error below 1e-07 at the recommended value" in text
+    assert "compliance: largest pressure error below 1e-5% at the recommended value" in text
 
 
 def test_overconstrained_points_are_warned_of(gauss):

@@ -286,3 +286,15 @@ def test_one_mode_is_singular():
     assert style.label("jim-a", 1) == "jim-a, 1 joint mode"
     assert "from 2 joint modes on" in verdicts(with_errors(jim_a={1: 0.5, 2: 0.01}))[0].sentence
     assert "with 1 joint mode," in verdicts(with_errors(jim_a={1: 0.5, 2: 0.6}))[0].sentence
+
+
+def test_fewer_joint_modes_than_asked_for_are_named():
+    asked = replace(
+        with_errors(jim_b={5: 0.04, 7: 0.01}, compliance={0: 0.0}),
+        study_text="[reduction]\njoint_modes = [5, 10]\n",
+    )
+    said = " ".join(reservations(asked))
+    assert "jim-b: 10 joint modes were asked for, but only 7 joint modes could be made" in said
+    assert "compliance: 10" not in said
+    for text in ("[reduction]\njoint_modes = [5, 7]\n", '[reduction]\njoint_modes = "auto"', "="):
+        assert "asked for" not in " ".join(reservations(replace(asked, study_text=text)))

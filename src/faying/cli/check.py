@@ -50,9 +50,10 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
 
     from faying.model.bolt_axis import bolt_ends
     from faying.report.figures import plot_model
+    from faying.report.style import save
 
     ends = {spec.name: bolt_ends(model.assembly, spec) for spec in loaded.bolts}
-    figure = Figure(figsize=(11, 6), layout="constrained")
+    figure = Figure(figsize=(11, 6), dpi=150, layout="constrained")
     plot_model(model, figure.add_subplot(projection="3d"), bolts=ends)
-    figure.savefig(path, dpi=150, bbox_inches="tight")
+    save(figure, path)
     return path

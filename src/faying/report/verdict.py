@@ -1,5 +1,6 @@
 """Which methods can be trusted for pressure, judged by their errors on the load cases of a run."""
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -202,12 +203,34 @@ def reservations(results: Results) -> list[str]:
         if case.times is not None and check is None:
             said.append(f"{name}: no time-step check was run, so convergence in time is open.")
     said.extend(_unseen(results))
+    said.extend(_fewer_modes(results))
     said.append(
         "Errors compare each reduced model with the full model on the same mesh, contact law, "
         "quadrature and time step, for these load cases only. They say nothing of the full "
         "model's own discretization error, nor of other loads."
     )
     return said
+
+
+def _fewer_modes(results: Results) -> list[str]:
+    """Return the methods whose training gave fewer joint modes than the study asks for."""
+    try:
+        asked = tomllib.loads(results.study_text)["reduction"]["joint_modes"]
+        most = max(count for count in asked if isinstance(count, int))
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
+        return []
+    found = {
+        method: max(sizes)
+        for case in results.cases.values()
+        for method, sizes in case.methods.items()
+        if max(sizes, default=0) > 0
+    }
+    return [
+        f"{method}: {most} joint modes were asked for, but only {_modes(count)} could be made; "
+        "more sides or levels of the training box, for method A more subareas, give more."
+        for method, count in found.items()
+        if count < most
+    ]
 
 
 def _unseen(results: Results) -> list[str]:

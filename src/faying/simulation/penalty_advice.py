@@ -81,7 +81,11 @@ def _stiffness(value: float, units: UnitNames) -> str:
 
 def _error(fraction: float) -> str:
     """Return an error as percent; round-off is not called zero."""
-    return f"{fraction:.2%}" if fraction >= ROUND_OFF else f"below {ROUND_OFF:.0e}"
+    return (
+        f"{fraction:.2%}"
+        if fraction >= ROUND_OFF
+        else f"below {100 * ROUND_OFF:g}%".replace("e-0", "e-")
+    )
 
 
 def _choice(

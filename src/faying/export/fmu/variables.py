@@ -228,14 +228,15 @@ def _ports(given: HandOver) -> Iterator[Variable]:
     )
     for kind, names, causality, straight, turned, text in families:
         for index, (place, component) in enumerate(_places(given.model.boundaries.values())):
+            unit = turned if turning[component] else straight
             yield Variable(
                 name=f"{place}.{names[component]}",
                 kind=kind,
                 index=index,
                 causality=causality,
-                quantity=turned if turning[component] else straight,
+                quantity=unit,
                 start=0.0 if causality == "input" else None,
-                description=f"{text} {place}",
+                description=f"{'moment on' if unit is quantities.MOMENT else text} {place}",
             )
         if kind == Kind.FORCE:
             yield from _initial_forces(given)
@@ -247,7 +248,7 @@ def _ports(given: HandOver) -> Iterator[Variable]:
             index=index,
             causality="output",
             quantity=quantities.FORCE,
-            description=f"axial force of bolt {name}, tension positive",
+            description=f"axial force of bolt '{name}', tension positive",
         )
 
 
@@ -260,7 +261,7 @@ def _initial_forces(given: HandOver) -> Iterator[Variable]:
             causality="input",
             quantity=quantities.FORCE,
             start=float(bolt.initial_force),
-            description=f"force that bolt {name} would have at zero elongation; what tightening "
+            description=f"force that bolt '{name}' would have at zero elongation; what tightening "
             "set, not the force it ends with",
         )
 
