@@ -190,7 +190,7 @@ def plot_model(model: Model, axes: Any, *, bolts: Mapping[str, Matrix | None] | 
             axes.text(*place, plain(f" {name}"), va="center", zorder=7, bbox=LABEL_BOX)
     for name, boundary in model.boundaries.items():
         points = mesh.nodes[mesh.node_index(np.unique(boundary.nodes))]
-        axes.plot(*points.T, "D", color=BOUNDARY_COLOUR, ms=5, zorder=6)
+        axes.plot(*points.T, "D", color=BOUNDARY_COLOUR, ms=5, zorder=9)
         label = {"color": BOUNDARY_COLOUR, "zorder": 8, "bbox": LABEL_BOX}
         axes.text(*points.mean(axis=0), plain(f"  {name}"), **label)
     for support in assembly.supports:
