@@ -22,12 +22,14 @@ from faying.report.figures import (
     plot_pressure,
     write_figures,
 )
-from faying.report.figures.deformed import exaggeration
+from faying.report.figures.deformed import deformed_figure, exaggeration
 from faying.report.figures.error import error_figure, shown_methods
 from faying.report.figures.model import model_figure, plot_bodies
 from faying.report.figures.plane import best_plane
+from faying.report.figures.pressure import pressure_figure
+from faying.report.figures.response import response_figure
 from faying.report.figures.surface_map import outline, subdivision
-from faying.report.figures.time_step import step_check
+from faying.report.figures.time_step import step_check, time_step_figure
 from faying.report.quantities import number, percent, place, seconds
 from faying.report.style import METHOD_COLOURS, house_style, new_figure
 from faying.study.file_names import file_names
@@ -416,3 +418,25 @@ def test_wide_pictures_are_told_apart(entries):
     wide = {entry.path.stem for entry in entries if entry.wide}
     assert "preload" in wide
     assert not wide & {"model", "tightening", "case_LC1_deformed"}
+
+
+def test_titles_with_long_names_stay_in_the_picture(coarse):
+    name = "Betriebslast Nr. 1: Zug und Biegung, ungünstig, kalt, nach 10 Jahren im Freien"
+    static = replace(RESULTS.cases["LC1"], name=name)
+    step = replace(RESULTS.cases["LC2-step"], name=name)
+    for drawn in (
+        model_figure(replace(RESULTS, title=name)),
+        deformed_figure(RESULTS, static),
+        pressure_figure(RESULTS, static),
+        error_figure(RESULTS, static),
+        response_figure(RESULTS, step),
+        time_step_figure(RESULTS, step),
+    ):
+        figure = drawn.figure
+        figure.canvas.draw()
+        titles = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
+        (title,) = (text for text in titles if "Betriebslast" in text.get_text())
+        extent = title.get_window_extent()
+        assert extent.x0 >= 0, drawn.stem
+        assert extent.x1 <= figure.bbox.x1, drawn.stem
+        assert extent.y1 <= figure.bbox.y1, drawn.stem

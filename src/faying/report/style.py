@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -73,6 +74,8 @@ BOLT_COLOUR = "#B2182B"
 INTERFACE_COLOUR = "#111111"
 
 DPI = 150
+LINE = 66
+"""Characters of a title that the narrowest figure holds."""
 MARGIN = 18
 """Pixels left around a picture."""
 WHITE = 250
@@ -128,6 +131,11 @@ def label(method: str, joint_modes: int) -> str:
     if not joint_modes:
         return method
     return f"{method}, {joint_modes} joint mode{'s' if joint_modes > 1 else ''}"
+
+
+def heading(text: str) -> str:
+    """Return the title of a figure, broken so that long names of users stay in the picture."""
+    return plain("\n".join(fill(line, LINE) for line in text.splitlines()))
 
 
 def plain(text: str) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 from faying.report.figures.entry import Drawn
 from faying.report.figures.model import name_axes, plot_bodies, title_above
 from faying.report.quantities import number, place, quantity
-from faying.report.style import new_figure, plain
+from faying.report.style import heading, new_figure
 from faying.study.results import CaseResult, Results
 from faying.study.units import units_of
 
@@ -61,7 +61,7 @@ def deformed_figure(results: Results, case: CaseResult) -> Drawn | None:
     note = f"largest displacement {quantity(distance.max(), units.length)} at {where}"
     times = f"{number(factor, 1)} ×"
     title = f"{case.name}: deformed shape, full model, displacements {times}\n{note}"
-    title_above(axes, plain(title))
+    title_above(axes, heading(title))
     caption = (
         f"Bodies deformed by preload and {case.name} (as Fig. 15.4), displacements exaggerated "
         f"{times}; one colour per body. Bodies may seem to overlap or gape: gaps are exaggerated "

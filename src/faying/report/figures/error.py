@@ -17,7 +17,7 @@ from faying.report.figures.surface_map import (
     scale,
 )
 from faying.report.quantities import ROUND_OFF, percent, place
-from faying.report.style import ERROR_MAP, label, new_figure, plain
+from faying.report.style import ERROR_MAP, heading, label, new_figure, plain
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.study.units import Units, units_of
 
@@ -87,7 +87,7 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     worst = max(float(np.abs(error).max()) for error in errors)
     largest = min(max(worst, VISIBLE), SATURATED)
     sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
-    figure = new_figure(5.4 * len(methods), max(sum(h + 0.3 for _, h in sizes), 2.4))
+    figure = new_figure(max(5.4 * len(methods), 7.0), max(sum(h + 0.3 for _, h in sizes), 2.4))
     grid = figure.subplots(
         len(records), len(methods), squeeze=False, height_ratios=[height for _, height in sizes]
     )
@@ -101,7 +101,7 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
             prefix = f"{interface}: " if len(records) > 1 else ""
             axes.set_title(plain(f"{title}\n{prefix}{note}"), loc="left")
             notes.append(f"{title}: {prefix}{note}")
-    figure.suptitle(plain(f"{case.name}: relative pressure error against the full model"))
+    figure.suptitle(heading(f"{case.name}: relative pressure error against the full model"))
     caption = (
         f"Relative pressure error (p − p_ref) / max p_ref, Eq. (15.31), in {case.name} (as "
         "Fig. 15.6). Colours are values at the contact points, not averages; red is too high, "

@@ -26,6 +26,7 @@ from faying.report.style import (
     BODY_COLOURS,
     BOLT_COLOUR,
     INTERFACE_COLOUR,
+    heading,
     new_figure,
     plain,
 )
@@ -197,7 +198,7 @@ def plot_model(model: Model, axes: Any, *, bolts: Mapping[str, Matrix | None] | 
         axes.plot(*mesh.nodes[support.nodes].T, ".", color=SUPPORT_COLOUR, ms=4, zorder=4)
     _add_legend(model, axes)
     title = f"{model.name}: {len(mesh.nodes)} nodes, {mesh.n_elements} solids"
-    title_above(axes, plain(title))
+    title_above(axes, heading(title))
     return axes
 
 
@@ -252,7 +253,7 @@ def model_figure(results: Results) -> Drawn:
     elements = sum(len(block.ids) for block in results.blocks)
     n_body = int(results.body.max(initial=-1)) + 1
     size = f"{len(results.nodes)} nodes, {elements} solid elements, {n_body} bodies"
-    title_above(axes, plain(f"{results.title}: {size}"))
+    title_above(axes, heading(f"{results.title}: {size}"))
     drawn = [name for name, bolt in results.bolts.items() if bolt.axis is not None]
     axis_note = f"; dash-dotted: axis of {', '.join(drawn)}" if drawn else ""
     extent = np.ptp(results.nodes, axis=0) if len(results.nodes) else np.zeros(3)

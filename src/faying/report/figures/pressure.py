@@ -15,7 +15,7 @@ from faying.report.figures.surface_map import (
     scale,
 )
 from faying.report.quantities import percent, place, quantity
-from faying.report.style import PRESSURE_MAP, new_figure, plain
+from faying.report.style import PRESSURE_MAP, heading, new_figure, plain
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.study.units import Units, units_of
 
@@ -135,7 +135,7 @@ def pressure_figure(results: Results, case: CaseResult) -> Drawn:
         left.set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
         right.set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
         notes.append(summary(name, record, own, units))
-    figure.suptitle(plain(f"{case.name}: contact pressure, full model"))
+    figure.suptitle(heading(f"{case.name}: contact pressure, full model"))
     caption = (
         f"Contact pressure of the full model in {case.name} (as Fig. 15.5). Left: {POINTS}. "
         f"Right: {AVERAGES}. Grey carries no pressure. {'. '.join(notes)}."

@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter
 from faying._typing import Vector
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import percent, quantity
-from faying.report.style import REFERENCE, colour, label, new_figure, plain
+from faying.report.style import REFERENCE, colour, heading, label, new_figure, plain
 from faying.study.results import CaseResult, MethodResult, Response, Results
 from faying.study.units import Units, units_of
 
@@ -128,7 +128,7 @@ def response_figure(results: Results, case: CaseResult) -> Drawn | None:
     panels[-1].set_xlabel(f"time [{units.time}]")
     panels[-1].set_xlim(case.times[0], case.times[-1])
     figure.legend(*panels[-2].get_legend_handles_labels(), loc="outside right center")
-    figure.suptitle(plain(f"{case.name}: response over time"))
+    figure.suptitle(heading(f"{case.name}: response over time"))
     return Drawn(
         figure=figure,
         stem="response",

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from faying.report.figures.entry import Drawn
 from faying.report.figures.response import peak_pressure
 from faying.report.quantities import percent, quantity
-from faying.report.style import METHOD_COLOURS, REFERENCE, new_figure, plain
+from faying.report.style import METHOD_COLOURS, REFERENCE, heading, new_figure
 from faying.study.results import CaseResult, Results
 from faying.study.units import Units, units_of
 
@@ -83,7 +83,7 @@ def time_step_figure(results: Results, case: CaseResult) -> Drawn | None:
     plot_step_check(case, figure.add_subplot(), units)
     change, differs = percent(check.change), percent(check.difference)
     verdict = f"peak pressure changes by {change}, pressure at one instant by up to {differs}"
-    figure.suptitle(plain(f"{case.name}, half the time step: {verdict}"))
+    figure.suptitle(heading(f"{case.name}, half the time step: {verdict}"))
     response = case.half_step
     swing = 0.0
     if response is not None:
