@@ -6,7 +6,6 @@ import subprocess
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,9 +19,8 @@ from faying.linalg import superlu
 from faying.linalg.factorization import VARIABLE, available_backends, factorize
 from faying.linalg.mkl import PardisoHandle
 from faying.linalg.nested_dissection import SMALLEST, nested_dissection
-from faying.linalg.pardiso import factorize_pardiso
 from faying.linalg.partial import port_compliance
-from faying.linalg.singular import NotDefiniteError, SingularMatrixError
+from faying.linalg.singular import SingularMatrixError
 
 BACKENDS = available_backends()
 needs_mkl = pytest.mark.skipif("pardiso" not in BACKENDS, reason="MKL is not installed")
@@ -95,7 +93,7 @@ def test_port_compliance_is_the_same_however_formed(backend, interior, told):
 def test_ports_that_were_told_take_no_complete_substitutions(interior, monkeypatch):
     K, ports = interior
     factor = factorize(K, ports=ports, backend="pardiso")
-    assert 0 < factor.kept.sum() < len(factor.kept) / 4
+    assert factor.last.sum() < len(factor.last) / 4
     solved = []
     complete = PardisoHandle.solve
 
@@ -109,9 +107,8 @@ def test_ports_that_were_told_take_no_complete_substitutions(interior, monkeypat
     other = sp.random_array((4, K.shape[0]), density=0.01, rng=np.random.default_rng(0)).tocsr()
     port_compliance(other, factor)
     assert sum(solved) == 1 + 4
-    # Where the Schur complement is off, the check notices and all columns are solved for.
-    wrong = replace(factor.complement, factor=0.999 * factor.complement.factor)
-    object.__setattr__(factor, "complement", wrong)
+    # Where the confined substitution is off, the check notices and all columns are solved for.
+    monkeypatch.setattr(PardisoHandle, "forward", lambda handle, right: 0.999 * right)
     np.testing.assert_allclose(
         port_compliance(ports, factor), told, rtol=0, atol=1e-10 * np.abs(told).max()
     )
@@ -127,7 +124,7 @@ def test_ports_that_were_told_take_no_complete_substitutions(interior, monkeypat
     n_port=st.integers(1, 40),
     seed=st.integers(0, 1000),
 )
-def test_schur_complements_of_any_rows(n, density, dofs, n_port, seed):
+def test_ports_of_any_rows(n, density, dofs, n_port, seed):
     """Also of one row, of all but one, and of rows that touch no other."""
     rng = np.random.default_rng(seed)
     A = random_definite(n, density, dofs, rng)
@@ -138,33 +135,14 @@ def test_schur_complements_of_any_rows(n, density, dofs, n_port, seed):
     # Entries of order one, condition below 1e3.
     np.testing.assert_allclose(port_compliance(ports, factor), expected, rtol=0, atol=1e-12)
     np.testing.assert_allclose(factor.solve(np.eye(len(exact))), exact, rtol=0, atol=1e-12)
-    if factor.kept.any():
-        lower = factor.complement.factor
-        kept = exact[np.ix_(factor.kept, factor.kept)]
-        np.testing.assert_allclose(lower @ lower.T @ kept, np.eye(len(kept)), rtol=0, atol=1e-11)
 
 
 @needs_mkl
-@pytest.mark.parametrize("at", [0, 25])
-def test_a_schur_complement_does_not_hide_what_is_indefinite(at):
-    """Whether the negative pivot is among the rows kept or not."""
-    main = np.full(40, 3.0)
-    main[at] = -3.0
-    A = sp.diags_array([-np.ones(39), main, -np.ones(39)], offsets=[-1, 0, 1]).tocsr()
-    ports = sp.eye_array(40, format="csr")[:4]
-    with pytest.raises(NotDefiniteError):
-        factorize_pardiso(A, ports)
-    b = np.arange(40.0)
-    found = factorize(A, ports=ports, backend="pardiso").solve(b)
-    np.testing.assert_allclose(A @ found, b, atol=1e-12)  # by SuperLU, round-off of 40 rows
-
-
-@needs_mkl
-def test_ports_nearly_everywhere_take_no_schur_complement():
+def test_ports_nearly_everywhere_are_not_eliminated_last():
     n = 900
     A = sp.diags_array([-np.ones(n - 1), np.full(n, 2.5), -np.ones(n - 1)], offsets=[-1, 0, 1])
     factor = factorize(A.tocsr(), ports=sp.eye_array(n, format="csr")[::2], backend="pardiso")
-    assert not factor.kept.any()
+    assert not factor.last.any()
 
 
 @pytest.mark.parametrize("n", [0, 1, 2, 3, 4])

@@ -51,9 +51,9 @@ def factorize(
     Parameters
     ----------
     ports : (n_port, n)
-        Rows Q whose compliance Q A⁻¹ Qᵀ will be wanted. A backend that can then forms the Schur
-        complement onto what they touch on the way, so that
-        :func:`~faying.linalg.partial.port_compliance` needs no back-substitutions.
+        Rows Q whose compliance Q A⁻¹ Qᵀ will be wanted. A backend that can then orders the
+        elimination so that :func:`~faying.linalg.partial.port_compliance` needs no complete
+        back-substitutions.
     backend
         ``"pardiso"`` or ``"superlu"``; by default what the environment variable
         ``FAYING_FACTORIZATION`` names, else the fastest there is. Dense matrices go to LAPACK.

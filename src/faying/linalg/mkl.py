@@ -20,7 +20,7 @@ from faying.linalg.blocks import Integers
 from faying.linalg.singular import NotDefiniteError
 
 POSITIVE_DEFINITE, INDEFINITE = 2, -2
-ANALYSE, FACTORIZE, SOLVE, RELEASE = 11, 22, 33, -1
+ANALYSE, FACTORIZE, SOLVE, FORWARD, RELEASE = 11, 22, 33, 331, -1
 NOT_ENOUGH_MEMORY = -2
 
 
@@ -69,8 +69,8 @@ class PardisoHandle:
     data : (n_stored, b, b)
     indices, indptr
         Block columns, ascending in each block row, and the beginning of each block row.
-    kept : (n_block,)
-        Rows to form the Schur complement onto, for blocks of one number; none or not all.
+    last : (n_block,)
+        Blocks to eliminate last; forward substitution is then confined to them.
     kind
         ``POSITIVE_DEFINITE``: Cholesky; ``INDEFINITE``: L D Lᵀ with pivots of Bunch and Kaufman.
 
@@ -84,7 +84,7 @@ class PardisoHandle:
         data: npt.NDArray[np.float64],
         indices: Integers,
         indptr: Integers,
-        kept: Mask,
+        last: Mask,
         kind: int = POSITIVE_DEFINITE,
     ) -> None:
         self._kind = kind
@@ -93,16 +93,16 @@ class PardisoHandle:
         self.block = int(data.shape[1])
         self.n = self.block * (len(indptr) - 1)
         # PARDISO overwrites the marks by the order it chose, and wants that back in later phases.
-        self._order = kept.astype(np.int32)
-        self._n_kept = int(np.count_nonzero(kept))
+        self._order = last.astype(np.int32)
+        self._confined = bool(last.any())
         self._parameters = parameters = np.zeros(64, dtype=np.int32)
         parameters[0] = 1  # take the following, no defaults
         parameters[1] = 2  # METIS
         parameters[9] = 13  # of pivots below 1e-13 of the matrix norm, if indefinite
         parameters[17] = -1  # report the entries of the factor
         parameters[20] = 1  # pivots of one and two rows, if indefinite
+        parameters[30] = 2 * self._confined  # right-hand sides zero outside the marked blocks
         parameters[34] = 1  # indices from zero
-        parameters[35] = 2 if self._n_kept else 0  # a Schur complement beside the factor
         parameters[36] = self.block if self.block > 1 else 0
         self._call(ANALYSE)
 
@@ -119,13 +119,13 @@ class PardisoHandle:
     @property
     def expected_memory(self) -> int:
         """Bytes that will be held once factorized: entries of the factor and tables."""
-        return 8 * (self.entries + self._n_kept**2) + 1024 * int(self._parameters[15])
+        return 8 * self.entries + 1024 * int(self._parameters[15])
 
     @property
     def peak(self) -> int:
         """Most bytes held at once until factorized, as foreseen by the analysis."""
         analysis, kept, factor = (int(value) for value in self._parameters[14:17])
-        return 1024 * max(analysis, kept + factor) + 2 * 8 * self._n_kept**2
+        return 1024 * max(analysis, kept + factor)
 
     @property
     def negative(self) -> int:
@@ -137,27 +137,34 @@ class PardisoHandle:
         """Pivots that were too small, and replaced."""
         return int(self._parameters[13])
 
-    def factorize(self) -> Matrix:
-        """Compute the factor, and return the Schur complement onto the rows kept.
+    def factorize(self) -> None:
+        """Compute the factor.
 
         Raises
         ------
         NotDefiniteError
             If a pivot is not positive.
         """
-        complement = np.empty((self._n_kept, self._n_kept))
-        self._call(FACTORIZE, solution=complement if self._n_kept else None)
-        return complement
+        self._call(FACTORIZE)
 
     def solve(self, right: Matrix) -> Matrix:
         """Return A⁻¹ B for B (n_block·b, k) in Fortran order."""
-        solution = np.zeros_like(right, order="F")
-        self._call(SOLVE, right, solution)
-        return solution
+        self._parameters[30] = 0
+        return self._substitute(SOLVE, right)
+
+    def forward(self, right: Matrix) -> Matrix:
+        """Return L⁻¹ B, in PARDISO's order of rows, for B zero outside the blocks marked last."""
+        self._parameters[30] = 2 * self._confined
+        return self._substitute(FORWARD, right)
 
     def release(self) -> None:
         """Free the factor."""
         self._call(RELEASE)
+
+    def _substitute(self, phase: int, right: Matrix) -> Matrix:
+        solution = np.zeros_like(right, order="F")
+        self._call(phase, right, solution)
+        return solution
 
     def _call(
         self, phase: int, right: Matrix | None = None, solution: Matrix | None = None

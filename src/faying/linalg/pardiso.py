@@ -6,19 +6,17 @@ from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
-import scipy.linalg as la
 import scipy.sparse as sp
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
-from faying.linalg.blocks import node_blocks, single_rows, upper_blocks
-from faying.linalg.cholesky import DenseFactorization
+from faying.linalg.blocks import Integers, node_blocks, upper_blocks
 from faying.linalg.memory import FactorMemory, require_memory
-from faying.linalg.mkl import INDEFINITE, POSITIVE_DEFINITE, PardisoHandle
+from faying.linalg.mkl import INDEFINITE, PardisoHandle
 from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
 from faying.linalg.substitution import column_blocks, solved_gram
 
 AGREEMENT = 1e-9
-"""Largest difference from complete substitution, over the result; 1e-12 is usual."""
+"""Largest difference of confined from complete substitution, over the result; 1e-12 is usual."""
 
 
 @final
@@ -30,16 +28,13 @@ class PardisoFactorization:
     ----------
     n
         Order of the matrix.
-    kept : (n,)
-        Degrees of freedom that ports touch, if the factorization was told them.
-    complement
-        Schur complement onto them; the whole inverse between them is its inverse.
+    last : (n,)
+        Degrees of freedom eliminated last, because ports touch them.
     """
 
     handle: PardisoHandle
     n: int
-    kept: Mask
-    complement: DenseFactorization
+    last: Mask
     backend: str = "pardiso"
     _turn: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
@@ -49,8 +44,8 @@ class PardisoFactorization:
 
     @property
     def memory(self) -> int:
-        """Bytes of the factor, of its tables and of the Schur complement."""
-        return self.handle.memory + self.complement.memory
+        """Bytes of the factor and of its tables."""
+        return self.handle.memory
 
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return A⁻¹ B for B of shape (n,) or (n, k); threads take turns."""
@@ -70,19 +65,36 @@ class PardisoFactorization:
 
         Notes
         -----
-        Columns that vanish outside ``kept`` take the Schur complement's factors alone. The complete
-        substitution of one random combination of them checks it.
+        Columns that vanish outside ``last`` take part in the last front of the factor alone, by
+        Y = L⁻¹B and YᵀY. The complete substitution of one random combination of them checks it.
         """
         by_row = sp.csr_array(columns)
-        if not self.kept.any() or _touched(by_row)[~self.kept].any():
+        if not self._confines(by_row):
             return solved_gram(self.solve, columns)
-        gram = self.complement.gram(by_row[self.kept])
+        halves = self._halves(by_row.tocsc())
+        gram: Matrix = halves.T @ halves
         probe = np.random.default_rng(0).standard_normal(columns.shape[1])
         expected = columns.T @ self.solve(columns @ probe)
         difference = np.abs(gram @ probe - expected).max(initial=0.0)
         if difference <= AGREEMENT * np.abs(expected).max(initial=0.0):
             return gram
         return solved_gram(self.solve, columns)
+
+    def _confines(self, columns: SparseMatrix) -> bool:
+        return bool(self.last.any() and not _touched(columns)[~self.last].any())
+
+    def _halves(self, columns: SparseMatrix) -> Matrix:
+        """Return the rows ``last`` of L⁻¹B, where all others vanish."""
+        halves = np.empty((np.count_nonzero(self.last), columns.shape[1]))
+        for block in column_blocks(*columns.shape):
+            some = columns[:, block]
+            some.resize(self.handle.n, some.shape[1])
+            # In PARDISO's order of numbers at once: turning a dense block around takes as long as
+            # the substitution.
+            padded = some.toarray(order="F")
+            with self._turn:
+                halves[:, block] = self.handle.forward(padded)[: self.n][self.last]
+        return halves
 
     def _padded(self, columns: Matrix) -> Matrix:
         padded = np.zeros((self.handle.n, columns.shape[1]), order="F")
@@ -96,8 +108,8 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     Parameters
     ----------
     ports : (n_port, n)
-        Rows between which the inverse will be wanted. Where it pays, the Schur complement onto the
-        degrees of freedom they touch is formed on the way.
+        Rows between which the inverse will be wanted. Where it pays, the degrees of freedom they
+        touch are eliminated last.
 
     Raises
     ------
@@ -108,21 +120,17 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     """
     if not A.diagonal().min(initial=np.inf) > 0:
         raise NotDefiniteError  # and PARDISO wants every diagonal entry stored
-    handle, kept = _analysed(A, ports)
+    blocks = node_blocks(A)
+    upper, size = upper_blocks(blocks), blocks.blocksize[0]
+    handle, last = _analysed(upper, size, ports)
     try:
         require_memory(_expected(handle, A))
-        complement = la.cholesky(handle.factorize().T, lower=True, overwrite_a=True)
-    except la.LinAlgError:
-        handle.release()
-        raise NotDefiniteError from None
+        handle.factorize()
     except BaseException:
         handle.release()
         raise
     return PardisoFactorization(
-        handle=handle,
-        n=A.shape[0],
-        kept=kept,
-        complement=DenseFactorization(factor=complement),
+        handle=handle, n=A.shape[0], last=np.repeat(last, size)[: A.shape[0]]
     )
 
 
@@ -136,7 +144,9 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
     NotEnoughMemoryError
         If the factor would not fit into the memory that is free.
     """
-    handle = _in_blocks(_with_diagonal(A), INDEFINITE)
+    upper = upper_blocks(node_blocks(_with_diagonal(A)))
+    nowhere = np.zeros(len(upper[2]) - 1, dtype=bool)
+    handle = PardisoHandle(*upper, nowhere, INDEFINITE)
     try:
         require_memory(_expected(handle, A))
         handle.factorize()
@@ -153,7 +163,8 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
 
 def estimate_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> FactorMemory:
     """Tell what :func:`factorize_pardiso` would take, from the pattern alone."""
-    handle, _ = _analysed(_with_diagonal(A), ports)
+    blocks = node_blocks(_with_diagonal(A))
+    handle, _ = _analysed(upper_blocks(blocks), blocks.blocksize[0], ports)
     try:
         return _expected(handle, A)
     finally:
@@ -185,26 +196,24 @@ def _solved(handle: PardisoHandle, b: Vector) -> Vector:
     return solution
 
 
-def _analysed(A: SparseMatrix, ports: SparseMatrix | None) -> tuple[PardisoHandle, Mask]:
-    """Analyse the pattern, and return the rows to form the Schur complement onto, if it pays."""
-    if ports is not None:
-        kept = _touched(ports.T)
-        if kept.any() and not kept.all():
-            # Of single rows: PARDISO crashes where Schur complements of blocks are asked for.
-            handle = PardisoHandle(*upper_blocks(single_rows(A)), kept)
-            if _pays(handle.entries, int(np.count_nonzero(kept)), ports.shape[0]):
-                return handle, kept
-            handle.release()
-    return _in_blocks(A), np.zeros(A.shape[0], dtype=bool)
-
-
-def _in_blocks(A: SparseMatrix, kind: int = POSITIVE_DEFINITE) -> PardisoHandle:
-    upper = upper_blocks(node_blocks(A))
-    return PardisoHandle(*upper, np.zeros(len(upper[2]) - 1, dtype=bool), kind)
+def _analysed(
+    upper: tuple[Matrix, Integers, Integers], size: int, ports: SparseMatrix | None
+) -> tuple[PardisoHandle, Mask]:
+    n_block = len(upper[2]) - 1
+    nowhere = np.zeros(n_block, dtype=bool)
+    if ports is None:
+        return PardisoHandle(*upper, nowhere), nowhere
+    touched = np.append(_touched(ports.T), np.zeros(-ports.shape[1] % size, dtype=bool))
+    last = np.asarray(touched.reshape(n_block, size).any(axis=1))
+    handle = PardisoHandle(*upper, last)
+    if _pays(handle.entries, size * int(np.count_nonzero(last)), ports.shape[0]):
+        return handle, last
+    handle.release()
+    return PardisoHandle(*upper, nowhere), nowhere
 
 
 def _pays(entries: int, front: int, n_port: int) -> bool:
-    """Compare the elimination of a dense last front with the substitutions it makes unnecessary."""
+    """Compare the Cholesky of a dense last front with the substitutions it makes unnecessary."""
     inner = entries - front**2 / 2
     return front**3 / 3 < 4 * inner * n_port
 
