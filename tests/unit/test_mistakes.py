@@ -1,5 +1,6 @@
 """Mistakes that people make in studies and decks end in one message that says what to do."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -280,3 +281,32 @@ def test_check_tells_of_doubtful_constants(tmp_path, monkeypatch, capsys):
         cli.main()
     assert not ended.value.code
     assert "Doubtful: material 'steel': E = 2.1e+11 is 2.1e+17 Pa" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("table", "place"),
+    [
+        (
+            '[[interface]]\nname = "joint"\nminus = "lowr"\nplus = 1\n',
+            r"\[\[interface\]\] number 1 of study",
+        ),
+        ('[[boundary]]\nname = "end"\nnode = 9999\n', r"\[\[boundary\]\] number 1 of study"),
+    ],
+)
+def test_complaints_of_the_model_name_the_table(
+    deck, tmp_path, monkeypatch, capsys, command, table, place
+):
+    study = deck()
+    case = (
+        '[[boundary]]\nname = "head"\nnode = 22\n[[load_case]]\nname = "pull"\nkind = "static"\n'
+        'forces = [{ boundary = "head", component = "Fz", value = 1.0 }]\n'
+    )
+    study.write_text(DECK_STUDY + table + case)
+    out = ["--out", str(tmp_path / "out")] if command == "run" else []
+    monkeypatch.setattr(sys, "argv", ["faying", command, str(study), *out])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert re.match(rf"faying: {place}\.toml \(line 7\): ", error), error

@@ -21,6 +21,7 @@ def check(
 
     from faying.cli.description import described
     from faying.model.diagnosis import check_held, free_parts
+    from faying.study.culprit import naming_tables
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads
     from faying.study.plausible import doubts
@@ -29,8 +30,9 @@ def check(
     checked = read_study(study)
     if out is not None:
         usable_folder(out)
-    loaded = load_model(checked)
-    model = build_loaded(loaded)
+    with naming_tables(checked):
+        loaded = load_model(checked)
+        model = build_loaded(loaded)
     check_loads(checked, model)
     console, free = Console(), free_parts(model)
     for table in described(checked, loaded, model, free):

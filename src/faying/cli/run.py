@@ -53,6 +53,7 @@ def compute(
     from rich.progress import Progress
 
     from faying.cli.outcome import show_outcome
+    from faying.study.culprit import naming_tables
     from faying.study.run import run as run_study
 
     console = Console(stderr=True)
@@ -61,6 +62,7 @@ def compute(
     with ExitStack() as stack:
         executor = _executor(workers, scheduler, stack)
         progress = stack.enter_context(Progress(console=console, transient=True, disable=hidden))
+        stack.enter_context(naming_tables(study))
         result = run_study(study, out, resume=resume, progress=progress, executor=executor)
     show_outcome(result.summary, out, Console())
     if not result.converged:

@@ -1,0 +1,35 @@
+"""Where in a study stands what the model builder complains of."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from faying.exceptions import ModelError
+from faying.study.tables import Study
+
+_NAMED = re.compile(r"^(interface|bolt|boundary) '([^']+)'")
+
+
+@contextmanager
+def naming_tables(study: Study) -> Iterator[None]:
+    """Say in front of complaints of interfaces, bolts and boundaries where the study has them.
+
+    The model builder knows their names only; a deck's own have no table in the study.
+    """
+    try:
+        yield
+    except ModelError as error:
+        named = _NAMED.match(str(error))
+        if named is None:
+            raise
+        kind, name = named.groups()
+        names = {
+            "interface": [section.name for section in study.interfaces],
+            "bolt": [section.name for section in study.bolts],
+            "boundary": [section.name for section in study.boundaries],
+        }[kind]
+        for number, own in enumerate(names):
+            if own == name:
+                message = f"{study.source.table((kind, number))}: {error}"
+                raise ModelError(message) from error
+        raise
