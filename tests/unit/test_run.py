@@ -81,7 +81,8 @@ def test_a_run_leaves_results_summary_study_and_pressures_for_viewing(finished):
 
 def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     summary = json.loads((finished / "summary.json").read_text())
-    assert set(summary["model"]) == {"nodes", "elements", "dofs", "mass"}
+    counts = {"nodes", "elements", "dofs", "mass"}
+    assert set(summary["model"]) == counts | {"factorization", "factor_bytes"}
     assert {"pairs", "points", "area", "penalty"} <= set(summary["interfaces"]["joint"])
     assert summary["bolts"]["bolt"]["preload"] == 5e3
     bend, jump = summary["load_cases"]["bend"], summary["load_cases"]["jump"]
