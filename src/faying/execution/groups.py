@@ -14,7 +14,7 @@ FEWEST_TOGETHER = 4
 """Side by side unless told. A response then costs half of what it costs alone."""
 
 MOST_TOGETHER = 8
-"""Side by side at most unless told, for 0.35 to 0.45; 16 save a fifth of that, for twice the memory."""
+"""Side by side at most unless told, for 0.35 to 0.45; 16 save a fifth of that, for more memory."""
 
 GROUPS = 4
 """Groups that are left, where there are tasks for as many, before more than the fewest go together.

@@ -83,9 +83,7 @@ def run(
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages)
-    results = record(
-        study, joint, models, trained, cases, validation, stages, failures
-    )
+    results = record(study, joint, models, trained, cases, validation, stages, failures)
     write_results(results, out / "results.h5")
     summary = summarize(results)
     write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
