@@ -25,7 +25,14 @@ def node_blocks(A: SparseMatrix) -> sp.bsr_array:
     whole = sp.block_diag([A, sp.eye_array(padding)], format="csr") if padding else sp.csr_array(A)
     blocks = sp.bsr_array(whole, blocksize=(NODE, NODE))
     if blocks.data.size > MOST_FILL * A.nnz:
-        blocks = sp.bsr_array(sp.csr_array(A), blocksize=(1, 1))
+        return single_rows(A)
+    blocks.sort_indices()
+    return blocks
+
+
+def single_rows(A: SparseMatrix) -> sp.bsr_array:
+    """Return A in blocks of one number."""
+    blocks = sp.bsr_array(sp.csr_array(A), blocksize=(1, 1))
     blocks.sort_indices()
     return blocks
 
