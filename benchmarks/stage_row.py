@@ -36,15 +36,11 @@ DAMPING = fy.Rayleigh(alpha=160.0, beta=5e-7)
 TRAINING_RUNS, STEPS_PER_PERIOD = 8, 100
 """Step responses that train method B, each of one period."""
 
-FULL_STEPS, TRAINING_STEPS, REDUCED_STEPS, WARM_CASES, NEWTON_CASES, NEWTON_STEPS = (
-    10,
-    20,
-    200,
-    50,
-    2,
-    3,
-)
+FULL_STEPS, TRAINING_STEPS, WARM_CASES, NEWTON_CASES, NEWTON_STEPS = 10, 20, 50, 2, 3
 """How many of each are measured."""
+
+REDUCED_STEPS, LONG_STEPS, STEP_RUNS = 200, 5000, 5
+"""Steps of a reduced run from the jump on, of a long one, and runs of each."""
 
 NAIVE_COLUMNS = 50
 """Back-solves of the naive way that are measured and scaled to all contact points."""
@@ -190,15 +186,25 @@ def online(row: Row, rom: fy.ReducedModel) -> None:
     step = row.period / STEPS_PER_PERIOD
     with row.stage("reduced effective matrix"):
         solver = transient_solver(rom, step=step)
-    solver.solve(LC2, duration=5 * step)
-    runs = [
-        clocked(lambda: solver.solve(LC2, duration=REDUCED_STEPS * step)) / REDUCED_STEPS
-        for _ in range(3)
-    ]
-    row.seconds["reduced step"] = float(np.median(runs))
-    run = solver.solve(LC2, duration=REDUCED_STEPS * step)
+    row.seconds["reduced step, in Python"], run = stepped(solver, REDUCED_STEPS)
     row.facts["iterations_per_step"] = float(run.iterations[1:].mean())
-    row.facts["step_bytes"] = step_bytes(rom, solver, run)
+    row.facts["step_bytes, in Python"] = python_bytes(rom, solver, run)
+    with row.stage("compiling, or reading what was compiled"):
+        fy.compile_steps()
+    row.seconds["reduced step"], _ = stepped(solver, REDUCED_STEPS)
+    row.seconds["reduced step, long run"], _ = stepped(solver, LONG_STEPS)
+    row.facts["step_bytes"] = compiled_bytes(rom, solver)
+
+
+def stepped(solver: Any, count: int) -> tuple[float, fy.Solution]:
+    """Return processor time of a step, the median of runs of so many, and the last run."""
+    solver.solve(LC2, duration=5 * solver.step)
+    times, found = [], []
+    for _ in range(STEP_RUNS):
+        start = time.process_time()
+        found[:] = [solver.solve(LC2, duration=count * solver.step)]
+        times.append((time.process_time() - start) / count)
+    return float(np.median(times)), found[0]
 
 
 def clocked(function: Callable[[], Any]) -> float:
@@ -208,26 +214,34 @@ def clocked(function: Callable[[], Any]) -> float:
     return time.process_time() - start
 
 
-def step_bytes(rom: fy.ReducedModel, solver: Any, run: fy.Solution) -> dict[str, int]:
-    """Return the bytes one step must read: each array it touches, counted once."""
+def python_bytes(rom: fy.ReducedModel, solver: Any, run: fy.Solution) -> dict[str, int]:
+    """Return the bytes one step in Python must read: each array it touches, counted once."""
     n, contact = len(rom.K), rom.contact
     active = int(np.median((run.contact_forces > 0).sum(axis=1)))
     N = contact.interpolation
     space = solver.condensed.space
-    kind = type(space).__name__
-    if kind == "DensePoints":
+    if type(space).__name__ == "DensePoints":
         core, factor = space.H.nbytes, 8 * active**2 // 2
     else:
-        touched = len(np.unique(N[np.flatnonzero(run.contact_forces[-1] > 0)].indices))
-        core, factor = 8 * N.shape[1] ** 2, 8 * touched**2
+        core = factor = 8 * N.shape[1] ** 2 // 2  # a triangle of S and one of E
     return {
-        "space": kind,
-        "active": active,
         "M, C, K, effective factor": 8 * (2 * n**2 + n**2 + n**2 // 2),
         "P Phi": contact.relative_operator.nbytes,
         "N": N.data.nbytes + N.indices.nbytes + N.indptr.nbytes,
         "H or S": int(core),
-        "active factor": int(factor),
+        "active factor or E": int(factor),
+    }
+
+
+def compiled_bytes(rom: fy.ReducedModel, solver: Any) -> dict[str, int]:
+    """Return the bytes one compiled step must read or write, each counted once."""
+    given = solver._compiled
+    n_pair, n_point = len(given.model["to_pairs"]), rom.contact.n_points
+    return {
+        "matrices of the model": sum(array.nbytes for array in given.model.values()),
+        "triangles of E and S": 8 * n_pair * (n_pair + 1),
+        "N": sum(given.pairs.arrays()[name].nbytes for name in ("columns", "values")),
+        "vectors of points": 8 * 8 * n_point,  # D, g0, own, trend, forces, slacks and two at work
     }
 
 

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
     from faying.simulation.accuracy import Accuracy, compare, relative_error
     from faying.simulation.certificate import certify
+    from faying.simulation.compiled import compile_steps
     from faying.simulation.energy import energy_balance
     from faying.simulation.frame_motion import FrameMotion
     from faying.simulation.frequencies import count_frequencies_below, preloaded_frequencies
@@ -97,6 +98,7 @@ _HOMES = {
     "solve_static_cases": "faying.simulation.static",
     "solve_static_newton": "faying.simulation.newton",
     "solve_transient": "faying.simulation.transient",
+    "compile_steps": "faying.simulation.compiled",
     "solve_transient_cases": "faying.simulation.transient",
     "stream_transient": "faying.io.transient_stream",
     "ImplicitEuler": "faying.simulation.integrators",
@@ -148,6 +150,7 @@ __all__ = [
     "certify",
     "choose_joint_modes",
     "compare",
+    "compile_steps",
     "contact_problem",
     "count_frequencies_below",
     "count_modes_below",

@@ -93,6 +93,12 @@ class CondensedContact:
         return DensePoints(H=_finite(self.flexibility))
 
     @property
+    def order(self) -> int:
+        """Order of the dense matrices that contact problems are solved with."""
+        points = isinstance(self.space, DensePoints)
+        return self.contact.n_points if points else int(self.total.shape[0])
+
+    @property
     def own_compliance(self) -> Vector:
         """Gap of every contact point per force at it (n_point,) [length/force]."""
         return np.asarray(self.space.diagonal - self.contact.flexibility)

@@ -21,7 +21,7 @@ from scipy.linalg import lapack
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.pivoting import ROUND_OFF, ContactForces, solve_complementarity
-from faying.contact.sprung_pairs import MOST_CHANGED, InaccurateError, SprungPairs
+from faying.contact.sprung_pairs import NEAR, InaccurateError, SprungPairs
 from faying.linalg.threads import threads_for
 
 UPDATED_FRACTION = 0.05
@@ -239,7 +239,7 @@ def _solve_on_springs(space: PairSpace, g_free: Vector, active: Mask) -> Contact
 
 def _similar(space: PairSpace, active: Mask, last: Mask) -> bool:
     """Say whether few points have changed sides, and enough pairs are in contact."""
-    if np.count_nonzero(active ^ last) > MOST_CHANGED * len(space.S):
+    if np.count_nonzero(active ^ last) > NEAR * len(space.S):
         return False
     touched = np.count_nonzero(abs(space.N).T @ active)
     return bool((space.D > 0).all() and touched >= LEAST_TOUCHED * len(space.S))

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.pivoting import ContactForces
 from faying.exceptions import ModelError
@@ -13,6 +14,15 @@ from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.threads import threads_for
 from faying.model.system import System, input_forces
+from faying.simulation.compiled import (
+    MOST_FAILURES,
+    CompiledSteps,
+    compiled_steps,
+    loop_for,
+    stacked,
+    unstacked,
+)
+from faying.simulation.history import History, Trend
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
@@ -28,6 +38,10 @@ error of its square.
 
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
+
+
+AT_ONCE = 2000
+"""Steps of the compiled loop between two looks at progress and the keyboard: a second at most."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -151,7 +165,9 @@ class TransientSolver:
         for first in range(0, len(loads), SIDE_BY_SIDE):
             some = slice(first, first + SIDE_BY_SIDE)
             here = self._begin(loads[some], starts[some])
-            solutions += self._advanced(here, loads[some], times, starts[some], progress)[0]
+            solutions += self._advanced(
+                here, loads[some], times, starts[some], progress, len(loads) * len(times)
+            )[0]
         return solutions
 
     def pieces(
@@ -173,10 +189,11 @@ class TransientSolver:
             starts = self._starts([load], None if initial is None else [initial])
             here = self._begin([load], starts)[0]
         size = max(last - here.done, 1) if length is None else length
+        ahead = last - here.done
         while here.done < last:
             end = min(here.done + size, last)
             times = self.step * np.arange(here.done + 1, end + 1, dtype=np.float64)
-            (piece,), (here,) = self._advanced([here], [load], times, starts, progress)
+            (piece,), (here,) = self._advanced([here], [load], times, starts, progress, ahead)
             starts = []
             yield piece, here
 
@@ -210,39 +227,23 @@ class TransientSolver:
         times: Vector,
         starts: Sequence[Solution],
         progress: Callable[[int], object] | None,
+        ahead: int,
     ) -> tuple[list[Solution], list[Restart]]:
         """Return the instants ``times``, after the starts where there are any, and their ends.
 
-        What is linear is done for all cases at once, with one case a column.
+        ``ahead`` are the steps of the whole run, of which these are a part.
         """
-        system, scheme, step, condensed = self.system, self.scheme, self.step, self.condensed
+        system = self.system
         inputs = np.array([load.inputs(system, times) for load in loads])
         external = input_forces(system, inputs)
-        motion = _side_by_side([one.motion for one in here])
-        guess = np.array([one.active for one in here])
-        trend = _Trend(own=condensed.space.diagonal)
         first = int(bool(starts))
-        history = _History.empty(len(loads), first + len(times), system)
+        history = History.empty(len(loads), first + len(times), system)
         if starts:
-            history.begin(motion, starts)
+            history.begin(_side_by_side([one.motion for one in here]), starts)
             inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
             times = np.concatenate([[0.0], times])
-        with threads_for(system.contact.n_points):
-            for n in range(external.shape[1]):
-                applied = external[:, n].T
-                right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * applied
-                free = system.contact.relative_operator @ self.effective.solve(right)
-                gaps = condensed.free_gap(free.T)
-                contacts = list(map(condensed.solve_gap, gaps, guess))
-                forces = np.array([contact.forces for contact in contacts])
-                slack = np.array([contact.slack for contact in contacts])
-                from_contact = relative_forces(system, forces).T
-                u = self.effective.solve(right + scheme.force_weight * from_contact)
-                motion = scheme.advance(motion, u, applied + from_contact, step)
-                history.note(first + n, motion, forces, slack, contacts)
-                guess = trend.next(forces, slack)
-                if progress is not None:
-                    progress(len(loads))
+        with threads_for(self.condensed.order):
+            ends = self._walk(here, external, history, first, progress, ahead)
         history.gaps[:, first:] -= system.contact.flexibility * history.forces[:, first:]
         solutions = [
             Solution(
@@ -260,75 +261,89 @@ class TransientSolver:
             )
             for case, load in enumerate(loads)
         ]
-        active = [contact.active for contact in contacts]
-        return solutions, _each(here[0].done + external.shape[1], motion, active)
+        return solutions, ends
 
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _History:
-    """Instants of transients side by side; every array begins with case and instant."""
-
-    states: Matrix
-    velocities: Matrix
-    accelerations: Matrix
-    forces: Matrix
-    gaps: Matrix
-    iterations: Indices
-    errors: Matrix
-
-    @classmethod
-    def empty(cls, n_case: int, n_time: int, system: System) -> "_History":
-        shape, n_dof, n_point = (n_case, n_time), system.K.shape[0], system.contact.n_points
-        return cls(
-            states=np.zeros((*shape, n_dof)),
-            velocities=np.zeros((*shape, n_dof)),
-            accelerations=np.zeros((*shape, n_dof)),
-            forces=np.zeros((*shape, n_point)),
-            gaps=np.zeros((*shape, n_point)),
-            iterations=np.zeros(shape, dtype=np.int64),
-            errors=np.zeros(shape),
-        )
-
-    def begin(self, motion: Motion, starts: Sequence[Solution]) -> None:
-        """Note where the transients start from."""
-        self.states[:, 0], self.accelerations[:, 0] = motion.u.T, motion.a.T
-        self.forces[:, 0] = [start.contact_forces for start in starts]
-        self.gaps[:, 0] = [start.gap for start in starts]
-
-    def note(
+    def _walk(
         self,
-        n: int,
-        motion: Motion,
-        forces: Matrix,
-        slack: Matrix,
-        contacts: Sequence[ContactForces],
-    ) -> None:
-        """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""
-        self.states[:, n], self.velocities[:, n] = motion.u.T, motion.v.T
-        self.accelerations[:, n] = motion.a.T
-        self.forces[:, n], self.gaps[:, n] = forces, slack
-        for case, contact in enumerate(contacts):
-            self.iterations[case, n] = contact.iterations
-            self.errors[case, n] = contact.error
+        here: Sequence[Restart],
+        external: Matrix,
+        history: History,
+        first: int,
+        progress: Callable[[int], object] | None,
+        ahead: int,
+    ) -> list[Restart]:
+        """Write the instants from ``first`` on; compiled where that pays, else side by side."""
+        n_case, n_step = external.shape[:2]
+        if loop_for(ahead) is not None and self._compiled is not None:
+            walk = partial(self._walk_compiled, self._compiled)
+            cases = zip(here, external, strict=True)
+            return [
+                walk(start, applied, history.of_case(case), first, progress)
+                for case, (start, applied) in enumerate(cases)
+            ]
+        motion = _side_by_side([one.motion for one in here])
+        guess = np.array([one.active for one in here])
+        trend = Trend(own=self.condensed.space.diagonal)
+        for n in range(n_step):
+            motion, guess, contacts = self._step(motion, guess, trend, external[:, n].T)
+            history.note(first + n, motion, contacts)
+            if progress is not None:
+                progress(n_case)
+        return _each(here[0].done + n_step, motion, [contact.active for contact in contacts])
 
+    def _step(
+        self, motion: Motion, guess: Mask, trend: Trend, applied: Matrix
+    ) -> tuple[Motion, Mask, list[ContactForces]]:
+        """Return the motion one step on, the points expected in contact after it, and contact.
 
-class _Trend:
-    """Which points will be in contact, if forces and slacks go on changing as they did.
+        What is linear is done for all cases at once, with one case a column.
+        """
+        system, scheme, condensed = self.system, self.scheme, self.condensed
+        right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
+        free = system.contact.relative_operator @ self.effective.solve(right)
+        gaps = condensed.free_gap(free.T)
+        contacts = list(map(condensed.solve_gap, gaps, guess))
+        forces = np.array([contact.forces for contact in contacts])
+        slack = np.array([contact.slack for contact in contacts])
+        from_contact = relative_forces(system, forces).T
+        u = self.effective.solve(right + scheme.force_weight * from_contact)
+        motion = scheme.advance(motion, u, applied + from_contact, self.step)
+        return motion, trend.next(forces, slack), contacts
 
-    A point whose force or slack runs out in time is foreseen; where it jumps, nothing is lost.
-    """
+    @cached_property
+    def _compiled(self) -> CompiledSteps | None:
+        return compiled_steps(self.system, self.scheme, self.step, self.effective, self.condensed)
 
-    def __init__(self, own: Vector) -> None:
-        self._own = own
-        self._last: Matrix | None = None
-
-    def next(self, forces: Matrix, slack: Matrix) -> Mask:
-        """Return the points expected in contact (n_case, n_point) at the next instant."""
-        # As a length: the force by what it closes at its own point.
-        now = self._own * forces - slack
-        before = now if self._last is None else self._last
-        self._last = now
-        return np.asarray(2 * now - before > 0)
+    def _walk_compiled(
+        self,
+        compiled: CompiledSteps,
+        here: Restart,
+        external: Matrix,
+        history: History,
+        first: int,
+        progress: Callable[[int], object] | None,
+    ) -> Restart:
+        """Write the instants of one case; steps that the loop leaves are done here."""
+        motion, guess = stacked(here.motion), np.array(here.active)
+        trend = Trend(own=self.condensed.space.diagonal)
+        n, failures = 0, 0
+        while n < len(external):
+            some, done = external[n : n + AT_ONCE], 0
+            if failures < MOST_FAILURES:
+                done = compiled.advance(motion, guess, trend, some, history, first + n)
+            failures = 0 if done else failures + 1
+            if done < len(some):
+                moved, expected, contacts = self._step(
+                    unstacked(motion), guess[None], trend, some[done][:, None]
+                )
+                history.note(first + n + done, moved, contacts)
+                motion, guess, done = stacked(moved), expected[0], done + 1
+            n += done
+            if progress is not None:
+                for _ in range(done):
+                    progress(1)
+        end = Motion(*np.split(motion, 4))
+        return Restart(done=here.done + n, motion=end, active=history.forces[0, first + n - 1] > 0)
 
 
 def _side_by_side(motions: Sequence[Motion]) -> Motion:

@@ -1,0 +1,78 @@
+"""What transients side by side leave, and what their past says of the next instant."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.pivoting import ContactForces
+from faying.model.system import System
+from faying.simulation.integrators import Motion
+from faying.simulation.solution import Solution
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class History:
+    """Instants of transients side by side; every array begins with case and instant."""
+
+    states: Matrix
+    velocities: Matrix
+    accelerations: Matrix
+    forces: Matrix
+    gaps: Matrix
+    iterations: Indices
+    errors: Matrix
+
+    @classmethod
+    def empty(cls, n_case: int, n_time: int, system: System) -> "History":
+        """Return room for some cases and instants of a system."""
+        shape, n_dof, n_point = (n_case, n_time), system.K.shape[0], system.contact.n_points
+        return cls(
+            states=np.zeros((*shape, n_dof)),
+            velocities=np.zeros((*shape, n_dof)),
+            accelerations=np.zeros((*shape, n_dof)),
+            forces=np.zeros((*shape, n_point)),
+            gaps=np.zeros((*shape, n_point)),
+            iterations=np.zeros(shape, dtype=np.int64),
+            errors=np.zeros(shape),
+        )
+
+    def begin(self, motion: Motion, starts: Sequence[Solution]) -> None:
+        """Note where the transients start from."""
+        self.states[:, 0], self.accelerations[:, 0] = motion.u.T, motion.a.T
+        self.forces[:, 0] = [start.contact_forces for start in starts]
+        self.gaps[:, 0] = [start.gap for start in starts]
+
+    def of_case(self, case: int) -> "History":
+        """Return the part of one case, to be written in place."""
+        parts = {name: array[case : case + 1] for name, array in vars(self).items()}
+        return History(**parts)
+
+    def note(self, n: int, motion: Motion, contacts: Sequence[ContactForces]) -> None:
+        """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""
+        self.states[:, n], self.velocities[:, n] = motion.u.T, motion.v.T
+        self.accelerations[:, n] = motion.a.T
+        for case, contact in enumerate(contacts):
+            self.forces[case, n], self.gaps[case, n] = contact.forces, contact.slack
+            self.iterations[case, n] = contact.iterations
+            self.errors[case, n] = contact.error
+
+
+class Trend:
+    """Which points will be in contact, if forces and slacks go on changing as they did.
+
+    A point whose force or slack runs out in time is foreseen; where it jumps, nothing is lost.
+    """
+
+    def __init__(self, own: Vector) -> None:
+        self._own = own
+        self.last: Matrix | None = None
+
+    def next(self, forces: Matrix, slack: Matrix) -> Mask:
+        """Return the points expected in contact (n_case, n_point) at the next instant."""
+        # As a length: the force by what it closes at its own point.
+        now = self._own * forces - slack
+        before = now if self.last is None else self.last
+        self.last = now
+        return np.asarray(2 * now - before > 0)
