@@ -92,7 +92,7 @@ def test_steps_are_those_in_python(monkeypatch, compiled_loop, rom, load, integr
     seen = []
     found = integrate(rom, load, integrator, progress=seen.append)
     assert_equal_histories(found, expected)
-    assert sum(calls) > 0.9 * STEPS  # the loop does the work
+    assert sum(calls) > STEPS / 2  # the loop does the work; it may leave jumps to Python
     assert sum(seen) == STEPS
 
 
