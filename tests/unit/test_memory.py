@@ -77,10 +77,14 @@ def test_what_does_not_fit_is_refused(interior, monkeypatch):
     with pytest.raises(NotEnoughMemoryError, match=said) as caught:
         factorize(K, backend="pardiso")
     assert isinstance(caught.value, ModelError)  # the command line shows the message alone
-    with pytest.raises(NotEnoughMemoryError):
-        count_negative(K, backend="pardiso")
     monkeypatch.setenv(VARIABLE, "1e12")
     assert factorize(K, backend="pardiso").backend == "pardiso"
+
+
+def test_a_count_is_no_reason_to_run_out_of_memory(backend, interior, monkeypatch):
+    monkeypatch.setenv(VARIABLE, "1e6")
+    with pytest.raises(NotEnoughMemoryError, match=backend):
+        count_negative(interior[0], backend=backend)
 
 
 def test_an_estimate_by_law_only_warns(interior, monkeypatch, caplog):

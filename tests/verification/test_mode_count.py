@@ -1,6 +1,7 @@
 """Proof that no vibration mode was missed: closed forms, clusters, omissions, every backend."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,11 @@ from faying.model.structure import Structure
 from faying.reduction import normal_modes
 from faying.reduction.mode_count import check_modes, count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
+from faying.report.tables import model_table
 from faying.simulation.frequencies import count_frequencies_below
+from faying.study.run import run
+from faying.study.schema import read_study
+from faying.study.store import read_results
 
 
 @pytest.fixture(params=available_backends(), autouse=True)
@@ -83,6 +88,20 @@ def test_an_eigenvalue_solver_that_misses_one_is_found_out(monkeypatch):
         check_modes(structure, fixed_interface_normal_modes(structure, 9))
 
 
+def test_a_run_that_misses_a_mode_ends_there(monkeypatch, tmp_path):
+    complete = normal_modes.lowest_modes
+
+    def forgetful(K, M, factor, count):
+        squares, vectors = complete(K, M, factor, count + 1)
+        return squares[1:], vectors[:, 1:]
+
+    monkeypatch.setattr(normal_modes, "lowest_modes", forgetful)
+    study = read_study(Path(fy.__file__).parent / "study" / "demo-quick.toml")
+    with pytest.raises(ConvergenceError, match="ask for a few more normal modes"):
+        run(study, tmp_path)
+    assert not (tmp_path / "summary.json").exists()
+
+
 @pytest.mark.parametrize(("count", "proven"), [(1, None), (2, 2), (3, 2), (5, 4), (6, 6)])
 def test_the_count_is_made_in_a_gap(count, proven):
     """Two equal chains have every frequency twice; a count between equals would be a toss."""
@@ -98,14 +117,13 @@ def test_all_modes_and_none():
     assert check_modes(structure, fixed_interface_normal_modes(structure, 0)) is None
 
 
-def test_what_cannot_be_counted_says_why(monkeypatch, backend):
+def test_what_cannot_be_counted_says_why(monkeypatch):
     modes = fixed_interface_normal_modes(chains(400), 3)
-    if backend == "pardiso":
-        monkeypatch.setenv(MEMORY, "1000")
-        count = check_modes(chains(400), modes)
-        assert (count.found, count.counted) == (3, None)
-        assert "use a coarser mesh" in count.reason
-        monkeypatch.delenv(MEMORY)
+    monkeypatch.setenv(MEMORY, "1000")
+    count = check_modes(chains(400), modes)
+    assert (count.found, count.counted) == (3, None)
+    assert "use a coarser mesh" in count.reason
+    monkeypatch.delenv(MEMORY)
 
     def doubtful(A):
         reason = "of round-off"
@@ -142,3 +160,8 @@ def test_a_run_reports_the_count(quick_demo):
     assert count["found"] == count["counted"] > 0
     assert count["below"] > 1000  # a steel bar of 100 mm
     assert said["timings"]["mode_count"] > 0
+    table = model_table(read_results(quick_demo / "results.h5"))
+    rows = {row[0].text: row[1].text for row in table.rows}
+    found, of, counted = rows["fixed-interface normal modes"].split()[:3]
+    assert (int(found), of, int(counted)) == (count["found"], "of", count["counted"])
+    assert rows["factorization"].endswith("MB of factors")

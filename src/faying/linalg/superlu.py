@@ -1,6 +1,6 @@
 """LU factorization by SciPy's SuperLU: there on every platform."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, final
 
 import numpy as np
@@ -101,10 +101,16 @@ def count_negative_superlu(A: SparseMatrix) -> int:
     InertiaError
         If the diagonal did not do: the matrix is singular, or a leading part of it nearly is.
 
+    NotEnoughMemoryError
+        If it would probably not fit into the memory that is free.
+
     Notes
     -----
-    SciPy copies the factors to show their diagonal: twice the memory for a moment.
+    SciPy copies the factors to show their diagonal: twice the memory for a moment. A count is no
+    reason to run out of it, so here an estimate is enough to refuse.
     """
+    expected = estimate_superlu(A)
+    require_memory(replace(expected, peak=2 * expected.factor, counted=True))
     try:
         factorization = factorize_superlu(A)
     except NotDefiniteError:
