@@ -143,8 +143,18 @@ def test_path_of_another_system(tmp_path):
         parse_study(text, tmp_path / "study.toml")
 
 
+def test_only_methods_that_need_no_training_are_compared_unasked(tmp_path):
+    text = STUDY.replace('methods = ["compliance"]', "")
+    untrained = ("craig-bampton", "jim-a", "compliance", "jim-a+compliance")
+    path = tmp_path / "study.toml"
+    assert parse_study(text, path).reduction.methods == untrained
+    box = '{ boundary = "tip", component = "Fz", min = -1.0, max = 1.0 }'
+    trained = parse_study(text + f"\n[reduction.training]\nbox = [{box}]\n", path)
+    assert set(trained.reduction.methods) == {*untrained, "jim-b", "jim-b+compliance"}
+
+
 def test_methods_without_training_are_named(tmp_path):
-    message = refused(STUDY, ('methods = ["compliance"]', ""))
+    message = refused(STUDY, ('methods = ["compliance"]', 'methods = ["craig-bampton", "jim-b"]'))
     assert "'jim-b' learns from training loads" in message
     assert 'methods = ["craig-bampton", "compliance"]' in message
 

@@ -75,7 +75,7 @@ def _normal_modes(results: Results, units: Units) -> Iterator[tuple[str, str]]:
     count = results.normal_modes
     if count is None:
         return
-    below = quantity(count.below, units.of("1/time"), 4)
+    below = quantity(count.below, "Hz" if units.time == "s" else units.of("1/time"), 4)
     found = f"{count.found} below {below}, not counted: {count.reason}"
     if count.counted is not None:
         found = f"{count.found} of {count.counted} below {below} found"

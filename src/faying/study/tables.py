@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
 from faying.study.errors import StudySource, shown
 from faying.study.model_tables import (
@@ -57,7 +57,7 @@ METHODS: tuple[Method, ...] = (
 """Compared unless the study says otherwise; the others are rivals from the literature."""
 
 TRAINED: tuple[Method, ...] = ("jim-b", "jim-b+compliance", "cone-greedy", "nmf", "deim")
-"""Methods that learn from the loads of a training box."""
+"""Methods that learn from the loads of a training box; not compared unasked where there is none."""
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 OutputField = Literal["pressure", "gap", "displacement"]
@@ -170,6 +170,17 @@ class ReductionSection(Section):
     tolerance: Positive = 0.05
     methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS
     training: TrainingSection = TrainingSection()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _methods(cls, data: Any) -> Any:
+        """Without a training box, compare what needs none unless methods are named."""
+        if not isinstance(data, Mapping) or "methods" in data:
+            return data
+        training = data.get("training")
+        if isinstance(training, Mapping) and training.get("box"):
+            return data
+        return {**data, "methods": [name for name in METHODS if name not in TRAINED]}
 
 
 class ForceSection(Loading):
