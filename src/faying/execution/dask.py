@@ -31,8 +31,8 @@ CONNECT_SECONDS = 15.0
 
 POLL_SECONDS = 5.0
 
-WITHOUT_WORKERS = 30.0
-"""How long a cluster of this machine may be without workers; a restart takes a few."""
+WITHOUT_WORKERS = 120.0
+"""Seconds a cluster of this machine may be without workers; a restart takes 2 to 20."""
 
 KEPT = 2
 """Prepared functions a worker keeps, those it used last."""
@@ -64,9 +64,15 @@ class DaskExecutor:
         """
         distributed, config = _package(), import_module("dask.config")
         owned = ExitStack()
-        # Dask gives up a task when more workers than this have died.
         owned.enter_context(
-            config.set({"distributed.scheduler.allowed-failures": FATAL_DEATHS - 1})
+            config.set(
+                {
+                    # Dask gives up a task when more workers than this have died.
+                    "distributed.scheduler.allowed-failures": FATAL_DEATHS - 1,
+                    # And the place of a worker not back by then: on a busy machine that takes long.
+                    "distributed.deploy.lost-worker-timeout": "10 minutes",
+                }
+            )
         )
         cluster = distributed.LocalCluster(
             n_workers=n_workers,
