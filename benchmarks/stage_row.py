@@ -150,9 +150,10 @@ def method_b(row: Row, model: fy.Model) -> None:
     step = row.period / STEPS_PER_PERIOD
     with row.stage("jim-b, effective matrix"):
         row.full = transient_solver(model, step=step)
-    row.full.solve(LC2, duration=2 * step)  # warm
+    rest = fy.solve_static(model)
+    row.full.solve(LC2, duration=2 * step, initial=rest)  # warm
     start = time.process_time()
-    run = row.full.solve(LC2, duration=FULL_STEPS * step)
+    run = row.full.solve(LC2, duration=FULL_STEPS * step, initial=rest)
     row.seconds["full step"] = (time.process_time() - start) / FULL_STEPS
     together = clocked(
         lambda: row.full.solve_cases(BOX.step_loads(), duration=TRAINING_STEPS * step)
@@ -198,11 +199,12 @@ def online(row: Row, rom: fy.ReducedModel) -> None:
 
 def stepped(solver: Any, count: int) -> tuple[float, fy.Solution]:
     """Return processor time of a step, the median of runs of so many, and the last run."""
-    solver.solve(LC2, duration=5 * solver.step)
+    rest = fy.solve_static(solver.system)
+    solver.solve(LC2, duration=5 * solver.step, initial=rest)
     times, found = [], []
     for _ in range(STEP_RUNS):
         start = time.process_time()
-        found[:] = [solver.solve(LC2, duration=count * solver.step)]
+        found[:] = [solver.solve(LC2, duration=count * solver.step, initial=rest)]
         times.append((time.process_time() - start) / count)
     return float(np.median(times)), found[0]
 

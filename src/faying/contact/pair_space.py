@@ -206,15 +206,20 @@ def solve_between_pairs(
         found = _solve_on_springs(space, g_free, start)
     if found is None:
         found = solve_complementarity(space, g_free, start)
+    held.steady = held.last is not None and _near(space, found.active, held.last)
     held.last = found.active
     return found
 
 
 @dataclass(eq=False)
 class _Held:
-    """What the last problem left: its closed points, and pairs on springs since they pay."""
+    """What the last problem left: its closed points, and pairs on springs since they pay.
+
+    They do where one problem follows from another, as in steps, and the last one did (``steady``).
+    """
 
     last: Mask | None = None
+    steady: bool = False
     pairs: SprungPairs | None = None
     useless: bool = False
 
@@ -226,7 +231,9 @@ def _solve_on_springs(space: PairSpace, g_free: Vector, active: Mask) -> Contact
         return None
     try:
         if held.pairs is None or not held.pairs.near(active):
-            if held.last is None or not _similar(space, active, held.last):
+            if held.last is None or not (held.steady and _near(space, active, held.last)):
+                return None
+            if not _pays(space, active):
                 return None
             if held.pairs is None:
                 held.pairs = SprungPairs(N=space.N, S=space.S, D=space.D, own=space.diagonal)
@@ -237,10 +244,13 @@ def _solve_on_springs(space: PairSpace, g_free: Vector, active: Mask) -> Contact
         return None
 
 
-def _similar(space: PairSpace, active: Mask, last: Mask) -> bool:
-    """Say whether few points have changed sides, and enough pairs are in contact."""
-    if np.count_nonzero(active ^ last) > NEAR * len(space.S):
-        return False
+def _near(space: PairSpace, active: Mask, last: Mask) -> bool:
+    """Say whether few points have changed sides."""
+    return bool(np.count_nonzero(active ^ last) <= NEAR * len(space.S))
+
+
+def _pays(space: PairSpace, active: Mask) -> bool:
+    """Say whether contact is elastic and enough pairs are in contact."""
     touched = np.count_nonzero(abs(space.N).T @ active)
     return bool((space.D > 0).all() and touched >= LEAST_TOUCHED * len(space.S))
 

@@ -120,8 +120,8 @@ class CompiledSteps:
             return 0
         last = np.full(len(guess), np.nan) if trend.last is None else trend.last[0].copy()
         done, renewals = 0, 0
-        while done < len(applied) and renewals < MOST_RENEWALS:
-            if not self.pairs.near(guess):
+        while done < len(applied) and renewals <= MOST_RENEWALS:
+            if done or not self.pairs.near(guess):
                 try:
                     self.pairs.renew(guess)
                 except la.LinAlgError:
@@ -145,7 +145,7 @@ class CompiledSteps:
             )
             done += steps
             renewals = 0 if steps else renewals + 1
-            if self.pairs.near(guess):
+            if not steps and self.pairs.near(guess):
                 break
         if done:
             trend.last = last[None]

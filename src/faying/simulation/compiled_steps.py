@@ -18,6 +18,9 @@ from faying.contact.sprung_pairs import CLOSED, LOOSE, MOST_REFINEMENTS, MOST_SY
 SUMS = {"reassoc", "contract"}
 """Sums may be taken in any order, so that the processor adds several terms at once."""
 
+RENEWAL = 1_000_000
+"""What a new E costs beside its n³ multiplications, in multiplications."""
+
 SIGNATURE = (
     "int64(float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
     " float64[:,::1], float64[:,::1], float64[:,::1], boolean[::1], int64[:,::1], float64[:,::1],"
@@ -197,7 +200,7 @@ def advance(
     slacks: Matrix,
     systems: Indices,
 ) -> int:
-    """Advance a transient until a step does not settle; return the number of steps done.
+    """Advance a transient until a step does not settle, or a new E pays; return the steps done.
 
     Parameters
     ----------
@@ -235,6 +238,7 @@ def advance(
     active, changes = guess.copy(), np.empty(n_point, dtype=np.int64)
     from_motion = np.empty(n)
     room, n_known = 2 * most_changed + 2, 0
+    spent, renewal = 0, n_pair**3 + RENEWAL
     slots, known = np.full(n_point, -1), np.empty(room, dtype=np.int64)
     seen, corner = np.empty((room, n_pair)), np.empty((room, room))
     for step in range(n_step):
@@ -358,4 +362,8 @@ def advance(
             guess[i] = 2 * now - before > 0
             trend[i] = now
         systems[step] = count
+        # What the changed points of this step cost; they may stay what they are for long.
+        spent += n_changed * (n_changed**2 + 2 * n_pair)
+        if spent > renewal:
+            return step + 1
     return int(n_step)
