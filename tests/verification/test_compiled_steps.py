@@ -150,8 +150,8 @@ def test_what_the_loop_has_nothing_for(joint, rom):
     assert transient_solver(rom, step=STEP)._compiled is not None
 
 
-def test_long_runs_are_compiled_unasked(monkeypatch, caplog, compiled_loop, rom):
-    monkeypatch.delitem(sys.modules, compiled.LOOP)
+def test_long_runs_are_compiled_unasked(caplog, compiled_loop):
+    del sys.modules[compiled.LOOP]  # for good: the fixture leaves none behind
     compiled.import_loop.cache_clear()
     assert compiled.loop_for(compiled.PAYING_STEPS - 1) is None
     with caplog.at_level(logging.INFO, logger="faying"):

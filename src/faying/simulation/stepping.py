@@ -340,8 +340,7 @@ class TransientSolver:
                 motion, guess, done = stacked(moved), expected[0], done + 1
             n += done
             if progress is not None:
-                for _ in range(done):
-                    progress(1)
+                progress(done)
         end = Motion(*np.split(motion, 4))
         return Restart(done=here.done + n, motion=end, active=history.forces[0, first + n - 1] > 0)
 

@@ -42,7 +42,7 @@ def solve_transient(
     initial
         Static solution to start from; by default the joint under its bolts alone.
     progress
-        Called with 1 after every step.
+        Called with the number of steps done since the last call: one, unless they are compiled.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def solve_transient_cases(
         Static solutions to start from, one for each load, for instance of several preloads; by
         default the joint under its bolts alone.
     progress
-        Called after every step with the number of loads.
+        Called with the number of steps done since the last call, those of all loads together.
 
     Returns
     -------
