@@ -1,7 +1,6 @@
 """Compiled time steps against the same steps in Python."""
 
 import logging
-import sys
 
 import numpy as np
 import pytest
@@ -23,20 +22,10 @@ STEP, STEPS = 2e-5, 100
 
 
 @pytest.fixture
-def python_steps(monkeypatch):
-    """Leave steps to Python, whatever was compiled in this process before."""
-    monkeypatch.delitem(sys.modules, compiled.LOOP, raising=False)
-    monkeypatch.setattr(compiled, "PAYING_STEPS", 10**12)
-
-
-@pytest.fixture
 def compiled_loop():
-    """Compile for one test only: others measure against steps in Python."""
+    """Compile, for one test only (see tests/conftest.py)."""
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     fy.compile_steps()
-    yield
-    sys.modules.pop(compiled.LOOP, None)
-    compiled.import_loop.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +41,7 @@ def integrate(rom, load, integrator, **options):
 
 def in_python(monkeypatch, compute):
     with monkeypatch.context() as patch:
-        patch.setattr(compiled, "loop_for", lambda _: None)
-        patch.setattr("faying.simulation.stepping.loop_for", lambda _: None)
+        patch.setattr("faying.simulation.stepping.worth_compiling", lambda _: False)
         return compute()
 
 
@@ -150,19 +138,25 @@ def test_what_the_loop_has_nothing_for(joint, rom):
     assert transient_solver(rom, step=STEP)._compiled is not None
 
 
-def test_long_runs_are_compiled_unasked(caplog, compiled_loop):
-    del sys.modules[compiled.LOOP]  # for good: the fixture leaves none behind
-    compiled.import_loop.cache_clear()
-    assert compiled.loop_for(compiled.PAYING_STEPS - 1) is None
+def test_long_runs_are_compiled_unasked(monkeypatch, caplog, rom):
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
+    fy.solve_transient(rom, LC2, step=STEP, duration=(STEPS - 1) * STEP)
+    assert not compiled.worth_compiling(1)
     with caplog.at_level(logging.INFO, logger="faying"):
-        assert compiled.loop_for(compiled.PAYING_STEPS) is not None
+        integrate(rom, LC2, None)
     assert "compiling the time steps of reduced models" in caplog.text
-    assert compiled.loop_for(1) is not None
+    assert compiled.worth_compiling(1)
 
 
-def test_without_numba(monkeypatch, python_steps):
+def test_full_models_do_not_wait_for_a_loop_that_is_not_theirs(monkeypatch, joint):
+    monkeypatch.setattr(compiled, "PAYING_STEPS", 1)
+    fy.solve_transient(joint, LC2, step=STEP, duration=2 * STEP)
+    assert not compiled.worth_compiling(0)
+
+
+def test_without_numba(monkeypatch):
     monkeypatch.setattr(compiled, "find_spec", lambda _: None)
-    monkeypatch.setattr(compiled, "PAYING_STEPS", 10)
-    assert compiled.loop_for(10**6) is None
+    assert not compiled.worth_compiling(10**6)
     with pytest.raises(ModelError, match=r"pip install 'faying\[compiled\]'"):
         fy.compile_steps()

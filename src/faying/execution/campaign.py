@@ -63,8 +63,9 @@ def run_campaign(
 
     Notes
     -----
-    Equal numbers whatever the executor, as long as each process has as many threads: libraries sum
-    in another order with others.
+    Equal numbers whatever the executor and however many workers, as long as each process has as
+    many threads: libraries sum in another order with others. Workers begin alike and agree to the
+    last bit; a process that did something else before, like an interactive one, differs by 1e-12.
     """
     groups = [{name: task} for name, task in tasks.items()]
     return run_grouped_campaign(

@@ -1,7 +1,6 @@
 """Compiled time steps of reduced models: when they pay, and what the compiled loop is given."""
 
 import logging
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -67,11 +66,10 @@ def import_loop() -> Callable[..., int]:
     return loop
 
 
-def loop_for(n_step: int) -> Callable[..., int] | None:
-    """Return the compiled loop where it is there already, or pays and can be made."""
-    if LOOP in sys.modules or (n_step >= PAYING_STEPS and find_spec("numba") is not None):
-        return import_loop()
-    return None
+def worth_compiling(n_step: int) -> bool:
+    """Say whether the loop is there already, or can be had and pays for so many steps."""
+    loaded = import_loop.cache_info().currsize > 0
+    return loaded or (n_step >= PAYING_STEPS and find_spec("numba") is not None)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -115,9 +113,7 @@ class CompiledSteps:
         history
             Of this case; written from the instant ``first`` on.
         """
-        loop = loop_for(0)
-        if loop is None:
-            return 0
+        loop = import_loop()
         last = np.full(len(guess), np.nan) if trend.last is None else trend.last[0].copy()
         done, renewals = 0, 0
         while done < len(applied) and renewals <= MOST_RENEWALS:

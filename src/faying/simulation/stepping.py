@@ -18,9 +18,9 @@ from faying.simulation.compiled import (
     MOST_FAILURES,
     CompiledSteps,
     compiled_steps,
-    loop_for,
     stacked,
     unstacked,
+    worth_compiling,
 )
 from faying.simulation.history import History, Trend
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
@@ -274,7 +274,7 @@ class TransientSolver:
     ) -> list[Restart]:
         """Write the instants from ``first`` on; compiled where that pays, else side by side."""
         n_case, n_step = external.shape[:2]
-        if loop_for(ahead) is not None and self._compiled is not None:
+        if worth_compiling(ahead) and self._compiled is not None:
             walk = partial(self._walk_compiled, self._compiled)
             cases = zip(here, external, strict=True)
             return [
