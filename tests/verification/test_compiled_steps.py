@@ -41,7 +41,7 @@ def integrate(rom, load, integrator, **options):
 
 def in_python(monkeypatch, compute):
     with monkeypatch.context() as patch:
-        patch.setattr("faying.simulation.stepping.worth_compiling", lambda _: False)
+        patch.setattr("faying.simulation.stepping.worth_compiling", lambda *_: False)
         return compute()
 
 
@@ -142,21 +142,22 @@ def test_long_runs_are_compiled_unasked(monkeypatch, caplog, rom):
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
     fy.solve_transient(rom, LC2, step=STEP, duration=(STEPS - 1) * STEP)
-    assert not compiled.worth_compiling(1)
+    assert not compiled.worth_compiling(1, 100)
     with caplog.at_level(logging.INFO, logger="faying"):
         integrate(rom, LC2, None)
     assert "compiling the time steps of reduced models" in caplog.text
-    assert compiled.worth_compiling(1)
+    assert compiled.worth_compiling(1, 100)
+    assert not compiled.worth_compiling(1, 10**4)
 
 
 def test_full_models_do_not_wait_for_a_loop_that_is_not_theirs(monkeypatch, joint):
     monkeypatch.setattr(compiled, "PAYING_STEPS", 1)
     fy.solve_transient(joint, LC2, step=STEP, duration=2 * STEP)
-    assert not compiled.worth_compiling(0)
+    assert not compiled.worth_compiling(0, 100)
 
 
 def test_without_numba(monkeypatch):
     monkeypatch.setattr(compiled, "find_spec", lambda _: None)
-    assert not compiled.worth_compiling(10**6)
+    assert not compiled.worth_compiling(10**6, 100)
     with pytest.raises(ModelError, match=r"pip install 'faying\[compiled\]'"):
         fy.compile_steps()

@@ -27,6 +27,9 @@ It takes 15 s once per installation and half a second per process; a step of a s
 0.1 ms faster, of a large one several times that.
 """
 
+MANY_PAIRS = 1500
+"""Pairs above which only long runs are compiled: a new E of 3000 takes two seconds."""
+
 MOST_FAILURES = 3
 """Steps in a row that the loop could not do, after which it is not tried again."""
 
@@ -66,10 +69,11 @@ def import_loop() -> Callable[..., int]:
     return loop
 
 
-def worth_compiling(n_step: int) -> bool:
-    """Say whether the loop is there already, or can be had and pays for so many steps."""
-    loaded = import_loop.cache_info().currsize > 0
-    return loaded or (n_step >= PAYING_STEPS and find_spec("numba") is not None)
+def worth_compiling(n_step: int, n_pair: int) -> bool:
+    """Say whether the loop pays for so many steps, or is there already and no worse."""
+    if n_step >= PAYING_STEPS:
+        return find_spec("numba") is not None
+    return n_pair <= MANY_PAIRS and import_loop.cache_info().currsize > 0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

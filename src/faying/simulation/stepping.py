@@ -274,7 +274,8 @@ class TransientSolver:
     ) -> list[Restart]:
         """Write the instants from ``first`` on; compiled where that pays, else side by side."""
         n_case, n_step = external.shape[:2]
-        if worth_compiling(ahead) and self._compiled is not None:
+        n_pair = self.system.contact.relative_operator.shape[0]
+        if worth_compiling(ahead, n_pair) and self._compiled is not None:
             walk = partial(self._walk_compiled, self._compiled)
             cases = zip(here, external, strict=True)
             return [
