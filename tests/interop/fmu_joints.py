@@ -4,11 +4,20 @@ import ctypes
 
 import fmpy
 import numpy as np
+import pytest
 from fmpy import fmi2, fmi3
 
 import faying as fy
+from faying.export.fmu import library
 from faying.export.hand_over import hand_over_of
 
+NEEDS_COMPILER = pytest.mark.skipif(
+    library.compiler() is None, reason="there is no C compiler (apt install gcc)"
+)
+SCHEMES = {
+    "implicit-euler": (fy.ImplicitEuler(), {"integrator": 0}),
+    "generalized-alpha": (fy.GeneralizedAlpha(0.6), {"integrator": 1, "rho_infinity": 0.6}),
+}
 STEP = 1e-5
 N_STEP = 40
 FORCES = {"tip.Fz": -500.0, "tip.Mx": 20e3}

@@ -11,7 +11,7 @@ import pytest
 
 import faying as fy
 from faying.export import fmu as fmu_export
-from faying.export.fmu import archive, library
+from faying.export.fmu import archive
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
 
@@ -20,6 +20,8 @@ from fmu_joints import (  # noqa: E402
     EQUAL,
     FORCES,
     N_STEP,
+    NEEDS_COMPILER,
+    SCHEMES,
     STEP,
     Instance,
     assert_equal,
@@ -29,14 +31,7 @@ from fmu_joints import (  # noqa: E402
     simulate,
 )
 
-pytestmark = pytest.mark.skipif(
-    library.compiler() is None, reason="there is no C compiler (apt install gcc)"
-)
-
-SCHEMES = {
-    "implicit-euler": (fy.ImplicitEuler(), {"integrator": 0}),
-    "generalized-alpha": (fy.GeneralizedAlpha(0.6), {"integrator": 1, "rho_infinity": 0.6}),
-}
+pytestmark = NEEDS_COMPILER
 
 
 @pytest.fixture(scope="module")

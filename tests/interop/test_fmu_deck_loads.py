@@ -5,7 +5,6 @@ import pytest
 
 import faying as fy
 from faying.export import fmu as fmu_export
-from faying.export.fmu import library
 from faying.export.hand_over import hand_over_of
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
@@ -14,6 +13,8 @@ from fmpy.validation import validate_fmu  # noqa: E402  only where fmpy is there
 from fmu_joints import (  # noqa: E402
     EQUAL,
     N_STEP,
+    NEEDS_COMPILER,
+    SCHEMES,
     STEP,
     Instance,
     assert_equal,
@@ -22,14 +23,7 @@ from fmu_joints import (  # noqa: E402
     simulate,
 )
 
-pytestmark = pytest.mark.skipif(
-    library.compiler() is None, reason="there is no C compiler (apt install gcc)"
-)
-
-SCHEMES = {
-    "implicit-euler": (fy.ImplicitEuler(), {"integrator": 0}),
-    "generalized-alpha": (fy.GeneralizedAlpha(0.6), {"integrator": 1, "rho_infinity": 0.6}),
-}
+pytestmark = NEEDS_COMPILER
 
 
 @pytest.fixture(scope="module")
