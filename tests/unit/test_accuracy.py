@@ -54,6 +54,36 @@ def test_rotations_do_not_count_as_displacements(reference, joint):
     assert fy.compare(replace(reference, states=changed), reference).displacement_error == 0
 
 
+def test_boundary_that_only_turns_has_no_displacement_error(reference, joint):
+    """Its translations are round-off, and so is their difference."""
+    tip = joint.boundaries["tip"].dofs
+    turned, other = reference.states.copy(), reference.states.copy()
+    turned[tip], other[tip] = 0.0, 0.0
+    turned[tip[3:]] = other[tip[3:]] = 1e-3
+    turned[tip[:3]], other[tip[:3]] = 1e-15, -4e-15
+    small = replace(reference, states=turned)
+    assert fy.compare(replace(reference, states=other), small).displacement_error == 0
+    # A translation of a thousandth of the rotation is one.
+    turned[tip[0]], other[tip[0]] = 1e-6, 2e-6
+    small = replace(reference, states=turned)
+    error = fy.compare(replace(reference, states=other), small).displacement_error
+    assert error == pytest.approx(1.0)
+
+
+def test_displacement_error_is_over_the_boundary_that_moves_most(reference, joint):
+    """A held boundary next to one that moves has round-off only."""
+    still = replace(joint.boundaries["tip"], name="still", dofs=joint.boundaries["tip"].dofs[:3])
+    still = replace(still, nodes=still.nodes[:3], components=still.components[:3])
+    moving = replace(joint.boundaries["tip"], dofs=np.arange(3), nodes=still.nodes)
+    moving = replace(moving, components=still.components)
+    system = replace(joint, boundaries={"still": still, "moving": moving})
+    states, others = np.zeros_like(reference.states), np.zeros_like(reference.states)
+    states[still.dofs], others[still.dofs] = 1e-15, -4e-15
+    states[:3], others[:3] = 1.0, 1.1
+    one = replace(reference, system=system, states=states)
+    assert fy.compare(replace(one, states=others), one).displacement_error == pytest.approx(0.1)
+
+
 def test_transients_compare_over_all_instants(joint):
     coarse, fine = (
         fy.solve_transient(joint, LOAD, step=1e-4, duration=5e-4, integrator=scheme)

@@ -15,8 +15,9 @@ from faying.io import abaqus, nastran
 from faying.io.deck_lines import naming
 from faying.model.assembly import Material
 from faying.study.history import read_history
-from faying.study.load_model import build_loaded, load_model
+from faying.study.load_model import build, build_loaded, load_model
 from faying.study.plausible import doubts
+from faying.study.run import run
 from faying.study.schema import parse_study, read_study
 from small_abaqus_deck import DECK as ABAQUS
 
@@ -216,11 +217,52 @@ def test_bolt_that_presses(deck):
         load_model(read_study(study))
 
 
-def test_structure_without_mass(deck):
-    assert build_loaded(load_model(read_study(deck()))).M.diagonal().any()
-    massless = load_model(read_study(deck(",7.8-9", "")))
-    with pytest.raises(ModelError, match=r"no mass.*give rho"):
-        build_loaded(massless)
+STEP = """
+[[boundary]]
+name = "top"
+node = 15
+[[load_case]]
+name = "blow"
+kind = "step"
+forces = [{ boundary = "top", component = "Fz", value = -10.0 }]
+steps_per_period = 10
+periods = 0.1
+"""
+
+
+def test_transient_of_a_structure_without_mass(deck):
+    path = deck(",7.8-9", "")
+    plain = path.read_text()
+    path.write_text(plain + STEP)
+    with pytest.raises(ModelError, match=r"no mass.* load case 'blow' is a transient; give rho"):
+        build(read_study(path))
+    trained = plain.replace('"compliance"', '"jim-b"') + (
+        "[reduction.training]\n"
+        'box = [{ boundary = "top", component = "Fz", min = -1.0, max = 1.0 }]\n'
+        '[[boundary]]\nname = "top"\nnode = 15\n'
+    )
+    path.write_text(trained)
+    with pytest.raises(ModelError, match=r"no mass.* train on step responses \(dynamics = false"):
+        build(read_study(path))
+    with pytest.raises(ModelError, match=r"20 normal modes .* no mass; ask for none"):
+        fy.craig_bampton(build_loaded(load_model(read_study(path))))
+
+
+def test_statics_need_no_mass(deck, tmp_path):
+    """Same pressures with and without density, whatever the number of modes."""
+    static = STEP.replace('"step"', '"static"').split("steps_per_period")[0]
+    found = {}
+    for name, change in (("heavy", ("", "")), ("light", (",7.8-9", ""))):
+        path = deck(*change)
+        path.write_text(path.read_text() + static)
+        summary = run(read_study(path), tmp_path / name).summary
+        found[name] = summary["load_cases"]["blow"]
+        assert (summary["model"]["mass"] > 0) == (name == "heavy")
+    for name in ("max_pressure", "contact_force"):
+        # Round-off of two orders of elimination.
+        expected = pytest.approx(found["heavy"]["reference"][name], rel=1e-9)
+        assert found["light"]["reference"][name] == expected
+    assert found["light"]["methods"]["compliance"]["0"]["max_relative_error"] < 1e-9
 
 
 def test_no_bolt_tightened():

@@ -1,9 +1,15 @@
 """The condensed solution against Newton's method on the full finite element equations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import faying as fy
+from faying.contact.condensed import CondensedContact
+from faying.contact.interface import Contact
+from faying.exceptions import ConvergenceError
 from faying.model.system import input_forces
 
 COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -194,3 +200,31 @@ def test_compliance_is_that_of_the_stiffness(joint):
     anew = fy.interface_compliance(joint, fy.factorize(joint.K))
     # Round-off times the condition of K.
     np.testing.assert_allclose(kept, anew, rtol=0, atol=1e-10 * np.abs(anew).max())
+
+
+def test_newton_says_that_redundant_hard_contact_is_singular():
+    """Four Gauss points a facet again: the saddle-point equations have no unique solution."""
+    coarse = fy.lap_joint(
+        element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty="hard", quadrature="gauss"
+    )
+    coarse = fy.preload(coarse, {"bolt": 10e3})
+    with pytest.raises(ConvergenceError, match=r"closes \d+ points .* singular; take nodal"):
+        fy.solve_static_newton(coarse, fy.Load({"tip.Fz": -500.0}))
+
+
+def test_hard_contact_that_a_basis_cannot_close_names_the_basis():
+    """One mode between two stops that both press it: opening one closes the other."""
+    contact = Contact(
+        relative_operator=np.array([[1.0], [-1.0]]),
+        interpolation=sp.csr_array(np.eye(2)),
+        initial_gap=-np.ones(2),
+        weights=np.ones(2),
+        penalty=np.full(2, np.inf),
+        slices={"joint": slice(0, 2)},
+    )
+    compliance = contact.relative_operator @ contact.relative_operator.T
+    condensed = CondensedContact(contact=contact, compliance=compliance)
+    with pytest.raises(ConvergenceError, match=r"hard at 2 points, but the model has 1 degrees"):
+        condensed.solve(np.zeros(2))
+    soft = CondensedContact(contact=replace(contact, penalty=np.ones(2)), compliance=compliance)
+    np.testing.assert_allclose(soft.solve(np.zeros(2)).forces, [1.0, 1.0], rtol=1e-12)

@@ -1,6 +1,8 @@
 """Contact condensed to its points: g = g_free + S λ with S = G A⁻¹ Gᵀ for any linear operator A."""
 
 import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, cast
@@ -13,7 +15,7 @@ from faying.contact.dense_points import DensePoints
 from faying.contact.interface import Contact
 from faying.contact.pair_space import PairSpace, solve_between_pairs
 from faying.contact.pivoting import ActiveSetSpace, ContactForces, solve_complementarity
-from faying.exceptions import ModelError
+from faying.exceptions import ConvergenceError, ModelError
 from faying.linalg.budget import pairs_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance, smooth_compliance
 from faying.linalg.factorization import Factorization
@@ -126,15 +128,23 @@ class CondensedContact:
         return self.solve_gap(self.free_gap(relative_displacement), active)
 
     def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve for the contact forces that a free gap (n_point,) calls up."""
+        """Solve for the contact forces that a free gap (n_point,) calls up.
+
+        Raises
+        ------
+        ConvergenceError
+            If there are none: hard contact at more points than the basis of a reduced model has
+            modes may be impossible to close, which the message says.
+        """
         if not np.isfinite(free_gap).all():
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
-        if isinstance(self.space, CompressedSpace):
-            return solve_compressed(self.space, free_gap, active)
-        if isinstance(self.space, PairSpace):
-            return solve_between_pairs(self.space, free_gap, active)
-        return solve_complementarity(self.space, free_gap, active)
+        with _naming_few_modes(self.contact):
+            if isinstance(self.space, CompressedSpace):
+                return solve_compressed(self.space, free_gap, active)
+            if isinstance(self.space, PairSpace):
+                return solve_between_pairs(self.space, free_gap, active)
+            return solve_complementarity(self.space, free_gap, active)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k): forces that close gaps B (n_active, k) at active points.
@@ -166,6 +176,25 @@ def relative_compliance(contact: Contact, factor: Factorization, weight: float =
         return smooth_compliance(ports, core, contact.places)
     sparse = cast("SparseMatrix", ports)
     return compressed_port_compliance(sparse, factor, contact.places).scaled(weight)
+
+
+@contextmanager
+def _naming_few_modes(contact: Contact) -> Iterator[None]:
+    """Say of contact that finds no forces whether the model has fewer modes than hard points."""
+    try:
+        yield
+    except ConvergenceError as error:
+        hard = int(np.isinf(contact.penalty).sum())
+        modes = int(contact.relative_operator.shape[1])
+        if contact.residual_compliance is not None or hard <= modes:
+            raise
+        message = (
+            f"contact is hard at {hard} points, but the model has {modes} degrees of freedom: its "
+            "gaps depend on each other, and no contact forces close all that are pressed; keep the "
+            "residual compliance (method 'compliance', reduce(..., compliance=True)), take a "
+            "penalty, or a basis of more modes than contact points"
+        )
+        raise ConvergenceError(message) from error
 
 
 def announcement(compliance: CompressedCompliance, contact: Contact) -> str:

@@ -68,6 +68,11 @@ class Structure:
         """Number of degrees of freedom."""
         return int(self.K.shape[0])
 
+    @property
+    def has_mass(self) -> bool:
+        """Whether anything has mass; statics do not need it."""
+        return bool(self.M.diagonal().any())
+
     @cached_property
     def interior(self) -> Indices:
         """Indices of the degrees of freedom off the boundary, u_i of Eq. (15.17)."""

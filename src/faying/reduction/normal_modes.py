@@ -37,7 +37,8 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
     Raises
     ------
     ModelError
-        If more modes are asked for than there are interior degrees of freedom.
+        If more modes are asked for than there are interior degrees of freedom, or any of a
+        structure without mass.
 
     Notes
     -----
@@ -49,6 +50,12 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
         message = (
             f"{count} normal modes asked for, but the structure has {len(inner)} degrees of "
             "freedom off its boundary; ask for fewer"
+        )
+        raise ModelError(message)
+    if count and not structure.has_mass:
+        message = (
+            f"{count} normal modes asked for, but the structure has no mass; ask for none, which "
+            "statics do not need, or give its materials a density"
         )
         raise ModelError(message)
     vectors = np.zeros((structure.n_dof, count))

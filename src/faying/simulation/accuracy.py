@@ -6,9 +6,17 @@ from typing import Protocol
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.system import System
+
+
+NO_MOTION = 1e-9
+"""Largest translation over the largest displacement or rotation, below which it is round-off.
+
+A boundary that only turns has translations of 1e-16; the unit of length, which this compares with
+radians, may be a thousand times another.
+"""
 
 
 class Compared(Protocol):
@@ -44,7 +52,8 @@ class Accuracy:
     max_pressure_ratio
         Largest pressure over the largest reference pressure.
     displacement_error
-        Largest distance of boundary translations over the largest reference translation.
+        Largest distance of boundary translations over the largest reference translation of any
+        boundary; zero where none moves but by round-off.
     """
 
     max_relative_error: float
@@ -99,19 +108,22 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
         solution.pressure,
         reference.pressure,
         [
-            (
-                solution.displacement(name)[..., boundary.components < 3],
-                reference.displacement(name)[..., boundary.components < 3],
-            )
+            (solution.displacement(name), reference.displacement(name), boundary.components)
             for name, boundary in boundaries.items()
         ],
     )
 
 
 def measure(
-    pressure: Matrix, reference: Matrix, translations: Iterable[tuple[Matrix, Matrix]]
+    pressure: Matrix, reference: Matrix, displacements: Iterable[tuple[Matrix, Matrix, Indices]]
 ) -> Accuracy:
-    """Measure pressures (..., n_point) and pairs of boundary translations (..., n).
+    """Measure pressures (..., n_point) and displacements at boundaries.
+
+    Parameters
+    ----------
+    displacements
+        Of each boundary those measured and those of the reference (..., n), and the components
+        0 … 5 (n,) they belong to.
 
     Raises
     ------
@@ -124,13 +136,24 @@ def measure(
         rms_relative_error=float(np.sqrt((error**2).mean())),
         p999_relative_error=float(np.percentile(error, 99.9)),
         max_pressure_ratio=float(np.max(pressure) / np.max(reference)),
-        displacement_error=max([_distance(*pair) for pair in translations], default=0.0),
+        displacement_error=_displacement_error(list(displacements)),
     )
 
 
-def _distance(motion: Matrix, reference: Matrix) -> float:
-    """Largest distance over the largest motion; zero where nothing moves."""
-    largest = float(np.linalg.norm(reference, axis=-1).max())
-    if largest == 0:
+def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> float:
+    """Largest distance of translations over the largest motion; zero where nothing moves."""
+    largest = largest_translation = distance = 0.0
+    for motion, reference, components in displacements:
+        moved = reference[..., components < 3]
+        largest = max(largest, float(np.abs(reference).max(initial=0.0)))
+        largest_translation = max(largest_translation, float(_lengths(moved).max(initial=0.0)))
+        apart = _lengths(motion[..., components < 3] - moved)
+        distance = max(distance, float(apart.max(initial=0.0)))
+    if largest_translation <= NO_MOTION * largest:
         return 0.0
-    return float(np.linalg.norm(motion - reference, axis=-1).max()) / largest
+    return distance / largest_translation
+
+
+def _lengths(vectors: Matrix) -> Vector:
+    lengths: Vector = np.linalg.norm(vectors, axis=-1)
+    return lengths

@@ -29,7 +29,8 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     ModelError
         If something moves freely.
     ConvergenceError
-        If the points in contact do not settle.
+        If the points in contact do not settle, or hard contact has more of them than gaps that
+        can be closed singly.
 
     Notes
     -----
@@ -104,7 +105,10 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         corner = sp.diags_array(-(scale**2) * flexibility[active])
         saddle = sp.block_array([[model.K, -closed.T], [-closed, corner]]).tocsc()
         right = np.concatenate([external, scale * contact.initial_gap[active]])
-        factors = spla.splu(saddle)
+        try:
+            factors = spla.splu(saddle)
+        except RuntimeError:  # how SuperLU says that a pivot is zero
+            raise ConvergenceError(_undetermined(int(active.sum()))) from None
         solution = factors.solve(right)
         solution += factors.solve(right - saddle @ solution)  # the gaps cancel many digits
         u, forces = solution[:n], np.zeros(contact.n_points)
@@ -115,6 +119,14 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
             return u, forces, iteration
         active = following
     raise ConvergenceError(_unsettled(LIMIT))
+
+
+def _undetermined(closed: int) -> str:
+    return (
+        f"hard contact closes {closed} points whose gaps depend on each other, so that Newton's "
+        "equations are singular; take nodal quadrature, a penalty, or solve_static, which finds "
+        "contact forces all the same"
+    )
 
 
 def _unsettled(limit: int) -> str:

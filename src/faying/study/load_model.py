@@ -105,8 +105,8 @@ def build_loaded(loaded: LoadedModel) -> Model:
     Raises
     ------
     ModelError
-        As :func:`faying.model.build.build_model`, if there is no mass, if a gap field does not
-        cover its interface, or if a load of the deck cannot be applied.
+        As :func:`faying.model.build.build_model`, if a gap field does not cover its interface, or
+        if a load of the deck cannot be applied.
     """
     model = build_model(
         loaded.assembly,
@@ -116,12 +116,6 @@ def build_loaded(loaded: LoadedModel) -> Model:
         damping=loaded.damping,
         units=loaded.units,
     )
-    if not model.M.diagonal().any():
-        message = (
-            "the model has no mass: its materials have no density and it has no point masses; give "
-            "rho where the materials are, or by [material.NAME] in the study"
-        )
-        raise ModelError(message)
     return model.with_interfaces(
         {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
     ).with_deck_loads(*loaded.deck_loads)

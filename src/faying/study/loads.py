@@ -2,7 +2,10 @@
 
 import numpy as np
 
+from faying.exceptions import ModelError
 from faying.model.model import Model
+from faying.reduction.methods import METHODS
+from faying.reduction.rivals import RIVALS
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
 from faying.study.history import read_history
@@ -50,18 +53,44 @@ def validation_box(validation: ValidationSection) -> LoadBox:
 
 
 def check_loads(study: Study, model: Model) -> None:
-    """Refuse loads on components that a boundary of the model does not have.
+    """Refuse loads on components a boundary does not have, and transients without mass.
 
     Raises
     ------
     ModelError
-        The message names the boundary and its components.
+        The message names the boundary and its components, or what needs the mass.
     """
+    if not model.structure.has_mass and (needed_by := _transients(study)):
+        message = (
+            "the model has no mass: its materials have no density and it has no point masses, and "
+            f"{needed_by}; give rho where the materials are, or by [material.NAME] in the study"
+        )
+        raise ModelError(message)
     start = np.zeros(1)
     training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
     worst = Load({side.target: 0.0 for side in study.validation.box}, name="validation")
     for load in (*map(case_load, study.load_cases), training, worst):
         load.inputs(model, start)
+
+
+def _transients(study: Study) -> str:
+    """Say what of a study computes a motion; nothing where all of it is static."""
+    moving = [case.name for case in study.load_cases if case.kind != "static"]
+    if moving:
+        return f"load case '{moving[0]}' is a transient"
+    training = study.reduction.training
+    if training.dynamics and is_trained(study):
+        return "its methods train on step responses (dynamics = false trains on static loads only)"
+    return ""
+
+
+def is_trained(study: Study) -> bool:
+    """Say whether a method of the study learns from training runs."""
+    names = study.reduction.methods
+    return any(
+        RIVALS[name].trained if name in RIVALS else METHODS[name].joint_modes == "jim-b"
+        for name in names
+    )
 
 
 def _amount(force: ForceSection) -> float | History:

@@ -27,7 +27,7 @@ from faying.simulation.static import solve_static
 from faying.simulation.transient import TransientSolver, transient_solver
 from faying.study.checkpoint import Checkpoint
 from faying.study.load_model import LoadedModel, build_loaded, load_model
-from faying.study.loads import check_loads, training_box
+from faying.study.loads import check_loads, is_trained, training_box
 from faying.study.progress import Stages
 from faying.study.tables import Study
 from faying.study.timing import time_step
@@ -51,7 +51,7 @@ class PreparedJoint:
     rest
         That of the model with locked bolts, where transients start.
     period
-        Longest period of small vibrations about the preloaded state.
+        Longest period of small vibrations about the preloaded state; infinite without mass.
     """
 
     loaded: LoadedModel
@@ -89,7 +89,7 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
             model = tied.with_bolt_forces(again.initial_forces)
     rest = solve_static(model)
     with stages.stage("frequencies"):
-        period = 1.0 / float(preloaded_frequencies(model, 1, state=rest)[0])
+        period = _longest_period(model, rest)
     return PreparedJoint(
         loaded=loaded,
         model=model,
@@ -98,6 +98,13 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
         rest=rest,
         period=period,
     )
+
+
+def _longest_period(model: Model, rest: Solution) -> float:
+    """Return the longest period of small vibrations about a state; infinite without mass."""
+    if not model.structure.has_mass:
+        return np.inf
+    return 1.0 / float(preloaded_frequencies(model, 1, state=rest)[0])
 
 
 def _condense(model: Model, stages: Stages) -> None:
@@ -141,7 +148,9 @@ def build_bases(
     own = [METHODS[name].joint_modes for name in reduction.methods if name in METHODS]
     most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
-        modes = fixed_interface_normal_modes(model.structure, reduction.normal_modes)
+        # Statics need no mass, and a structure without mass has no vibration modes.
+        count = reduction.normal_modes if model.structure.has_mass else 0
+        modes = fixed_interface_normal_modes(model.structure, count)
         classic = classic_basis(model, modes)
     with stages.stage("mode_count"):
         mode_count = check_modes(model.structure, modes)
@@ -163,15 +172,6 @@ def build_bases(
         with stages.stage("jim-b"):
             bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
     return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
-
-
-def is_trained(study: Study) -> bool:
-    """Say whether a method of the study learns from training runs."""
-    names = study.reduction.methods
-    return any(
-        RIVALS[name].trained if name in RIVALS else METHODS[name].joint_modes == "jim-b"
-        for name in names
-    )
 
 
 MOST_AUTOMATIC = 60

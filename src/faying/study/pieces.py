@@ -16,7 +16,8 @@ from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
 from faying.study.cases import case_groups, packed, transient_references
-from faying.study.offline import PreparedJoint, is_trained, prepare_joint, step_training
+from faying.study.loads import is_trained
+from faying.study.offline import PreparedJoint, prepare_joint, step_training
 from faying.study.progress import Stages
 from faying.study.schema import parse_study
 from faying.study.tables import LoadCaseSection, Study
