@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy.linalg as la
 
 import faying as fy
 from faying.exceptions import ModelError
@@ -114,6 +115,23 @@ def test_hard_contact(quadrature):
     assert (high >= exact.contact_force() * (1 - 1e-7)).all()
     # Gauss points outnumber the displacements between the parts: point pressures are not unique.
     assert np.isfinite(certificate.max_relative_error).all() == (quadrature == "nodal")
+
+
+@pytest.mark.parametrize(
+    ("quadrature", "penalty"), [("gauss", 1e5), ("nodal", 1e5), ("nodal", np.inf)]
+)
+def test_the_norm_of_pressures_is_bounded_closely_and_without_an_eigenvalue(
+    monkeypatch, quadrature, penalty
+):
+    judge = certifier(fy.lap_joint(element_size=5.0, quadrature=quadrature, penalty=penalty))
+    root = np.sqrt(judge.system.contact.weights)
+    least = np.linalg.eigvalsh(judge.flexibility.H * root[:, None] * root)[0]
+    # Eigenvalues of a matrix over all contact points cost more than the run that asks for them.
+    monkeypatch.setattr(la, "eigvalsh", None)
+    monkeypatch.setattr(la, "eigh", None)
+    sharpness = judge.rms_factor * np.sqrt(least)
+    assert sharpness >= 1 - 1e-8  # round-off of the least eigenvalue
+    assert sharpness < 1.5  # measured 1.00, 1.37 and 1.37
 
 
 def test_chosen_joint_modes_meet_the_tolerance(preloaded, bases):
