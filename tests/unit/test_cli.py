@@ -27,7 +27,7 @@ def runner(monkeypatch):
     calls = []
     result = SimpleNamespace(converged=True, summary={"load_cases": {}})
 
-    def run(study, out, *, resume, progress, executor):
+    def run(study, out, *, resume, progress, executor, since):
         calls.append((study, out, resume))
         return result
 

@@ -1,13 +1,16 @@
 """A whole run on a tiny joint: what it leaves behind, and how it resumes."""
 
 import json
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from faying.exceptions import ConvergenceError, StudyError
-from faying.study import cases
+from faying.io import vtu
+from faying.study import cases, offline, progress, record
+from faying.study import run as runs
 from faying.study.run import run
 from faying.study.schema import read_study
 from faying.study.store import read_results
@@ -110,6 +113,48 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     )
     # Rivals that only know statics are absent from transients.
     assert summary["timings"]["methods"]["nmf"].keys() == {"offline", "per_static_case"}
+
+
+def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
+    # Processor time, for what else runs on the machine must not decide.
+    monkeypatch.setattr(progress, "clock", time.process_time)
+    start = time.process_time()
+    timings = run(study, tmp_path).summary["timings"]
+    taken = time.process_time() - start
+    assert sum(timings["stages"].values()) == pytest.approx(timings["run"], rel=1e-12)
+    assert timings["run"] == pytest.approx(taken, rel=0.02)
+    assert 0 <= timings["stages"]["other"] < 0.02 * taken  # measured 0.4 %
+
+
+WORK = (
+    (offline, "solve_static"),
+    (cases, "certifier"),
+    (cases, "measure"),
+    (cases, "packed"),
+    (record, "bodies"),
+    (record, "interface_records"),
+    (runs, "write_results"),
+    (vtu, "write_interface_vtu"),
+)
+"""What runs once did outside all stages; a certificate of many points took longer than the rest."""
+
+
+def test_work_that_may_take_long_is_in_a_stage(study, tmp_path, monkeypatch):
+    now = [0.0]
+
+    def slow(function):
+        def slowed(*arguments, **options):
+            now[0] += 1.0
+            return function(*arguments, **options)
+
+        return slowed
+
+    for module, name in WORK:
+        monkeypatch.setattr(module, name, slow(getattr(module, name)))
+    monkeypatch.setattr(progress, "clock", lambda: now[0])
+    timings = run(study, tmp_path).summary["timings"]
+    assert timings["run"] == now[0] >= len(WORK)
+    assert timings["stages"]["other"] == 0
 
 
 def test_a_certified_bound_is_never_below_the_error(finished):

@@ -2,6 +2,7 @@
 
 from contextlib import ExitStack
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -42,6 +43,7 @@ def compute(
     path: Path, out: Path, *, resume: bool, workers: int = 1, scheduler: str | None = None
 ) -> None:
     """Run the study of a file into a folder and exit with 1 if something did not converge."""
+    since = perf_counter()  # importing what computes takes a second
     from faying.study.schema import read_study
 
     study = read_study(path)
@@ -63,7 +65,9 @@ def compute(
         executor = _executor(workers, scheduler, stack)
         progress = stack.enter_context(Progress(console=console, transient=True, disable=hidden))
         stack.enter_context(naming_tables(study))
-        result = run_study(study, out, resume=resume, progress=progress, executor=executor)
+        result = run_study(
+            study, out, resume=resume, progress=progress, executor=executor, since=since
+        )
     show_outcome(result.summary, out, Console())
     if not result.converged:
         message = f"Some solutions did not converge; {out / 'summary.json'} names them"

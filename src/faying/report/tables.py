@@ -268,10 +268,13 @@ def _ratio(full: dict[str, float], entry: dict[str, float], key: str, name: str)
 
 
 def stage_table(results: Results) -> Table:
-    """Return the wall time of every stage that was recorded."""
-    rows = [
-        (name, seconds(float(value)))
+    """Return the wall time of every stage, and of the run until its report was drawn."""
+    times = {
+        name: float(value)
         for name, value in results.timings.items()
         if isinstance(value, int | float)
-    ]
+    }
+    rows = [(name, seconds(value)) for name, value in times.items()]
+    if rows:
+        rows.append(("all of it, without files and report", seconds(sum(times.values()))))
     return table(("stage", "wall time"), rows)

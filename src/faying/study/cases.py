@@ -68,12 +68,15 @@ class CaseRunner:
                 except ConvergenceError as error:
                     failures.append(f"{case.name}, {name} with {count} joint modes: {error}")
                     continue
+                with self.stages.timed("comparison"):
+                    accuracy = _accuracy(model, response, reference)
+                    recovered = _recovered_error(response, reference)
                 methods[name][count] = MethodResult(
                     joint_modes=count,
                     n_modes=int(rom.K.shape[0]),
                     response=response,
-                    accuracy=_accuracy(model, response, reference),
-                    recovered_error=_recovered_error(response, reference),
+                    accuracy=accuracy,
+                    recovered_error=recovered,
                     certified_bound=self._certified(case, response),
                 )
         result = CaseResult(
@@ -110,8 +113,9 @@ class CaseRunner:
         """Bound the relative pressure error of a static case from the compliance alone."""
         if case.kind != "static":
             return None
-        inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
-        certificate = self._judge.certify_inputs(inputs, response.pressure)
+        with self.stages.timed("certificates"):
+            inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
+            certificate = self._judge.certify_inputs(inputs, response.pressure)
         return float(certificate.max_relative_error)
 
     def _reference(self, case: LoadCaseSection) -> Response:
@@ -128,8 +132,9 @@ class CaseRunner:
             with self.stages.stage(f"{cases[0].name}{more} full", total) as advance:
                 return list(map(packed, transient_references(self.joint, cases, advance)))
 
-        self.checkpoint.fill(list(group), compute)
-        return _unpacked(self.checkpoint.get(key))
+        with self.stages.timed("checkpoint"):
+            self.checkpoint.fill(list(group), compute)
+            return _unpacked(self.checkpoint.get(key))
 
     def _half_step(self, case: LoadCaseSection) -> Response:
         """Repeat a transient with half the time step, on a reduced model with exact compliance."""
@@ -152,7 +157,9 @@ class CaseRunner:
                 response = replace(response, recovered_pressure=recovered)
             return packed(response)
 
-        return _unpacked(self.checkpoint.bundle(response_key(case, label, refinement), compute))
+        with self.stages.timed("checkpoint"):
+            key = response_key(case, label, refinement)
+            return _unpacked(self.checkpoint.bundle(key, compute))
 
 
 def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:

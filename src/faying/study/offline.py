@@ -87,7 +87,8 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
         with stages.stage("preload"):
             again = tighten(tied, forces, increments=1)
             model = tied.with_bolt_forces(again.initial_forces)
-    rest = solve_static(model)
+    with stages.stage("preload"):
+        rest = solve_static(model)
     with stages.stage("frequencies"):
         period = _longest_period(model, rest)
     return PreparedJoint(
@@ -166,8 +167,7 @@ def build_bases(
             )
     forces = np.zeros((model.contact.n_points, 0))
     if is_trained(study):
-        with stages.stage("training"):
-            forces = _training_forces(study, joint, classic, stages, checkpoint)
+        forces = _training_forces(study, joint, classic, stages, checkpoint)
     if "jim-b" in own:
         with stages.stage("jim-b"):
             bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
@@ -189,12 +189,11 @@ def _training_forces(
 ) -> Matrix:
     """Contact forces of the training runs of method B, Eq. (15.30)."""
     training, model = study.reduction.training, joint.model
-    box = training_box(training)
     with stages.stage("static training"):
+        box = training_box(training)
         snapshots = [static_snapshots(model, box.static_loads(model))]
-    steps = step_training(study, joint, classic)
-    loads = step_loads(training)
-    with stages.stage("step training", len(loads) * steps.n_steps) as advance:
+        steps = step_training(study, joint, classic)
+    with stages.stage("step training", len(step_loads(training)) * steps.n_steps) as advance:
         for group in step_groups(training):
             checkpoint.fill(list(group), partial(steps.forces, list(group.values()), advance))
             snapshots += [checkpoint.get(key)["forces"] for key in group]

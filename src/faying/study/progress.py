@@ -1,8 +1,8 @@
 """Progress and timing of a run, so that the steps of the run itself stay readable."""
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import perf_counter as clock
 from typing import Any, Protocol
 
 
@@ -23,10 +23,22 @@ class ProgressBar(Protocol):
 
 
 class Stages:
-    """Named stages of a run: each shows a bar while it lasts and leaves its wall time."""
+    """Named stages of a run: each shows a bar while it lasts and leaves its wall time.
 
-    def __init__(self, bar: ProgressBar | None) -> None:
-        self.seconds: dict[str, float] = {}
+    A stage within another one counts for itself alone, so the times add up.
+
+    Parameters
+    ----------
+    since
+        Instant of ``time.perf_counter`` at which the program started; what passed since then is
+        the stage ``start``. Without it the run is counted from now.
+    """
+
+    def __init__(self, bar: ProgressBar | None, since: float | None = None) -> None:
+        now = clock()
+        self.seconds: dict[str, float] = {} if since is None else {"start": now - since}
+        self._since = now if since is None else since
+        self._within: list[float] = []
         self._bar = bar
 
     @contextmanager
@@ -38,10 +50,31 @@ class Stages:
             if self._bar:
                 self._bar.advance(task, amount)
 
-        start = time.perf_counter()
         try:
-            yield advance
+            with self.timed(name):
+                yield advance
         finally:
-            self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
             if self._bar:
                 self._bar.remove_task(task)
+
+    @contextmanager
+    def timed(self, name: str) -> Iterator[None]:
+        """Time a stage that is too short, or too scattered, to be shown while it lasts."""
+        start = clock()
+        self._within.append(0.0)
+        try:
+            yield
+        finally:
+            taken = clock() - start
+            own = taken - self._within.pop()
+            self.seconds[name] = self.seconds.get(name, 0.0) + own
+            if self._within:
+                self._within[-1] += taken
+
+    def account(self) -> dict[str, float]:
+        """Return the seconds of the stages so far, and as ``other`` those outside all of them.
+
+        Together they are the wall time since the start, between stages.
+        """
+        whole = clock() - self._since
+        return {**self.seconds, "other": whole - sum(self.seconds.values())}

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,7 @@ def run(
     resume: bool = False,
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
+    since: float | None = None,
 ) -> RunSummary:
     """Compute a study and leave its results in a folder.
 
@@ -55,6 +56,8 @@ def run(
         Take over what an interrupted run of the same study has finished.
     executor
         Computes transients of the full model beforehand, where there are some.
+    since
+        Instant of ``time.perf_counter`` at which the program started, from which the run is timed.
 
     Raises
     ------
@@ -62,9 +65,9 @@ def run(
         If the study, its model or its loads do not fit together. Solutions that do not converge
         are recorded instead.
     """
+    stages = Stages(progress, since)
     out.mkdir(parents=True, exist_ok=True)
     checkpoint = open_checkpoint(out, study.text, resume=resume)
-    stages = Stages(progress)
     if executor is not None:
         compute_pieces(study, executor, checkpoint, stages)
     joint = prepare_joint(study, stages)
@@ -83,22 +86,34 @@ def run(
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages)
-    results = record(study, joint, models, trained, cases, validation, stages, failures)
-    write_results(results, out / "results.h5")
-    summary = summarize(results)
-    write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
-    write_text(out / "study.toml", study.text)
-    _write_report(study, results, out, stages)
+    with stages.stage("records"):
+        found = record(study, joint, models, trained, cases, validation, stages, failures)
+    results = replace(found, timings=stages.account())
+    _write_files(study, results, out, stages)
     checkpoint.discard()
+    # Once more, for what the report took is known only now.
+    summary = _write_summary(replace(results, timings=stages.account()), out)
     return RunSummary(converged=not failures, summary=summary)
 
 
-def _write_report(study: Study, results: Results, out: Path, stages: Stages) -> None:
+def _write_files(study: Study, results: Results, out: Path, stages: Stages) -> None:
+    """Write results, summary and pictures, the report last."""
     from faying.io.vtu import write_interface_vtu
 
-    write_interface_vtu(results, out)
+    with stages.stage("files"):
+        write_results(results, out / "results.h5")
+        _write_summary(results, out)
+        write_text(out / "study.toml", study.text)
+        write_interface_vtu(results, out)
     if study.output.report:
-        from faying.report.html import write_report
-
         with stages.stage("report"):
+            from faying.report.html import write_report
+
             write_report(results, out)
+
+
+def _write_summary(results: Results, out: Path) -> Mapping[str, Any]:
+    """Write and return the summary."""
+    summary = summarize(results)
+    write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
+    return summary

@@ -64,7 +64,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "bolts": Meaning("bolts by name"),
         "tightening_stages": Meaning("what each entry of the bolt histories is", "", "(n_stage,)"),
         "cases": Meaning("load cases by name"),
-        "timings": Meaning("wall time by stage", "s"),
+        "timings": Meaning("wall time by stage; together that of the run before its files", "s"),
         "provenance": Meaning("what computed this file"),
         "warnings": Meaning("what did not converge or deserves notice", "", "(n_warning,)"),
         "validation": Meaning("load space, worst loads and penalty"),

@@ -18,6 +18,9 @@ from faying.study.results import (
     ValidationRecord,
 )
 
+TRAINING = ["static training", "step training"]
+"""Stages in which methods learn."""
+
 
 def summarize(results: Results) -> dict[str, Any]:
     """Return the contents of ``summary.json``.
@@ -75,9 +78,10 @@ def _validation(found: ValidationRecord) -> dict[str, Any]:
 
 
 def timings(results: Results) -> dict[str, Any]:
-    """Return wall seconds per stage of the offline work, and per method."""
+    """Return wall seconds of the whole run, by stage, and per method."""
     seconds = results.timings
-    table: dict[str, Any] = {
+    table: dict[str, Any] = {"run": sum(seconds.values()), "stages": dict(seconds)}
+    table |= {
         stage: seconds[stage]
         for stage in (
             "assembly",
@@ -107,11 +111,11 @@ def _offline(name: str, seconds: Mapping[str, float]) -> float:
     """Work a method needs beyond the factorization, shared parts counted for each."""
     stages = ["normal_modes", f"project {name}"]
     if name in RIVALS:
-        stages += ["training"] if RIVALS[name].trained else []
+        stages += TRAINING if RIVALS[name].trained else []
     else:
         method = METHODS[name]
         stages += [method.joint_modes] if method.joint_modes else []
-        stages += ["training"] if method.joint_modes == "jim-b" else []
+        stages += TRAINING if method.joint_modes == "jim-b" else []
         stages += ["compliance"] if method.compliance else []
     return sum(seconds.get(stage, 0.0) for stage in stages)
 
