@@ -10,7 +10,6 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.system import System
 
-
 NO_MOTION = 1e-9
 """Largest translation over the largest displacement or rotation, below which it is round-off.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from faying.contact.gap_field import read_gap_field, with_gap_offset
 from faying.contact.interface import Interface
-from faying.exceptions import ModelError, StudyError
+from faying.exceptions import StudyError
 from faying.model.assembly import Assembly, Material
 from faying.model.build import build_model
 from faying.model.description import JointDescription
