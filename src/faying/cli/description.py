@@ -193,19 +193,27 @@ def _interface(interface: Interface) -> tuple[object, ...]:
 
 def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
     columns = ["name", "tightened", "along", "stiffness EA/L", "preload", "said by"]
-    wished = {bolt.name for bolt in study.bolts if bolt.preload is not None}
+    wished = {bolt.name for bolt in study.bolts if bolt.preload is not None} | {
+        *loaded.initial_forces
+    }
     rows = (
         (
             spec.name,
             _tightened(spec),
             _point(np.round(bolt_direction(model.assembly, spec), 4).tolist()),
             float(model.bolts[spec.name].stiffness),
-            loaded.preloads.get(spec.name),
+            _force_of(loaded, spec.name),
             "the study" if spec.name in wished else "the source",
         )
         for spec in loaded.bolts
     )
     return _table("Bolts", columns, rows)
+
+
+def _force_of(loaded: LoadedModel, name: str) -> object:
+    """Say the final force of a bolt, or the initial one it is locked at."""
+    locked = loaded.initial_forces.get(name)
+    return loaded.preloads.get(name) if locked is None else f"initial {locked:.6g}"
 
 
 def _tightened(spec: BoltSpec) -> str:

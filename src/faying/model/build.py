@@ -17,6 +17,7 @@ from faying.contact.zero_thickness import build_interface
 from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
+from faying.model.bolt_sense import Seats, check_not_twice, spring_sense
 from faying.model.boundary import FORCE_NAMES, Boundary
 from faying.model.clamping import check_clamping, element_seats
 from faying.model.constraints import constrain, movable_components
@@ -66,6 +67,8 @@ def build_model(
     Assembly and elimination of constraints only; nothing is factorized yet.
     """
     assembly, bolts = _with_generated_bolts(assembly, bolts)
+    seats = _bolt_seats(assembly, bolts)
+    check_not_twice(seats)
     assembly, boundaries = _with_coupled_boundaries(assembly, boundaries)
     nodal = assemble_matrices(assembly)
     used = used_components(assembly)
@@ -85,7 +88,7 @@ def build_model(
         )
         for spec, end in zip(boundaries, ends, strict=True)
     }
-    tightened = {spec.name: _bolt(assembly, dofs, K, spec) for spec in bolts}
+    tightened = {spec.name: _bolt(assembly, dofs, K, spec, seats) for spec in bolts}
     stacked = stack(joints)
     structure = Structure(
         M=M,
@@ -136,6 +139,12 @@ def _with_coupled_boundaries(
         assembly, own = add_coupled_boundary(assembly, spec, _boundary_nodes(assembly, spec))
         specs.append(own)
     return assembly, specs
+
+
+def _bolt_seats(assembly: Assembly, specs: Sequence[BoltSpec]) -> dict[str, Seats]:
+    """Return what each bolt that has an element holds at its ends."""
+    axes = {spec.name: bolt_axis_element(assembly, spec) for spec in specs if spec.nodes is None}
+    return {name: element_seats(assembly, element) for name, element in axes.items()}
 
 
 def _free_matrices(
@@ -240,22 +249,28 @@ def _check_disjoint(
                 raise ModelError(message)
 
 
-def _bolt(assembly: Assembly, dofs: DofMap, K: SparseMatrix, spec: BoltSpec) -> Bolt:
+def _bolt(
+    assembly: Assembly,
+    dofs: DofMap,
+    K: SparseMatrix,
+    spec: BoltSpec,
+    seats: Mapping[str, Seats],
+) -> Bolt:
     """Axial stiffness and elongation row of what is tightened."""
     if spec.nodes is not None:
         row, stiffness = elongation_factors(assembly, spec), float(spec.stiffness or 0.0)
     else:
-        row, stiffness = _of_element(assembly, spec)
+        row, stiffness = _of_element(assembly, spec, seats[spec.name])
     elongation = (row @ dofs.transformation).toarray().ravel()
     if spec.nodes is not None:
         check_contained(K, elongation, spec)
     return Bolt(name=spec.name, elongation=elongation, stiffness=stiffness)
 
 
-def _of_element(assembly: Assembly, spec: BoltSpec) -> tuple[SparseMatrix, float]:
+def _of_element(assembly: Assembly, spec: BoltSpec, seats: Seats) -> tuple[SparseMatrix, float]:
     """Elongation row (1, 6 n_node) and axial stiffness of the element that is tightened."""
     element = bolt_axis_element(assembly, spec)
-    check_clamping(assembly.mesh, spec, element_seats(assembly, element))
+    check_clamping(assembly.mesh, spec, seats)
     if isinstance(element, Beam):
         start, end = (assembly.mesh.nodes[node] for node in element.nodes)
         length = float(np.linalg.norm(end - start))
@@ -264,9 +279,7 @@ def _of_element(assembly: Assembly, spec: BoltSpec) -> tuple[SparseMatrix, float
         factors: Vector = np.concatenate([start - end, end - start]) / length
     else:
         (first, component), (second, _) = element.ends
-        apart = assembly.mesh.nodes[second] - assembly.mesh.nodes[first]
-        # Coincident ends: the second one lies on the positive side of the cut.
-        sign = -1.0 if apart[component] < 0 else 1.0
+        sign = spring_sense(assembly, element, seats)
         stiffness = element.stiffness
         rows = 6 * np.array([first, second]) + component
         factors = np.array([-sign, sign])

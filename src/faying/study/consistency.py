@@ -149,8 +149,15 @@ def _bolts(study: Study) -> Iterator[Problem]:
         if bolt.axis and not (bolt.diameter and bolt.washer_radius):
             text = "a bolt given by its axis needs 'diameter' and 'washer_radius'; add them"
             yield _in_table(study, location, text)
-        if bolt.preload is None and (ways or study.model.source not in DECKS):
-            text = "missing key 'preload', the bolt's final force; add it (0 is not tightened)"
+        if bolt.preload is not None and bolt.initial_force is not None:
+            text = "found 'preload' and 'initial_force'; give the final force or the initial one"
+            yield _problem(study, (*location, "initial_force"), text)
+        untold = bolt.preload is None and bolt.initial_force is None
+        if untold and (ways or study.model.source not in DECKS):
+            text = (
+                "missing key 'preload', the bolt's final force (0 is not tightened), or "
+                "'initial_force'; add one"
+            )
             yield _in_table(study, location, text)
 
 

@@ -17,11 +17,18 @@ from faying.model.diagnosis import check_held
 from faying.model.lap_joint import STEEL, lap_joint_assembly
 from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.study.bolts import (
+    bolt_entries,
+    check_distinct_bolts,
+    check_no_second_preload,
+    initial_forces,
+    preloads,
+)
 from faying.study.consistency import boundary_problems, deck_load_problems, loadings
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
 from faying.study.loads import check_loads
-from faying.study.model_tables import BoltSection, MaterialSection
+from faying.study.model_tables import MaterialSection
 from faying.study.section import Section
 from faying.study.sets import with_study_sets
 from faying.study.supports import with_study_supports
@@ -38,6 +45,8 @@ class LoadedModel:
     ----------
     preloads : [force]
         Bolt name to its final force.
+    initial_forces : [force]
+        Bolt name to the initial force it is locked at, of those that have no final one.
     gap_offsets : [length]
         Interface name to what is added to its gap: a number, or a file.
     deck_loads
@@ -53,6 +62,7 @@ class LoadedModel:
     damping: Rayleigh
     units: str
     preloads: Mapping[str, float]
+    initial_forces: Mapping[str, float] = field(default_factory=dict)
     gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
     deck_loads: tuple[str, ...] = ()
     selected_load: str | None = None
@@ -71,8 +81,8 @@ def load_model(study: Study) -> LoadedModel:
     read = SOURCE_READERS[study.model.source]
     described = read(study)
     assembly = with_study_supports(with_study_sets(described.assembly, study), study)
-    bolts = _merged(study, "bolt", described.bolts, _bolt_entries(study, assembly))
-    _check_distinct_bolts(study, bolts)
+    bolts = _merged(study, "bolt", described.bolts, bolt_entries(study, assembly))
+    check_distinct_bolts(study, bolts)
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
     if not interfaces:
@@ -84,7 +94,9 @@ def load_model(study: Study) -> LoadedModel:
     known = [spec.name for spec in boundaries]
     problems = [*boundary_problems(study, known), *deck_load_problems(study, assembly)]
     reject(study.source, problems)
+    forces = preloads(study, described, bolts)
     deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
+    check_no_second_preload(study, assembly, bolts, forces)
     return LoadedModel(
         assembly=assembly,
         interfaces=interfaces,
@@ -92,7 +104,8 @@ def load_model(study: Study) -> LoadedModel:
         boundaries=boundaries,
         damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
         units=study.units,
-        preloads=_preloads(study, described, bolts),
+        preloads=forces,
+        initial_forces=initial_forces(study),
         gap_offsets=_gap_offsets(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),
         selected_load=described.selected_load,
@@ -259,33 +272,6 @@ def _interface_entries(study: Study) -> list[dict[str, Any]]:
     return entries
 
 
-def _bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
-    """Return the keys of each bolt but its preload, with nodes of a deck turned into elements."""
-    entries = _entries(study.bolts)
-    for number, (bolt, entry) in enumerate(zip(study.bolts, entries, strict=True)):
-        entry.pop("preload", None)
-        if bolt.nodes is not None and assembly.matrices is None:
-            entry.pop("nodes")
-            entry["elements"] = _elements_between(study, number, bolt, assembly)
-    return entries
-
-
-def _elements_between(
-    study: Study, number: int, bolt: BoltSection, assembly: Assembly
-) -> tuple[int, ...]:
-    """Beams of the deck with both ends among the nodes of a bolt."""
-    nodes = set(assembly.mesh.node_index(np.array(bolt.nodes or ())).tolist())
-    found = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
-    if not found:
-        place = study.source.place(("bolt", number, "nodes"))
-        message = (
-            f"{place}: no beam of the deck joins two of these nodes; give the nodes its beams "
-            "run through, or 'elements'"
-        )
-        raise StudyError(message)
-    return found
-
-
 def _merged(
     study: Study, table: str, defaults: tuple[Spec, ...], entries: list[dict[str, Any]]
 ) -> tuple[Spec, ...]:
@@ -306,20 +292,6 @@ def _merged(
             specs[name] = new(**entry)
     reject(study.source, problems)
     return tuple(specs.values())
-
-
-def _check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
-    """Refuse two bolts that tighten the same element, as the deck's and the study's own may."""
-    owner: dict[int, str] = {}
-    for bolt in bolts:
-        for element in bolt.elements or ():
-            other = owner.setdefault(element, bolt.name)
-            if other != bolt.name:
-                message = (
-                    f"{study.path.name}: bolts '{other}' and '{bolt.name}' both tighten element "
-                    f"{element}; to change the preload of a deck's bolt, use its name"
-                )
-                raise StudyError(message)
 
 
 BOLTS_OF_SOURCES = {
@@ -354,27 +326,6 @@ def _refused_overrides(
                 + BOLTS_OF_SOURCES[study.model.source]
             )
             yield Problem(location, f"{study.source.place(location)}: {text}")
-
-
-def _preloads(
-    study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
-) -> dict[str, float]:
-    wished = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
-    given = {**described.preloads, **wished}
-    for bolt in bolts:
-        if bolt.name not in given:
-            message = (
-                f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
-                f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
-            )
-            raise StudyError(message)
-        if not given[bolt.name] >= 0:
-            message = (
-                f"{study.path.name}: bolt '{bolt.name}' has the preload {given[bolt.name]:g}, "
-                "which presses it; give a positive final force in the deck or by [[bolt]]"
-            )
-            raise StudyError(message)
-    return given
 
 
 def _gap_offsets(study: Study, described: JointDescription) -> dict[str, float | Path]:

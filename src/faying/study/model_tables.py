@@ -168,10 +168,14 @@ class BoltSection(Section):
         Of source "matrices" only.
     preload : [force]
         Final axial force in the preloaded state.
+    initial_force : [force]
+        Instead of it: the force the bolt would have if nothing gave way, Young's modulus × area ×
+        initial strain. The joint relaxes part of it.
     """
 
     name: Name
     preload: NotNegative | None = None
+    initial_force: NotNegative | None = None
     elements: Annotated[tuple[Id, ...], Field(min_length=1)] | None = None
     nodes: Annotated[tuple[Id, ...], Field(min_length=2)] | None = None
     stiffness: Positive | None = None

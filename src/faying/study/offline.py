@@ -72,7 +72,7 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
     """
     with stages.stage("assembly"):
         loaded = load_model(study)
-        model = build_loaded(loaded)
+        model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
         check_loads(study, model)
     _condense(model, stages)
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}

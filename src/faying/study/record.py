@@ -102,7 +102,7 @@ def _bolt(joint: PreparedJoint, name: str) -> BoltRecord:
     column = joint.tightening.bolts.index(name)
     spec = next(spec for spec in joint.loaded.bolts if spec.name == name)
     return BoltRecord(
-        preload=joint.loaded.preloads[name],
+        preload=joint.loaded.preloads.get(name, float(joint.preload.bolt_force(name))),
         initial_force=joint.model.bolts[name].initial_force,
         history=joint.tightening.bolt_forces[:, column],
         axis=bolt_ends(joint.model.assembly, spec),

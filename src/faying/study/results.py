@@ -157,7 +157,7 @@ class BoltRecord:
     Attributes
     ----------
     preload
-        Nominal final force.
+        Nominal final force; of a bolt locked at an initial force, the force it is left with.
     initial_force
         N₀ it is locked at.
     history : (n_stage,)

@@ -1,0 +1,84 @@
+"""Which way a spring that stands for a bolt pulls, and whether two bolts are one."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Spring
+from faying.model.mesh import Mesh
+
+Seats = tuple[Indices, Indices]
+"""Nodes of solids that the two ends of a bolt hold."""
+
+_SAME_PLACE = 1e-6
+"""Distance over the size of the model below which two places say nothing about a direction."""
+
+_SAME_SEAT = 0.5
+"""Share of the smaller seat from which two bolts that have it in common sit on the same one."""
+
+
+def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
+    """Return 1 if the spring grows longer when its second end moves forward, else -1.
+
+    Ends in different places say so themselves. Where they coincide, as at a cut through a bolt,
+    what they hold does: the end whose seat lies farther along the spring's direction is the forward
+    one, in whichever order a deck lists them. If the seats are in one place too, as where a spring
+    joins touching nodes of two bodies, the elements around them decide.
+
+    Returns
+    -------
+    float
+        1 where nothing decides.
+    """
+    (first, component), (second, _) = spring.ends
+    mesh = assembly.mesh
+    along = mesh.nodes[:, component]
+    nothing = _SAME_PLACE * float(np.ptp(mesh.nodes, axis=0).max())
+    around = [_of_elements_at(mesh, seat) for seat in seats]
+    for one, other in ((first, second), seats, around):
+        near, far = along[np.atleast_1d(one)], along[np.atleast_1d(other)]
+        if near.size and far.size and abs(apart := float(far.mean() - near.mean())) > nothing:
+            return float(np.sign(apart))
+    return 1.0
+
+
+def _of_elements_at(mesh: Mesh, nodes: Indices) -> Indices:
+    """Return the nodes of all solids that have one of some nodes."""
+    inside = np.zeros(len(mesh.nodes), dtype=bool)
+    inside[nodes] = True
+    parts = [block.nodes[inside[block.nodes].any(axis=1)].ravel() for block in mesh.blocks]
+    found: Indices = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
+    return found
+
+
+def check_not_twice(seats: Mapping[str, Seats]) -> None:
+    """Refuse two bolts that sit on the same faces at both ends, which would both pull.
+
+    Raises
+    ------
+    ModelError
+        Naming both.
+    """
+    names = [name for name, ends in seats.items() if all(map(len, ends))]
+    for number, name in enumerate(names):  # bolts, of which there are few
+        for other in names[:number]:
+            if _same(seats[name], seats[other]):
+                message = (
+                    f"bolts '{other}' and '{name}' hold the same nodes at both ends, so that both "
+                    "would clamp the joint: one of them is already in the source; to change the "
+                    "preload of a bolt of the source, use its name"
+                )
+                raise ModelError(message)
+
+
+def _same(one: Seats, other: Seats) -> bool:
+    return any(
+        all(_shared(seat, end) for seat, end in zip(one, order, strict=True))
+        for order in (other, other[::-1])
+    )
+
+
+def _shared(one: Indices, other: Indices) -> bool:
+    return len(np.intersect1d(one, other)) > _SAME_SEAT * min(len(one), len(other))

@@ -1,0 +1,171 @@
+"""The bolts of a study: what they are made of, and the force each is brought to or locked at."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from faying.exceptions import StudyError
+from faying.model.assembly import Assembly, NodalLoads
+from faying.model.description import JointDescription
+from faying.model.specs import BoltSpec
+from faying.study.consistency import loadings
+from faying.study.model_tables import BoltSection
+from faying.study.tables import Study
+
+FORCES = ("preload", "initial_force")
+"""Keys of a bolt that say how it is tightened, not what it is."""
+
+
+_BALANCED = 1e-6
+"""Sum of opposite forces over the larger of them that is rounding of a deck's digits."""
+
+
+def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
+    """Return the keys of each bolt but its forces, with nodes of a deck turned into elements.
+
+    Raises
+    ------
+    StudyError
+        If no beam and no single spring of the deck joins the nodes.
+    """
+    entries = []
+    for number, bolt in enumerate(study.bolts):
+        entry = {key: getattr(bolt, key) for key in bolt.model_fields_set if key not in FORCES}
+        if bolt.nodes is not None and assembly.matrices is None:
+            del entry["nodes"]
+            entry["elements"] = _elements_between(study, number, bolt, assembly)
+        entries.append(entry)
+    return entries
+
+
+def _elements_between(
+    study: Study, number: int, bolt: BoltSection, assembly: Assembly
+) -> tuple[int, ...]:
+    """Beams of the deck, or else its one axial spring, with both ends among the nodes of a bolt."""
+    nodes = set(assembly.mesh.node_index(np.array(bolt.nodes or ())).tolist())
+    found = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
+    springs = tuple(
+        spring.id
+        for spring in assembly.springs
+        if len(spring.ends) == 2
+        and nodes.issuperset(node for node, _ in spring.ends)
+        and all(component < 3 for _, component in spring.ends)
+    )
+    if found or len(springs) == 1:
+        return found or springs
+    place = study.source.place(("bolt", number, "nodes"))
+    if springs:
+        shown = ", ".join(map(str, springs))
+        message = f"{place}: springs {shown} join these nodes; give the axial one as 'elements'"
+        raise StudyError(message)
+    message = (
+        f"{place}: no beam and no axial spring of the deck joins two of these nodes; give the "
+        "nodes its beams run through, or 'elements'"
+    )
+    raise StudyError(message)
+
+
+def check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
+    """Refuse two bolts that tighten the same element, as the deck's and the study's own may.
+
+    Raises
+    ------
+    StudyError
+        Naming both.
+    """
+    owner: dict[int, str] = {}
+    for bolt in bolts:
+        for element in bolt.elements or ():
+            other = owner.setdefault(element, bolt.name)
+            if other != bolt.name:
+                message = (
+                    f"{study.path.name}: bolts '{other}' and '{bolt.name}' both tighten element "
+                    f"{element}; to change the preload of a deck's bolt, use its name"
+                )
+                raise StudyError(message)
+
+
+def check_no_second_preload(
+    study: Study,
+    assembly: Assembly,
+    bolts: tuple[BoltSpec, ...],
+    forces: Mapping[str, float],
+) -> None:
+    """Refuse loads of the deck that pull the ends of a bolt together, for that is a preload too.
+
+    Raises
+    ------
+    StudyError
+        Naming the load, the bolt and both forces.
+    """
+    tightened = {**forces, **initial_forces(study)}
+    wished = {load.deck_load for _, load in loadings(study)}
+    applied = [name for name in assembly.loads if name in wished]
+    for bolt in bolts:
+        force = tightened.get(bolt.name, 0.0)
+        nodes = _nodes_of(assembly, bolt) if force else []
+        for name in applied:
+            pull = _pull(assembly.loads[name], nodes)
+            if pull:
+                message = (
+                    f"{study.path.name}: deck load '{name}' pulls at both ends of bolt "
+                    f"'{bolt.name}' with {pull:g}, which is the deck's own preload of it, and the "
+                    f"bolt is tightened to {force:g} beside it: both would act. Take the pair of "
+                    "forces out of the deck, or give the bolt preload = 0"
+                )
+                raise StudyError(message)
+
+
+def _nodes_of(assembly: Assembly, bolt: BoltSpec) -> list[int]:
+    """Node indices of all beams and springs a bolt of the deck is made of."""
+    own = set(bolt.elements or ())
+    beams = [node for beam in assembly.beams if beam.id in own for node in beam.nodes]
+    springs = [node for one in assembly.springs if one.id in own for node, _ in one.ends]
+    return sorted({*beams, *springs})
+
+
+def _pull(load: NodalLoads, nodes: list[int]) -> float:
+    """Return the force at one of two nodes that are pulled in opposite directions; else zero."""
+    forces = load.forces[np.isin(load.nodes, nodes), :3]
+    sizes = np.linalg.norm(forces, axis=1)
+    largest = float(sizes.max(initial=0.0))
+    balanced = np.linalg.norm(forces.sum(axis=0)) <= _BALANCED * largest
+    return largest if balanced and np.count_nonzero(sizes) > 1 else 0.0
+
+
+def initial_forces(study: Study) -> dict[str, float]:
+    """Return the initial forces that the study locks bolts at, by name."""
+    return {bolt.name: bolt.initial_force for bolt in study.bolts if bolt.initial_force is not None}
+
+
+def preloads(
+    study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
+) -> dict[str, float]:
+    """Return the final force of every bolt that is not locked at an initial one.
+
+    Raises
+    ------
+    StudyError
+        If a bolt has none, or one that presses.
+    """
+    wished = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
+    locked = initial_forces(study)
+    given = {**described.preloads, **wished}
+    for bolt in bolts:
+        if bolt.name in locked:
+            given.pop(bolt.name, None)
+            continue
+        if bolt.name not in given:
+            message = (
+                f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
+                f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
+            )
+            raise StudyError(message)
+        if not given[bolt.name] >= 0:
+            message = (
+                f"{study.path.name}: bolt '{bolt.name}' has the preload {given[bolt.name]:g}, "
+                "which presses it; give a positive final force in the deck or by [[bolt]]"
+            )
+            raise StudyError(message)
+    return given
