@@ -46,7 +46,7 @@ class SmallSystem:
     def factorize_static(self):
         return factorize(self.K)
 
-    def expand(self, states):
+    def expand(self, states, contact_forces):
         return states
 
 

@@ -88,6 +88,25 @@ def check_same(found, expected):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_static_displacements_are_exact_everywhere_with_compliance(name, bases, joint):
+    rom = fy.reduce(joint, bases[name], compliance=True)
+    loads = [LOAD, fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3})]
+    found, expected = (fy.solve_static_cases(system, loads) for system in (rom, joint))
+    check_same(found.full_displacement(), expected.states)
+    one = fy.solve_static(rom, LOAD).full_displacement()
+    check_same(one, found.full_displacement()[0])
+
+
+def test_displacements_with_compliance_show_the_gaps_of_the_solution(bases, joint):
+    """Plates drawn from the trial vectors alone interpenetrate, or gape where they touch."""
+    rom = fy.reduce(joint, bases["craig-bampton"], compliance=True)
+    motion = fy.solve_transient(rom, LOAD, step=2e-5, duration=4e-4)
+    moved = motion.full_displacement() @ joint.contact.relative_operator.T
+    shown = moved @ joint.contact.interpolation.T + joint.contact.initial_gap
+    check_same(shown, motion.gap)
+
+
 def test_identity_basis_leaves_no_compliance(small, everything):
     rest = residual_compliance(small, everything)
     full = small.structure.held_compliance

@@ -4,7 +4,9 @@ A folder with
 
 * ``structure.vtu``: the solids; displacements of each static load case, full and reduced;
 * ``modes.vtu``: vibration modes of the joint linearized under its bolts, scaled to one unit of
-  length at most; ``trial_vectors.vtu``: displacements per coordinate q of the reduced model;
+  length at most, by the trial vectors alone (their names say so where the model also keeps a
+  residual compliance, which moves the interface beyond them);
+* ``trial_vectors.vtu``: displacements per coordinate q of the reduced model;
 * ``bolts.vtu``: the bolts as lines, with their forces;
 * ``interface_NAME.vtu``: facets of the minus side with normals, the pressure of the preload, and
   pressure and gap of each static load case as nodal averages;
@@ -101,13 +103,15 @@ def _vibration_modes(hand_over: HandOver, shapes: Matrix, units: Units) -> dict[
     model = linearized(hand_over)
     # K is definite, M need not be.
     inverse, vectors = la.eigh(model.M, model.K)
+    # The displacements behind a residual compliance need the finite elements.
+    part = " of trial vectors" if hand_over.record.compliance else ""
     unit = "Hz" if units.time == "s" else f"1/{units.time}"
     modes = {}
     for number in range(min(MOST_MODES, len(inverse))):
         frequency = 1 / (2 * np.pi * np.sqrt(inverse[-1 - number]))
         shape = np.tensordot(vectors[:, -1 - number], shapes, axes=1)
         largest = np.linalg.norm(shape, axis=1).max(initial=0.0)
-        modes[f"mode {number + 1:02d}, {frequency:.5g} {unit}"] = shape / (largest or 1.0)
+        modes[f"mode {number + 1:02d}{part}, {frequency:.5g} {unit}"] = shape / (largest or 1.0)
     return modes
 
 

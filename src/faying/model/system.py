@@ -137,8 +137,11 @@ class System(Joint, Protocol):
         """Return a factorization of K."""
         ...
 
-    def expand(self, states: Matrix) -> Matrix:
-        """Return displacements at the free degrees of freedom of the full model."""
+    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:
+        """Return displacements (..., n_dof) at the free degrees of freedom of the full model.
+
+        Contact forces (..., n_point) are those that belong to the states (..., n_mode).
+        """
         ...
 
 

@@ -96,7 +96,7 @@ class PortableModel:
         """Return the Cholesky factorization of K."""
         return self._static_factor
 
-    def expand(self, states: Matrix) -> Matrix:
+    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:  # noqa: ARG002
         """Refuse: displacements of the full model need its trial vectors.
 
         Raises

@@ -19,6 +19,9 @@ from faying.model.system import PortCompliance
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.portable import reduced_ports
 
+VANISHING = (ModeKind.NORMAL, ModeKind.BOLT, ModeKind.LOAD, ModeKind.JOINT)
+"""Kinds of trial vectors that vanish on the boundary, Φ_f."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReducedModel:
@@ -69,10 +72,16 @@ class ReducedModel:
         """Return the Cholesky factorization of K."""
         return self._static_factor
 
-    def expand(self, states: Matrix) -> Matrix:
-        """Return u = Φ q (..., n_dof of the full model) for states (..., n_mode)."""
+    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:
+        """Return u = Φ q (..., n_dof of the full model) for states (..., n_mode).
+
+        A residual compliance adds what the contact forces (..., n_point) do beyond the basis.
+        """
         displacement: Matrix = states @ self.basis.vectors.T
-        return displacement
+        if self.contact.residual_compliance is None:
+            return displacement
+        between_pairs = contact_forces @ self.contact.interpolation
+        return displacement + residual_displacement(self.model, self.basis, between_pairs)
 
     def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "ReducedModel":
         """Return a copy with bolts locked at other initial forces N₀."""
@@ -128,10 +137,27 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
     where the structure is held, and exists where it is not. Positive semidefinite: it is the
     compliance of the structure with its boundary and Φ_f held.
     """
-    fixed = basis.of_kind(ModeKind.NORMAL, ModeKind.BOLT, ModeKind.LOAD, ModeKind.JOINT)
+    fixed = basis.of_kind(*VANISHING)
     seen = model.structure.relative_operator @ fixed
     stiffness = fixed.T @ (model.K @ fixed)
     return plus(model.structure.held_compliance, seen, -np.linalg.inv(stiffness))
+
+
+def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
+    """Displacements (..., n_dof) behind R: those of pair forces (..., n_relative) beyond a basis.
+
+    K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
+
+    Notes
+    -----
+    One back-substitution for each f.
+    """
+    fixed = basis.of_kind(*VANISHING)
+    at_dofs = (np.atleast_2d(forces) @ model.structure.relative_operator).T
+    held = model.structure.solve_held(at_dofs)
+    shares = np.linalg.solve(fixed.T @ (model.K @ fixed), fixed.T @ at_dofs)
+    beyond: Matrix = (held - fixed @ shares).T
+    return beyond.reshape(*np.shape(forces)[:-1], -1)
 
 
 def _projected(image: Matrix, phi: Matrix) -> Matrix:

@@ -108,8 +108,21 @@ class Solution:
         return self.system.bolts[bolt].locked(0.0).force(self.states) + locked
 
     def full_displacement(self) -> Matrix:
-        """Return displacements at the free degrees of freedom of the full model (..., n_dof)."""
-        return self.system.expand(self.states)
+        """Return displacements at the free degrees of freedom of the full model (..., n_dof).
+
+        Of a reduced model that keeps a residual compliance with the displacements that this stands
+        for: gaps agree with them, and static ones are those of the full model.
+
+        Notes
+        -----
+        One back-substitution for each case or instant where there is a residual compliance.
+
+        Raises
+        ------
+        ModelError
+            If the model came without its trial vectors.
+        """
+        return self.system.expand(self.states, self.contact_forces)
 
     def _points(self, interface: str | None) -> slice:
         if interface is None:
