@@ -27,9 +27,9 @@ import numpy as np
 
 import faying as fy
 from faying.io.abaqus.writer import write_deck
+from faying.joint.build import build_model
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import NodalLoads
-from faying.model.build import build_model
-from faying.model.lap_joint import lap_joint_assembly
 
 PRELOAD, PENALTY = 8000.0, 1e6
 FORCES = {"tip.Fz": -500.0, "tip.Mx": 20e3}

@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 
 import faying as fy
+from faying.joint.structure import Structure
 from faying.linalg import factorization, superlu
 from faying.linalg.factorization import available_backends, factorize
 from faying.linalg.nested_dissection import nested_dissection, pymetis
 from faying.linalg.partial import port_compliance
-from faying.model.structure import Structure
 
 SIZES = (2.5, 1.3, 0.88)
 """Element sizes of the default cantilever [mm]: 8 k, 49 k and 143 k degrees of freedom."""

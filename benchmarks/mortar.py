@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 import faying as fy
-from faying.contact.mortar import build_mortar_interface, find_couplings
+from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.model.assembly import Assembly, FaceSet
 from faying.model.dofs import DofMap
 from faying.model.mesh import Mesh

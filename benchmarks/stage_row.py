@@ -19,10 +19,10 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 import faying as fy
+from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.system import input_forces
 from faying.linalg.factorization import factorize
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.matrices import assemble_matrices
-from faying.model.system import input_forces
 from faying.simulation.integrators import ImplicitEuler, Motion
 from faying.simulation.newton import solve_static_newton
 from faying.simulation.static import relative_forces
@@ -352,8 +352,8 @@ def scikit_fem(row: Row, _: fy.Model, options: dict[str, Any]) -> None:
     from skfem.helpers import dot
     from skfem.models.elasticity import lame_parameters, linear_elasticity
 
+    from faying.joint.lap_joint import STEEL
     from faying.model.elements import SOLIDS
-    from faying.model.lap_joint import STEEL
 
     assembly = lap_joint_assembly(**options, element="standard").assembly
     nodal, ours = None, []

@@ -25,11 +25,11 @@ import numpy as np
 
 import faying as fy
 from faying._typing import Matrix, Vector
+from faying.assessment.recovery import Recovered
 from faying.export.formats import export
 from faying.export.hand_over import HandOver, hand_over_of
 from faying.model.boundary import Boundary
 from faying.simulation.frame_motion import FrameMotion, frame_loads
-from faying.simulation.recovery import Recovered
 
 PRELOAD = 3e3
 PIVOT = np.array([-55.0, 0.0, 0.0])

@@ -15,7 +15,7 @@ import numpy as np
 
 import faying as fy
 from faying._typing import Vector
-from faying.simulation.sensitivity import sensitivity
+from faying.assessment.sensitivity import sensitivity
 from faying.simulation.static import solve_static_inputs
 
 PRELOAD = 10e3

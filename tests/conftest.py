@@ -65,8 +65,8 @@ def classic(joint):
 @pytest.fixture(scope="session")
 def quick_demo(tmp_path_factory):
     """Folder that ``faying demo --quick`` leaves; read only, for exports and interop."""
-    from faying.study.run import run
     from faying.study.schema import read_study
+    from faying.workflow.run import run
 
     out = tmp_path_factory.mktemp("quick-demo")
     demo = Path(fy.__file__).parent / "study" / "demo-quick.toml"

@@ -6,10 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as sl
 
-from faying.contact.facets import area_vectors, gauss_rule, shape_functions
-from faying.contact.mortar import build_mortar_interface, find_couplings
+from faying.interface.facets import area_vectors, gauss_rule, shape_functions
+from faying.interface.mortar import build_mortar_interface, find_couplings
+from faying.joint.build import build_model
 from faying.model.assembly import Assembly, Material, Support
-from faying.model.build import build_model
 from faying.model.dofs import DofMap
 from faying.model.generate import Cells, brick_grid, shaped
 from faying.model.mesh import CellBlock, Mesh

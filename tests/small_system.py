@@ -8,12 +8,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying.contact.condensed import CondensedContact
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
+from faying.joint.load_pattern import LoadPattern
+from faying.joint.system import boundary_dofs, elongations, port_compliance_of
 from faying.linalg.factorization import factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.load_pattern import LoadPattern
-from faying.model.system import boundary_dofs, elongations, port_compliance_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -14,7 +14,7 @@ from faying.report.figures import plot_error, plot_model, plot_pressure
 from faying.report.style import house_style, new_figure, save
 from faying.study.results import Results
 from faying.study.store import read_results
-from faying.study.units import units_of
+from faying.units import units_of
 
 FOLDER = Path(__file__).parent
 SHOWN = {"jim-a": 20, "jim-b": 20}

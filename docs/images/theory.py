@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 import faying as fy
+from faying.assessment.certificate import certifier
 from faying.report.style import METHOD_COLOURS, REFERENCE, house_style, new_figure, save
-from faying.simulation.certificate import certifier
 
 FOLDER = Path(__file__).parent
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")

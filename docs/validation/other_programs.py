@@ -12,10 +12,10 @@ import numpy as np
 
 import faying as fy
 from faying._typing import Matrix, Vector
-from faying.contact.zero_thickness import build_interface
+from faying.interface.zero_thickness import build_interface
 from faying.io.abaqus.writer import write_deck as write_input_deck
 from faying.io.nastran import write_deck
-from faying.model.lap_joint import lap_joint_assembly
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.matrices import assemble_matrices
 from faying.simulation.solution import Solution
 

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 import faying as fy
 from faying._typing import Indices, Matrix
-from faying.contact.sticking import sticking_stiffness
+from faying.joint.sticking import sticking_stiffness
 from faying.model.bodies import bodies
 
 DATA = Path(__file__).parents[2] / "tests" / "data" / "lap_joint"

@@ -21,16 +21,26 @@ from typing import TYPE_CHECKING, Any
 __version__ = version("faying")
 
 if TYPE_CHECKING:
+    from faying.assessment.accuracy import Accuracy, compare, relative_error
+    from faying.assessment.best_possible import best_possible_errors
+    from faying.assessment.certificate import certify
+    from faying.assessment.choose import choose_joint_modes
+    from faying.assessment.energy import energy_balance
+    from faying.assessment.frequencies import count_frequencies_below, preloaded_frequencies
+    from faying.assessment.imported_recovery import recover_from_boundary_loads, recover_from_modal
+    from faying.assessment.penalty_advice import recommend_penalty
+    from faying.assessment.penalty_sweep import penalty_sweep
+    from faying.assessment.recovery import recover_pressure, recovery_operator
+    from faying.assessment.sensitivity import sensitivity
+    from faying.assessment.worst_case import worst_case_load
     from faying.contact.problem import contact_problem
-    from faying.io.transient_stream import stream_transient
+    from faying.export.transient_stream import stream_transient
+    from faying.joint.build import build_model
+    from faying.joint.model import Model
     from faying.linalg.factorization import factorize
     from faying.model.assembly import Material, NodalLoads
-    from faying.model.build import build_model
-    from faying.model.model import Model
     from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
     from faying.reduction.basis import Basis
-    from faying.reduction.best_possible import best_possible_errors
-    from faying.reduction.choose import choose_joint_modes
     from faying.reduction.compliance import interface_compliance
     from faying.reduction.craig_bampton import craig_bampton
     from faying.reduction.jim_a import jim_a
@@ -40,25 +50,15 @@ if TYPE_CHECKING:
     from faying.reduction.reduced_model import ReducedModel, reduce
     from faying.reduction.rivals import rival_system
     from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
-    from faying.simulation.accuracy import Accuracy, compare, relative_error
-    from faying.simulation.certificate import certify
     from faying.simulation.compiled import compile_steps
-    from faying.simulation.energy import energy_balance
     from faying.simulation.frame_motion import FrameMotion
-    from faying.simulation.frequencies import count_frequencies_below, preloaded_frequencies
-    from faying.simulation.imported_recovery import recover_from_boundary_loads, recover_from_modal
     from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
     from faying.simulation.load import History, Load
     from faying.simulation.newton import solve_static_newton
-    from faying.simulation.penalty_advice import recommend_penalty
-    from faying.simulation.penalty_sweep import penalty_sweep
     from faying.simulation.preload import Sticking, preload, tighten
-    from faying.simulation.recovery import recover_pressure, recovery_operator
-    from faying.simulation.sensitivity import sensitivity
     from faying.simulation.solution import Solution
     from faying.simulation.static import solve_static, solve_static_cases
     from faying.simulation.transient import solve_transient, solve_transient_cases
-    from faying.simulation.worst_case import worst_case_load
     from faying.sources import from_matrices, lap_joint, read_abaqus, read_mesh, read_nastran
 
 # Names are imported when first used, so that `faying --help` need not wait for SciPy.
@@ -68,8 +68,8 @@ _HOMES = {
     "read_nastran": "faying.sources",
     "read_abaqus": "faying.sources",
     "from_matrices": "faying.sources",
-    "build_model": "faying.model.build",
-    "Model": "faying.model.model",
+    "build_model": "faying.joint.build",
+    "Model": "faying.joint.model",
     "Material": "faying.model.assembly",
     "NodalLoads": "faying.model.assembly",
     "InterfaceSpec": "faying.model.specs",
@@ -100,29 +100,29 @@ _HOMES = {
     "solve_transient": "faying.simulation.transient",
     "compile_steps": "faying.simulation.compiled",
     "solve_transient_cases": "faying.simulation.transient",
-    "stream_transient": "faying.io.transient_stream",
+    "stream_transient": "faying.export.transient_stream",
     "ImplicitEuler": "faying.simulation.integrators",
     "GeneralizedAlpha": "faying.simulation.integrators",
     "Solution": "faying.simulation.solution",
     "count_modes_below": "faying.reduction.mode_count",
-    "count_frequencies_below": "faying.simulation.frequencies",
-    "preloaded_frequencies": "faying.simulation.frequencies",
+    "count_frequencies_below": "faying.assessment.frequencies",
+    "preloaded_frequencies": "faying.assessment.frequencies",
     "FrameMotion": "faying.simulation.frame_motion",
-    "compare": "faying.simulation.accuracy",
-    "relative_error": "faying.simulation.accuracy",
-    "Accuracy": "faying.simulation.accuracy",
-    "certify": "faying.simulation.certificate",
-    "recover_pressure": "faying.simulation.recovery",
-    "recovery_operator": "faying.simulation.recovery",
-    "recover_from_modal": "faying.simulation.imported_recovery",
-    "recover_from_boundary_loads": "faying.simulation.imported_recovery",
-    "worst_case_load": "faying.simulation.worst_case",
-    "choose_joint_modes": "faying.reduction.choose",
-    "sensitivity": "faying.simulation.sensitivity",
-    "penalty_sweep": "faying.simulation.penalty_sweep",
-    "recommend_penalty": "faying.simulation.penalty_advice",
-    "best_possible_errors": "faying.reduction.best_possible",
-    "energy_balance": "faying.simulation.energy",
+    "compare": "faying.assessment.accuracy",
+    "relative_error": "faying.assessment.accuracy",
+    "Accuracy": "faying.assessment.accuracy",
+    "certify": "faying.assessment.certificate",
+    "recover_pressure": "faying.assessment.recovery",
+    "recovery_operator": "faying.assessment.recovery",
+    "recover_from_modal": "faying.assessment.imported_recovery",
+    "recover_from_boundary_loads": "faying.assessment.imported_recovery",
+    "worst_case_load": "faying.assessment.worst_case",
+    "choose_joint_modes": "faying.assessment.choose",
+    "sensitivity": "faying.assessment.sensitivity",
+    "penalty_sweep": "faying.assessment.penalty_sweep",
+    "recommend_penalty": "faying.assessment.penalty_advice",
+    "best_possible_errors": "faying.assessment.best_possible",
+    "energy_balance": "faying.assessment.energy",
     "rival_system": "faying.reduction.rivals",
 }
 

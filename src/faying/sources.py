@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from faying.joint.build import build_model
+from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.model import Model
 from faying.model.assembly import Material
-from faying.model.build import build_model
 from faying.model.description import JointDescription
-from faying.model.lap_joint import lap_joint_assembly
-from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.model.supports import with_supports
 
@@ -25,7 +25,7 @@ def lap_joint(*, damping: Rayleigh | None = None, **parameters: Any) -> Model:
     damping
         Rayleigh factors.
     **parameters
-        Those of :func:`faying.model.lap_joint.lap_joint_assembly`.
+        Those of :func:`faying.joint.lap_joint.lap_joint_assembly`.
 
     Examples
     --------
@@ -124,7 +124,7 @@ def _of_deck(
     damping: Rayleigh | None,
 ) -> Model:
     """Build what a deck describes; what is given replaces what the deck says."""
-    from faying.contact.gap_field import with_gap_offset
+    from faying.interface.gap_field import with_gap_offset
 
     model = build_model(
         described.assembly,

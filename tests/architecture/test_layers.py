@@ -5,80 +5,32 @@ import doctest
 import importlib
 import inspect
 from graphlib import TopologicalSorter
-from pathlib import Path
 
 import pytest
+from packages import MODULES, ORDER, ROOT, dotted, imports, package
 
 import faying
 
-ROOT = Path(faying.__file__).parent
-COMMON = {"_typing", "exceptions"}
-NUMERICS = COMMON | {"linalg", "model", "contact"}
-METHODS = NUMERICS | {"simulation", "reduction"}
-ALLOWED = {
-    "_typing": set(),
-    "exceptions": set(),
-    "reference": {"_typing"},
-    "linalg": COMMON,
-    "model": NUMERICS,
-    "contact": NUMERICS,
-    "simulation": METHODS,
-    "reduction": METHODS,
-}
-"""What each folder may import besides itself; those not named here, anything but ``cli``."""
-
 LONGEST = 400
-TOO_LONG = {"simulation/certificate.py"}
+TOO_LONG = {"assessment/certificate.py"}
 """Modules still to be divided; take a name off when it is done."""
 
-MODULES = sorted(
-    str(path.relative_to(ROOT)) for path in ROOT.rglob("*.py") if path.name != "__main__.py"
-)
 
-
-def dotted(path):
-    parts = ("faying", *Path(path).with_suffix("").parts)
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-
-
-NAMES = {dotted(path) for path in MODULES}
-
-
-def imports(path, *, everywhere):
-    """Modules of faying that a file imports, inside functions too if wanted."""
-    tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
-    nodes = ast.walk(tree) if everywhere else tree.body
-    for node in nodes:
-        if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names if name.name.startswith("faying"))
-        elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("faying"):
-            inner = [f"{node.module}.{name.name}" for name in node.names]
-            yield from (name if name in NAMES else node.module for name in inner)
-
-
-def folder(path):
-    return Path(path).parts[0].removesuffix(".py")
-
-
-@pytest.mark.parametrize("path", MODULES)
+@pytest.mark.parametrize("path", [path for path in MODULES if package(path) != "__main__"])
 def test_imports_point_one_way(path):
-    here = folder(path)
-    used = {name.split(".")[1] for name in imports(path, everywhere=True) if "." in name} - {here}
-    if here not in ("cli", "__main__"):
-        assert "cli" not in used
-    if here in ALLOWED:
-        assert used <= ALLOWED[here]
+    here = ORDER.index(package(path))
+    used = {name.split(".")[1] for name in imports(path) if "." in name}
+    assert used <= set(ORDER[: here + 1])
 
 
-def test_every_folder_is_known():
-    """A new folder gets its place among the layers, or a reason to have none."""
-    free = {"__init__", "sources", "io", "study", "report", "cli", "execution"}
-    assert {folder(path) for path in MODULES} <= set(ALLOWED) | free | {"export"}
+def test_every_folder_has_its_place():
+    assert {package(path) for path in MODULES} == set(ORDER)
 
 
-def test_modules_import_each_other_in_one_order():
+def test_files_import_each_other_in_one_order():
+    """Not even inside functions may two files, of one folder or of several, need each other."""
     graph = {
-        dotted(path): set(imports(path, everywhere=False)) - {dotted(path), "faying"}
+        dotted(path): set(imports(path)) - {dotted(path), "faying"}
         for path in MODULES
         if path != "__init__.py"
     }
@@ -86,7 +38,7 @@ def test_modules_import_each_other_in_one_order():
 
 
 def test_scanner_sees_imports():
-    assert "faying.contact.interface" in set(imports("contact/condensed.py", everywhere=True))
+    assert "faying.contact.contact" in set(imports("contact/condensed.py"))
 
 
 @pytest.mark.parametrize("name", faying.__all__)

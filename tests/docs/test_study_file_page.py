@@ -9,7 +9,7 @@ from pages import DOCS
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
-from faying.model.lap_joint import lap_joint_assembly
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.study import model_tables, tables
 from faying.study.lap_joint_keys import ELSEWHERE
 

@@ -10,14 +10,14 @@ from programs import calculix, or_skip, run_calculix
 import faying as fy
 from faying.io.abaqus import read_joint
 from faying.io.abaqus.writer import write_deck
+from faying.joint.build import build_model
+from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.linalg.factorization import factorize
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.boundary import FORCE_NAMES
-from faying.model.build import build_model
 from faying.model.constraints import constrain
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
-from faying.model.lap_joint import STEEL, lap_joint_assembly
 from faying.model.matrices import assemble_matrices, used_components
 from faying.model.mesh import CellBlock, Mesh
 from faying.reduction.normal_modes import lowest_modes

@@ -30,8 +30,8 @@ from faying.execution import (
     transient_campaign,
 )
 from faying.study.pieces import pieces, prepare_pieces
-from faying.study.run import run
 from faying.study.schema import read_study
+from faying.workflow.run import run
 
 pytestmark = [
     # Sockets and processes that Dask leaves to the garbage collector when a worker was killed.

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.recovery import balanced_accelerations
 from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.hand_over import hand_over_of
-from faying.simulation.recovery import balanced_accelerations
 
 exu = pytest.importorskip("exudyn", reason="Exudyn is not installed")
 

@@ -9,6 +9,8 @@ import faying as fy
 from faying.exceptions import FormatError
 from faying.io.abaqus import read_joint
 from faying.io.abaqus.writer import write_deck
+from faying.joint.build import build_model
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.linalg.factorization import factorize
 from faying.model.assembly import (
     Assembly,
@@ -19,10 +21,8 @@ from faying.model.assembly import (
     Spring,
     Support,
 )
-from faying.model.build import build_model
 from faying.model.constraints import constrain
 from faying.model.description import JointDescription
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.matrices import assemble_matrices, used_components
 from faying.reduction.normal_modes import lowest_modes
 

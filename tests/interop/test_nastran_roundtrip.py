@@ -9,6 +9,7 @@ import pytest
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck, write_deck
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import (
     Assembly,
     AverageCoupling,
@@ -23,7 +24,6 @@ from faying.model.assembly import (
     Spring,
     Support,
 )
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.matrices import assemble_matrices
 from faying.model.mesh import Mesh
 

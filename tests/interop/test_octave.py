@@ -11,9 +11,9 @@ import scipy.io
 from programs import MissingProgramError, or_skip
 
 import faying as fy
+from faying.assessment.recovery import recover_reduced
 from faying.export.formats import export
 from faying.export.hand_over import HandOver, hand_over_of
-from faying.simulation.recovery import recover_reduced
 from faying.simulation.solution import Solution
 
 LOADS = np.array([[0.0, 0.0, -500.0, 0.0, 0.0, 0.0], [200.0, 50.0, 900.0, 2e3, -1e3, 3e3]])

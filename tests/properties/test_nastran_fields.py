@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from faying.exceptions import FayingError
 from faying.io.nastran import read_deck, write_deck
 from faying.io.nastran.fields import format_real, integer, integers, real, reals
-from faying.model.lap_joint import lap_joint_assembly
+from faying.joint.lap_joint import lap_joint_assembly
 
 # Beyond 1e300 a shortened mantissa may round up to infinity.
 FLOATS = st.floats(min_value=-1e300, max_value=1e300)

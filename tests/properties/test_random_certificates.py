@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import faying as fy
-from faying.simulation.certificate import enclose, flexibility
+from faying.assessment.certificate import enclose, flexibility
 
 ROUND_OFF = 1e-10
 """Allowance over ‖λ̂‖_H + ‖λ*‖_H: n ε √cond(H) for n = 12 and cond ≤ 1e8 is 3e-11."""

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from faying.contact.pairing import find_interfaces
-from faying.contact.zero_thickness import automatic_penalty, build_interface
+from faying.interface.pairing import find_interfaces
+from faying.interface.zero_thickness import automatic_penalty, build_interface
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.dofs import DofMap
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.specs import InterfaceSpec
 
 AUTO = InterfaceSpec(name="joint")

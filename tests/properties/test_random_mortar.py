@@ -9,8 +9,8 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 
-from faying.contact.clipping import areas, clip, fans
-from faying.contact.mortar import find_couplings
+from faying.interface.clipping import areas, clip, fans
+from faying.interface.mortar import find_couplings
 from faying.model.bodies import bodies
 from mortar_blocks import SIZE, SPEC, bent, blocks, mortar, nodal_forces, turned
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from faying.contact.interface import FacePairs
+from faying.assessment.accuracy import Accuracy
+from faying.assessment.best_possible import BestPossible
+from faying.assessment.choose import JointModeChoice
+from faying.assessment.penalty_sweep import PenaltySweep
+from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
-from faying.reduction.best_possible import BestPossible
-from faying.reduction.choose import JointModeChoice
 from faying.reduction.mode_count import ModeCount
-from faying.simulation.accuracy import Accuracy
-from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.results import (
     BoltRecord,
     CaseResult,

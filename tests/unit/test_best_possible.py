@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.best_possible import best_possible_errors, best_possible_gap_errors
 from faying.exceptions import ModelError
-from faying.reduction.best_possible import best_possible_errors, best_possible_gap_errors
 from faying.simulation.static import solve_static_inputs
 
 

@@ -7,8 +7,8 @@ from faying.exceptions import ModelError, StudyError
 from faying.study.load_model import build, load_model
 from faying.study.offline import prepare_joint
 from faying.study.progress import Stages
-from faying.study.run import run
 from faying.study.schema import read_study
+from faying.workflow.run import run
 
 SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
 GRIDS = "".join(

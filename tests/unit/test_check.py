@@ -9,8 +9,8 @@ import pytest
 
 import faying as fy
 from faying import cli
+from faying.joint.diagnosis import free_parts
 from faying.linalg.backends import available_backends
-from faying.model.diagnosis import free_parts
 
 SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -31,9 +31,9 @@ def runner(monkeypatch):
         calls.append((study, out, resume))
         return result
 
-    module = ModuleType("faying.study.run")
+    module = ModuleType("faying.workflow.run")
     module.run = run
-    monkeypatch.setitem(sys.modules, "faying.study.run", module)
+    monkeypatch.setitem(sys.modules, "faying.workflow.run", module)
     return SimpleNamespace(calls=calls, result=result)
 
 

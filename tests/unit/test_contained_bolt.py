@@ -7,9 +7,9 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.model import Model
 from faying.model.assembly import RigidCoupling, Spring
-from faying.model.lap_joint import lap_joint_assembly
-from faying.model.model import Model
 
 COARSE = 5.0
 

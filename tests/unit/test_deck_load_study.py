@@ -7,17 +7,17 @@ import pytest
 
 import faying as fy
 from faying import cli
+from faying.assessment.imported_recovery import recover_from_boundary_loads
 from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.hand_over import hand_over
 from faying.export.linearized import linearized
 from faying.report.tables import applied_loads
-from faying.simulation.imported_recovery import recover_from_boundary_loads
 from faying.study.load_model import build, load_model
 from faying.study.recover import RecoverOptions, recover
 from faying.study.schema import read_study
 from faying.study.store import read_results
-from faying.study.units import units_of
+from faying.units import units_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LOADS = """\

@@ -8,9 +8,9 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.diagnosis import check_held
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Spring, Support
-from faying.model.diagnosis import check_held
-from faying.model.lap_joint import lap_joint_assembly
 
 JOINT = lap_joint_assembly(element_size=5.0)
 MESH = JOINT.assembly.mesh
@@ -100,8 +100,8 @@ def test_given_matrices_are_judged_by_their_connected_parts():
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
     K = np.block([[bar + np.diag([1.0, 0.0]), np.zeros((2, 2))], [np.zeros((2, 2)), bar]])
     from faying.io.matrices import matrices_assembly
+    from faying.joint.diagnosis import unconstrained
     from faying.model.constraints import constrain
-    from faying.model.diagnosis import unconstrained
     from faying.model.matrices import used_components
 
     nodes = np.array([[0.0, 0, 0], [1, 0, 0], [5, 0, 0], [6, 0, 0]])

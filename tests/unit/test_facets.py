@@ -5,7 +5,8 @@ from math import factorial, pi
 import numpy as np
 import pytest
 
-from faying.contact.facets import (
+from faying.exceptions import ModelError
+from faying.interface.facets import (
     gauss_rule,
     nodal_rule,
     reference_nodes,
@@ -13,7 +14,6 @@ from faying.contact.facets import (
     shape_gradients,
     surface,
 )
-from faying.exceptions import ModelError
 
 KINDS = ("tri3", "tri6", "quad4", "quad8")
 AREA = {"tri3": 0.5, "tri6": 0.5, "quad4": 1.0, "quad8": 1.0}

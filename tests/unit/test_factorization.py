@@ -6,10 +6,10 @@ import scipy.sparse as sp
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.structure import Structure
 from faying.linalg.factorization import SingularMatrixError
 from faying.linalg.partial import port_compliance
 from faying.linalg.substitution import COLUMN_BLOCK
-from faying.model.structure import Structure
 
 
 def chain(n, first=1.0):

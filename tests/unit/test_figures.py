@@ -10,9 +10,10 @@ from fake_results import NX, NY, fake_results
 from matplotlib.image import imread
 
 import faying.sources
-from faying.contact.facets import reference_nodes, shape_functions
-from faying.contact.interface import FacePairs
 from faying.exceptions import FormatError
+from faying.files.names import file_names
+from faying.interface.facets import reference_nodes, shape_functions
+from faying.interface.interface import FacePairs
 from faying.report import style
 from faying.report.figures import (
     plot_convergence,
@@ -32,8 +33,7 @@ from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import step_check, time_step_figure
 from faying.report.quantities import number, percent, place, seconds
 from faying.report.style import METHOD_COLOURS, house_style, new_figure
-from faying.study.file_names import file_names
-from faying.study.units import units_of
+from faying.units import units_of
 
 RESULTS = fake_results()
 JOINT = RESULTS.interfaces["joint"]

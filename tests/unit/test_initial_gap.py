@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.contact.gap_field import with_gap_offset
 from faying.exceptions import FayingError, StudyError
+from faying.interface.gap_field import with_gap_offset
 from faying.study.load_model import build
 from faying.study.offline import prepare_joint
 from faying.study.progress import Stages

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError
+from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.model.assembly import Assembly, Beam, BeamSection, Material, Spring
 from faying.model.bodies import bodies
 from faying.model.constraints import constrain
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.generate import brick_grid, shaped
 from faying.model.generated_bolt import add_bolt
-from faying.model.lap_joint import STEEL, lap_joint_assembly
 from faying.model.matrices import mass_properties, used_components
 from faying.model.mesh import CellBlock, Mesh
 from faying.model.specs import BoltSpec

@@ -5,8 +5,8 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.system import input_forces
 from faying.model.boundary import Boundary
-from faying.model.system import input_forces
 
 
 def test_total_is_spread_evenly_over_a_boundary():

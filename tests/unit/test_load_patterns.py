@@ -7,9 +7,9 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.load_pattern import load_pattern
+from faying.joint.system import bolt_input, input_forces
 from faying.model.assembly import NodalLoads, Support
-from faying.model.load_pattern import load_pattern
-from faying.model.system import bolt_input, input_forces
 
 UP = NodalLoads(nodes=[100], forces=[[0, 0, 7.0, 0, 0, 0]])
 

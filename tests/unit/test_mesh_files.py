@@ -9,9 +9,9 @@ from meshio._mesh import topological_dimension
 
 from faying.exceptions import FormatError, ModelError
 from faying.io.mesh_files import read_mesh_file
+from faying.joint.build import build_model
 from faying.model.assembly import Material, Spring, Support
 from faying.model.bodies import bodies
-from faying.model.build import build_model
 from faying.model.generate import brick_grid, shaped
 from faying.model.matrices import assemble_matrices, mass_properties
 from faying.model.separate import separated

@@ -10,9 +10,9 @@ from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import covered
 from faying.study.interface_surface import pair_facets
 from faying.study.load_model import build
-from faying.study.run import run
 from faying.study.schema import read_study
 from faying.study.store import read_results
+from faying.workflow.run import run
 
 STUDY = """
 title = "Plates that do not match"

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from faying.contact.pairing import exterior_facets, find_interfaces, pair_facets, select_facets
 from faying.exceptions import ModelError
+from faying.interface.pairing import exterior_facets, find_interfaces, pair_facets, select_facets
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, FaceSet
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.mesh import CellBlock, Mesh
 from faying.model.specs import InterfaceSpec
 

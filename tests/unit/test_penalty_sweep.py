@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.contact.gap_field import with_gap_offset
+from faying.assessment.penalty_advice import UnitNames, recommend_penalty
+from faying.assessment.penalty_sweep import PenaltySweep, penalty_sweep
 from faying.exceptions import ModelError
-from faying.simulation.penalty_advice import UnitNames, recommend_penalty
-from faying.simulation.penalty_sweep import PenaltySweep, penalty_sweep
+from faying.interface.gap_field import with_gap_offset
 
 LOADS = (fy.Load({"tip.Fz": -300.0}, name="down"), fy.Load({"tip.Mx": 8e3}, name="twist"))
 

@@ -9,23 +9,23 @@ import pytest
 
 import faying as fy
 from faying import cli
-from faying.exceptions import FormatError, ModelError, StudyError
-from faying.simulation.imported_recovery import (
+from faying.assessment.imported_recovery import (
     backward_differences,
     recover_from_boundary_loads,
     recover_from_modal,
 )
-from faying.simulation.recovery import (
+from faying.assessment.recovery import (
     balanced_accelerations,
     recover_pressure,
     recovery_operator,
 )
+from faying.exceptions import FormatError, ModelError, StudyError
 from faying.study.offline import prepare_joint
 from faying.study.portable_records import restored_joint, restored_model
 from faying.study.progress import Stages
 from faying.study.recover import RecoverOptions, recover, results_of
-from faying.study.run import run
 from faying.study.schema import read_study
+from faying.workflow.run import run
 
 STUDY = """
 title = "recover"

@@ -17,7 +17,7 @@ from faying.report.meanings import MEANINGS, meanings
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.verdict import headline, reservations, verdicts
 from faying.study.results import ValidationRecord
-from faying.study.units import units_of
+from faying.units import units_of
 
 WHOLE = fake_results()
 # Two cases show all there is to show and draw in less time.

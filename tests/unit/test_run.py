@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ConvergenceError, StudyError
-from faying.io import vtu
+from faying.export import vtu
 from faying.study import cases, offline, progress, record
-from faying.study import run as runs
-from faying.study.run import run
 from faying.study.schema import read_study
 from faying.study.store import read_results
+from faying.workflow import run as runs
+from faying.workflow.run import run
 
 STUDY = """
 title = "Tiny joint"

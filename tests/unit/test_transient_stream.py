@@ -8,8 +8,8 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
-from faying.io import transient_stream
-from faying.io.transient_stream import FIELDS
+from faying.export import transient_stream
+from faying.export.transient_stream import FIELDS
 
 STEP = 1e-5
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from fake_results import NX, NY, fake_results
 
-from faying.contact.interface import FacePairs
 from faying.exceptions import FormatError
-from faying.io.vtu import write_interface_vtu
+from faying.export.vtu import write_interface_vtu
+from faying.interface.interface import FacePairs
 from faying.study.interface_surface import pair_facets
 
 RESULTS = fake_results()

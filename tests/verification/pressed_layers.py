@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import faying as fy
+from faying.joint.build import build_model
 from faying.model.assembly import Assembly, AverageCoupling, Material, Spring, Support
-from faying.model.build import build_model
 from faying.model.generate import brick_grid
 from faying.model.mesh import CellBlock, Mesh
 

@@ -8,9 +8,9 @@ from pressed_layers import STEEL
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
 from faying.model.bolt import Bolt
-from faying.model.build import build_model
 from faying.model.generate import Cells, brick_grid, shaped
 from faying.model.mesh import CellBlock, Mesh
 from small_system import small_system

@@ -5,10 +5,10 @@ import pytest
 import scipy.linalg as la
 
 import faying as fy
+from faying.assessment.certificate import certifier, certify
+from faying.assessment.choose import choose_joint_modes
+from faying.assessment.worst_case import worst_case_load
 from faying.exceptions import ModelError
-from faying.reduction.choose import choose_joint_modes
-from faying.simulation.certificate import certifier, certify
-from faying.simulation.worst_case import worst_case_load
 
 LOADS = (
     fy.Load({"tip.Fz": -500.0}, name="LC1"),

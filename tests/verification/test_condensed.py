@@ -8,9 +8,9 @@ import scipy.sparse as sp
 
 import faying as fy
 from faying.contact.condensed import CondensedContact
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
 from faying.exceptions import ConvergenceError
-from faying.model.system import input_forces
+from faying.joint.system import input_forces
 
 COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 LARGEST = np.array([2000.0, 500.0, 500.0, 2e4, 2e4, 2e4])

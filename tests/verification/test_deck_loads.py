@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.energy import energy_balance
+from faying.assessment.recovery import recover_reduced, recovery_operator
 from faying.io.nastran.reader import read_parts
 from faying.io.nastran.writer import write_deck
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.boundary import FORCE_NAMES
-from faying.model.lap_joint import lap_joint_assembly
-from faying.simulation.energy import energy_balance
 from faying.simulation.newton import solve_static_newton
-from faying.simulation.recovery import recover_reduced, recovery_operator
 
 PRESSURE, PULL = 2.5, np.array([40.0, -30.0, 25.0])
 SAME = 1e-9

@@ -5,14 +5,14 @@ import pytest
 import scipy.linalg as la
 
 import faying as fy
-from faying.contact.gap_field import (
+from faying.exceptions import FormatError, ModelError
+from faying.interface.gap_field import (
     gap_from_function,
     gap_from_nodes,
     gap_from_points,
     read_gap_field,
     with_gap_offset,
 )
-from faying.exceptions import FormatError, ModelError
 from faying.reference.hertz import LineContact
 
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from faying.contact.interface import FacePairs
-from faying.contact.pairing import find_interfaces, pair_facets
-from faying.contact.sticking import sticking_stiffness, stuck_pairs
-from faying.contact.zero_thickness import automatic_penalty, build_interface
 from faying.exceptions import ModelError
+from faying.interface.interface import FacePairs
+from faying.interface.pairing import find_interfaces, pair_facets
+from faying.interface.zero_thickness import automatic_penalty, build_interface
+from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.dofs import DofMap
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
 

@@ -8,19 +8,19 @@ import pytest
 import scipy.sparse as sp
 
 import faying as fy
+from faying.assessment.frequencies import count_frequencies_below
 from faying.exceptions import ConvergenceError
+from faying.joint.structure import Structure
 from faying.linalg.backends import VARIABLE, available_backends
 from faying.linalg.machine_memory import VARIABLE as MEMORY
 from faying.linalg.singular import InertiaError
-from faying.model.structure import Structure
 from faying.reduction import normal_modes
 from faying.reduction.mode_count import check_modes, count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.report.tables import model_table
-from faying.simulation.frequencies import count_frequencies_below
-from faying.study.run import run
 from faying.study.schema import read_study
 from faying.study.store import read_results
+from faying.workflow.run import run
 
 
 @pytest.fixture(params=available_backends(), autouse=True)

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.contact.gap_field import gap_from_nodes
-from faying.contact.mortar import find_couplings
-from faying.contact.pairing import pair_facets
-from faying.contact.sticking import sticking_stiffness, stuck_pairs
-from faying.contact.zero_thickness import build_interface
 from faying.exceptions import ModelError
+from faying.interface.gap_field import gap_from_nodes
+from faying.interface.mortar import find_couplings
+from faying.interface.pairing import pair_facets
+from faying.interface.zero_thickness import build_interface
+from faying.joint.build import build_model
+from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.model.assembly import FaceSet
 from faying.model.bodies import bodies
-from faying.model.build import build_model
-from faying.model.lap_joint import lap_joint_assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import exterior_facets
 from faying.simulation.newton import solve_static_newton

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.exceptions import ModelError
-from faying.reduction.basis import Basis, ModeKind
-from faying.simulation.imported_recovery import (
+from faying.assessment.imported_recovery import (
     backward_differences,
     recover_from_boundary_loads,
     recover_from_modal,
 )
-from faying.simulation.recovery import (
+from faying.assessment.recovery import (
     balanced_accelerations,
     recover_pressure,
     recovery_operator,
 )
-from faying.simulation.reintegration import reintegrate
+from faying.assessment.reintegration import reintegrate
+from faying.exceptions import ModelError
+from faying.reduction.basis import Basis, ModeKind
 
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 

@@ -9,8 +9,8 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 import faying as fy
-from faying.contact.sticking import sticking_stiffness
 from faying.io.nastran import write_deck
+from faying.joint.sticking import sticking_stiffness
 from faying.model.assembly import RigidCoupling, Spring, Support
 from faying.model.bodies import bodies
 

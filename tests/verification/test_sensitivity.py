@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.sensitivity import sensitivity
 from faying.exceptions import ModelError
-from faying.model.system import initial_bolt_forces
-from faying.simulation.sensitivity import sensitivity
+from faying.joint.system import initial_bolt_forces
 from faying.simulation.static import solve_static_inputs
 
 LOAD = fy.Load({"tip.Fz": -300.0, "tip.Mx": 8e3, "tip.Fy": 40.0})

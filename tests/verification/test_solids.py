@@ -12,7 +12,7 @@ from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 from solid_blocks import STEEL, one_sheared_cell, solid_assembly, solid_block, solid_dofs
 
-from faying.contact.facets import shape_functions as facet_shape_functions
+from faying.interface.facets import shape_functions as facet_shape_functions
 from faying.model.assembly import Assembly, Material
 from faying.model.elements import SOLIDS, solid_element
 from faying.model.elements.solid_element import shape_gradients, shape_values

@@ -12,8 +12,8 @@ import scipy.sparse as sp
 import faying as fy
 from faying import cli
 from faying.io.nastran import write_deck
-from faying.model.lap_joint import lap_joint_assembly
-from faying.model.model import Model
+from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.model import Model
 from faying.study.results import Results
 from faying.study.store import read_results
 

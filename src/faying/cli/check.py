@@ -8,7 +8,7 @@ import typer
 from faying.cli.arguments import StudyPath, usable_folder
 
 if TYPE_CHECKING:
-    from faying.model.model import Model
+    from faying.joint.model import Model
     from faying.study.load_model import LoadedModel
 
 
@@ -20,7 +20,7 @@ def check(
     from rich.console import Console
 
     from faying.cli.description import described
-    from faying.model.diagnosis import check_held, free_parts
+    from faying.joint.diagnosis import check_held, free_parts
     from faying.study.culprit import naming_tables
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads

@@ -8,17 +8,17 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from faying.contact.interface import Interface
+from faying.interface.interface import Interface
+from faying.joint.diagnosis import FreeParts
+from faying.joint.model import Model
 from faying.linalg.machine_memory import free_memory
 from faying.linalg.memory import FactorMemory, gigabytes
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
-from faying.model.diagnosis import FreeParts
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
-from faying.model.model import Model
 from faying.model.specs import BoltSpec
 from faying.study.load_model import LoadedModel
 from faying.study.tables import ForceSection, LoadCaseSection, Study

@@ -50,7 +50,7 @@ def export(
 
 def _described(given: "HandOver") -> str:
     """Say which model it is and what its numbers are measured in."""
-    from faying.study.units import units_of
+    from faying.units import units_of
 
     units, model = units_of(given.units), given.model
     counts = {

@@ -81,7 +81,7 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     from rich.table import Table
 
     from faying.study.recover import peaks
-    from faying.study.units import units_of
+    from faying.units import units_of
 
     # Brackets around units and in names are no markup.
     units, console = units_of(results.units), Console(markup=False, highlight=False)
@@ -111,8 +111,8 @@ def _written(
     results: "Results", recovered: "RecoveredRecord", folder: Path, stem: str
 ) -> list[Path]:
     """Write what was recovered, and pictures of the instant of largest pressure."""
-    from faying.io.vtu import write_fields_vtu
-    from faying.study.file_names import file_names
+    from faying.export.vtu import write_fields_vtu
+    from faying.files.names import file_names
     from faying.study.recover import peak_fields
     from faying.study.store import write_recovered
 

@@ -56,7 +56,7 @@ def compute(
 
     from faying.cli.outcome import show_outcome
     from faying.study.culprit import naming_tables
-    from faying.study.run import run as run_study
+    from faying.workflow.run import run as run_study
 
     console = Console(stderr=True)
     # A bar that is not seen would leave an empty line among the messages.

@@ -11,8 +11,8 @@ import numpy as np
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.compressed_space import CompressedSpace, solve_compressed
+from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
-from faying.contact.interface import Contact
 from faying.contact.pair_space import PairSpace, solve_between_pairs
 from faying.contact.pivoting import ActiveSetSpace, ContactForces, solve_complementarity
 from faying.exceptions import ConvergenceError, ModelError

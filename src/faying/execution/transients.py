@@ -12,7 +12,7 @@ from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Executor
 from faying.execution.groups import even_parts, grouped
-from faying.model.system import System
+from faying.joint.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.side_by_side import runs_at_once

@@ -11,9 +11,9 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.export.hand_over import HandOver
+from faying.joint.load_pattern import pattern_forces
+from faying.joint.system import boundary_dofs, boundary_slices, elongations, initial_bolt_forces
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.model.load_pattern import pattern_forces
-from faying.model.system import boundary_dofs, boundary_slices, elongations, initial_bolt_forces
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,8 +15,8 @@ from typing import cast
 
 from faying.exceptions import FormatError, StudyError
 from faying.export.hand_over import HandOver, hand_over
+from faying.files.names import file_names
 from faying.study.errors import nearest
-from faying.study.file_names import file_names
 
 LINEAR = "linear hand-over"
 CONTACT = "contact-capable hand-over"

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from typing import TypedDict
 
 from faying._typing import Indices, Matrix
+from faying.assessment.recovery import Recovery
 from faying.exceptions import StudyError
 from faying.model.mesh import CellBlock
 from faying.reduction.basis import ModeKind
 from faying.reduction.portable import PortableJoint, PortableModel
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
-from faying.simulation.recovery import Recovery
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.study.portable_records import (

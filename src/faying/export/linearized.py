@@ -25,10 +25,10 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.assessment.frequencies import NEARLY_RIGID
 from faying.export.hand_over import HandOver
+from faying.joint.system import System, boundary_dofs, elongations, input_forces
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
-from faying.model.system import System, boundary_dofs, elongations, input_forces
-from faying.simulation.frequencies import NEARLY_RIGID
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static

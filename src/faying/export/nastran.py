@@ -18,7 +18,7 @@ from faying.export.linearized import LinearModel, linearized
 from faying.export.nastran_cards import assembly_cards, grid_cards, punch_cards, scalar_points
 from faying.io.dmig_writer import dmig_text
 from faying.io.op4_writer import write_op4
-from faying.model.system import elongations, initial_bolt_forces
+from faying.joint.system import elongations, initial_bolt_forces
 
 SUPERELEMENT = 100
 """Id of the superelement, and the Fortran unit of its OP4 file."""

@@ -23,11 +23,11 @@ import scipy.linalg as la
 from faying._typing import Indices, Matrix
 from faying.export.hand_over import HandOver
 from faying.export.linearized import linearized
+from faying.files.names import file_names
 from faying.io.vtk_xml import Grid, write_pvd, write_vtu
-from faying.study.file_names import file_names
 from faying.study.interface_surface import nodal_average, pair_facets
 from faying.study.results import CaseResult, InterfaceRecord, Response
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 MOST_MODES = 10
 """Vibration modes that are drawn."""

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from faying.exceptions import FormatError
 from faying.io.isolated import read_isolated
-from faying.io.matrix_files import LabelledMatrix
+from faying.io.labelled_matrix import LabelledMatrix
 
 MATRICES = {"K": "k", "M": "m"}
 _SCRIPT = """

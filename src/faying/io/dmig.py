@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Vector
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
-from faying.io.matrix_files import LabelledMatrix
+from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.named_matrices import DamageError, chosen_name
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards

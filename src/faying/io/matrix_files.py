@@ -2,7 +2,7 @@
 
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
@@ -12,8 +12,9 @@ import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
-from faying._typing import Indices, SparseMatrix
+from faying._typing import SparseMatrix
 from faying.exceptions import FormatError
+from faying.io.labelled_matrix import LabelledMatrix
 
 READERS: Mapping[str, str] = {
     ".npz": "faying.io.matrix_files:read_npz",
@@ -26,28 +27,10 @@ READERS: Mapping[str, str] = {
     ".sti": "faying.io.abaqus.matrices:read_calculix_matrix",
     ".mas": "faying.io.abaqus.matrices:read_calculix_matrix",
 }
-"""Suffix to module:function (path, name) → :class:`LabelledMatrix`; imported when needed."""
+"""Suffix to module:function (path, name) → labelled matrix; imported when needed."""
 
 
 _MARKET = b"%%MatrixMarket"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LabelledMatrix:
-    """A matrix as read.
-
-    Attributes
-    ----------
-    matrix : (n, n)
-    dofs : (n, 2) or None
-        Node id and component 1..6 of each row, where the file says so itself.
-    held : (n_held, 2) or None
-        The same of rows the file marks as held, which ``matrix`` does not have.
-    """
-
-    matrix: SparseMatrix
-    dofs: Indices | None = None
-    held: Indices | None = None
 
 
 def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:

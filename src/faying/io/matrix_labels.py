@@ -5,7 +5,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, SparseMatrix
 from faying.exceptions import ModelError
-from faying.io.matrix_files import LabelledMatrix
+from faying.io.labelled_matrix import LabelledMatrix
 
 
 def aligned(

@@ -17,7 +17,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
-from faying.study.files import replacing
+from faying.files.atomic import replacing
 
 CELL_TYPES = {
     "line2": 3,

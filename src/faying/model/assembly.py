@@ -1,7 +1,7 @@
 """What a deck says: mesh, materials, beams, couplings, supports, nodal loads. Plain values.
 
 An :class:`Assembly` is the common meeting point of every source (generator, deck, matrices) and of
-every writer. :func:`faying.model.build.build_model` turns it into a :class:`faying.Model`.
+every writer. :func:`faying.joint.build.build_model` turns it into a :class:`faying.Model`.
 
 Each node has six degrees of freedom, translations 0, 1, 2 and rotations 3, 4, 5, in the basic
 frame; those that nothing touches are dropped when the model is built.

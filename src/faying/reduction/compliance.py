@@ -1,9 +1,9 @@
 """Interface compliance of a model: gap per contact force."""
 
 from faying._typing import Matrix
+from faying.joint.model import Model
 from faying.linalg.factorization import Factorization
 from faying.linalg.partial import port_compliance
-from faying.model.model import Model
 
 
 def interface_compliance(model: Model, factor: Factorization | None = None) -> Matrix:

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 from faying._typing import Matrix, SparseMatrix
 from faying.contact.condensed import ContactSolver
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
+from faying.joint.load_pattern import LoadPattern
+from faying.joint.system import PortCompliance, System
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.load_pattern import LoadPattern
-from faying.model.system import PortCompliance, System
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

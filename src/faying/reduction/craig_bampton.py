@@ -1,6 +1,6 @@
 """The classic basis [Ψ_c Φ_n], Eq. (15.18) (Craig & Bampton 1968, doi:10.2514/3.4741)."""
 
-from faying.model.model import Model
+from faying.joint.model import Model
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 

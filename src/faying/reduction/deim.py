@@ -18,10 +18,10 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
 from faying.contact.problem import ContactForces
 from faying.exceptions import ConvergenceError, ModelError
-from faying.model.system import System
+from faying.joint.system import System
 from faying.reduction.contact_reduction import ContactReducedModel
 from faying.reduction.pod import pod
 

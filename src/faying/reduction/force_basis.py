@@ -18,10 +18,10 @@ import numpy as np
 from scipy.optimize import nnls
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
 from faying.contact.problem import ContactForces, ContactProblem
 from faying.exceptions import ModelError
-from faying.model.system import System
+from faying.joint.system import System
 from faying.reduction.contact_reduction import ContactReducedModel
 
 SPANNED = 1e-10

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from faying._typing import Matrix
-from faying.model.model import Model
+from faying.joint.model import Model
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.pod import pod

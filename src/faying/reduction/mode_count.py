@@ -10,11 +10,11 @@ from itertools import pairwise
 import numpy as np
 
 from faying.exceptions import ConvergenceError
+from faying.joint.model import Model
+from faying.joint.structure import Structure
 from faying.linalg.inertia import count_negative
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.linalg.singular import InertiaError
-from faying.model.model import Model
-from faying.model.structure import Structure
 from faying.reduction.normal_modes import NormalModes
 
 GAP = 1e-6

@@ -8,8 +8,8 @@ import scipy.sparse.linalg as spla
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
+from faying.joint.structure import Structure
 from faying.linalg.factorization import Factorization
-from faying.model.structure import Structure
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

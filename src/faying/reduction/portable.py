@@ -14,14 +14,14 @@ import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.contact.condensed import CondensedContact, relative_compliance
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
 from faying.exceptions import ModelError
+from faying.joint.load_pattern import LoadPattern, pattern_forces
+from faying.joint.system import PortCompliance, System, boundary_dofs, elongations
 from faying.linalg.compressed import plus, symmetrized
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.load_pattern import LoadPattern, pattern_forces
-from faying.model.system import PortCompliance, System, boundary_dofs, elongations
 
 
 @final

@@ -8,14 +8,14 @@ import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.contact.condensed import CondensedContact
-from faying.contact.interface import Contact
+from faying.contact.contact import Contact
+from faying.joint.load_pattern import LoadPattern
+from faying.joint.model import Model
+from faying.joint.system import PortCompliance
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.load_pattern import LoadPattern
-from faying.model.model import Model
-from faying.model.system import PortCompliance
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.portable import reduced_ports
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
-from faying.model.model import Model
-from faying.model.system import System
+from faying.joint.model import Model
+from faying.joint.system import System
 from faying.reduction.basis import Basis
 from faying.reduction.deim import deim, with_deim
 from faying.reduction.force_basis import (

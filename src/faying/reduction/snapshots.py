@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
-from faying.model.system import System
+from faying.joint.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.side_by_side import runs_at_once

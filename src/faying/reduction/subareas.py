@@ -3,8 +3,8 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.contact.interface import Interface
 from faying.exceptions import ModelError
+from faying.interface.interface import Interface
 
 
 def subareas(interface: Interface, count: int) -> Indices:

@@ -4,7 +4,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
-from faying.model.model import Model
+from faying.joint.model import Model
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.pod import pod

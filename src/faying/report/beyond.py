@@ -4,7 +4,7 @@ from faying.report.quantities import number, percent
 from faying.report.tables import Cell, Table, table
 from faying.report.verdict import grade
 from faying.study.results import Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 
 def load_space_table(results: Results) -> Table:

@@ -8,6 +8,8 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from faying.exceptions import FormatError
+from faying.files.atomic import write_text
+from faying.files.names import file_names
 from faying.report.beyond import choice_table, load_space_table, worst_case_table
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
@@ -25,10 +27,8 @@ from faying.report.tables import (
     timing_table,
 )
 from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
-from faying.study.file_names import file_names
-from faying.study.files import write_text
 from faying.study.results import CaseResult, Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 LONG = 22
 """Characters of a cell that may be broken into lines; a number stays with its unit."""

@@ -14,7 +14,7 @@ from matplotlib.image import imsave
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from faying._typing import Mask
-from faying.study.files import replacing
+from faying.files.atomic import replacing
 
 RC: Any = {  # matplotlib types the keys as one long Literal
     "font.size": 10,

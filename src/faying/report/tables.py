@@ -11,7 +11,7 @@ from faying.report.quantities import number, percent, place, quantity, seconds
 from faying.report.verdict import grade
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.study.summary import timings
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 MARKS = {"good": "✓", "fair": "~", "poor": "✗", "": ""}
 

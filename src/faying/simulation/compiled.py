@@ -15,8 +15,8 @@ from faying._typing import Mask, Matrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.sprung_pairs import MOST_CHANGED, MOST_RENEWALS, SprungPairs
 from faying.exceptions import ModelError
+from faying.joint.system import System
 from faying.linalg.factorization import Factorization
-from faying.model.system import System
 from faying.simulation.history import History, Trend
 from faying.simulation.integrators import Integrator, Motion
 

@@ -17,7 +17,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, frozen
-from faying.model.model import Model
+from faying.joint.model import Model
 
 N_FIELD = 12
 """Three translations, then e_i X_j row by row."""

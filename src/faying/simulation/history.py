@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.pivoting import ContactForces
-from faying.model.system import System
+from faying.joint.system import System
 from faying.simulation.integrators import Motion
 from faying.simulation.solution import Solution
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.model.system import Joint, boundary_slices, initial_bolt_forces
+from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ import scipy.sparse.linalg as spla
 
 from faying._typing import Mask, SparseMatrix, Vector
 from faying.exceptions import ConvergenceError
+from faying.joint.model import Model
+from faying.joint.system import input_forces
 from faying.linalg.factorization import SingularMatrixError, factorize
-from faying.model.model import Model
-from faying.model.system import input_forces
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST

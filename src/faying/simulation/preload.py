@@ -7,10 +7,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.sticking import sticking_stiffness, stuck_pairs
 from faying.exceptions import ConvergenceError, ModelError
-from faying.model.model import Model
-from faying.model.system import System, initial_bolt_forces
+from faying.joint.model import Model
+from faying.joint.sticking import sticking_stiffness, stuck_pairs
+from faying.joint.system import System, initial_bolt_forces
 from faying.simulation.static import port_forces, solve_static
 
 NO_RESISTANCE = 1e-9

@@ -6,7 +6,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.model.system import System, boundary_slices
+from faying.joint.system import System, boundary_slices
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

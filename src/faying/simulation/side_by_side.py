@@ -1,6 +1,6 @@
 """How many responses may be stepped side by side: their histories are in memory together."""
 
-from faying.model.system import System
+from faying.joint.system import System
 
 HISTORY_BYTES = 2 * 2**30
 """Memory that the histories of responses stepped side by side may take.

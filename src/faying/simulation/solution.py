@@ -6,7 +6,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.model.system import System, bolt_input
+from faying.joint.system import System, bolt_input
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,8 +6,8 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.contact.warm_start import experience
+from faying.joint.system import PortCompliance, System, input_forces
 from faying.linalg.threads import threads_for
-from faying.model.system import PortCompliance, System, input_forces
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 

@@ -10,10 +10,10 @@ from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.pivoting import ContactForces
 from faying.exceptions import ModelError
+from faying.joint.system import System, input_forces
 from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.threads import threads_for
-from faying.model.system import System, input_forces
 from faying.simulation.compiled import (
     MOST_FAILURES,
     CompiledSteps,

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 
-from faying.model.system import System
+from faying.joint.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution

@@ -8,19 +8,19 @@ from functools import cached_property, partial
 import numpy as np
 
 from faying._typing import Matrix
+from faying.assessment.accuracy import Accuracy, measure
+from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.recovery import recover_pressure
 from faying.exceptions import ConvergenceError
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
+from faying.joint.model import Model
+from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.model.model import Model
-from faying.model.system import System
 from faying.reduction.basis import Basis
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.reduction.rivals import RIVALS
-from faying.simulation.accuracy import Accuracy, measure
-from faying.simulation.certificate import Certifier, certifier
 from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler, Integrator
-from faying.simulation.recovery import recover_pressure
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.transient import solve_transient, transient_solver

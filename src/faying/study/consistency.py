@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from faying.contact.gap_field import read_gap_table
 from faying.exceptions import FormatError, StudyError
+from faying.interface.gap_field import read_gap_table
 from faying.model.assembly import Assembly
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history

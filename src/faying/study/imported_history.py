@@ -21,8 +21,8 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import FormatError
+from faying.joint.system import boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
-from faying.model.system import boundary_slices, initial_bolt_forces
 from faying.reduction.portable import PortableJoint
 from faying.simulation.frame_motion import FrameMotion
 from faying.study.errors import nearest, quoted

@@ -50,7 +50,7 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
 
 def _schema() -> type[BaseModel]:
     """Mirror the signature of the generator."""
-    from faying.model.lap_joint import lap_joint_assembly
+    from faying.joint.lap_joint import lap_joint_assembly
 
     parameters = inspect.signature(lap_joint_assembly).parameters.values()
     keys: dict[str, Any] = {

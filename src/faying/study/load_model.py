@@ -1,4 +1,4 @@
-"""From a study to what :func:`faying.model.build.build_model` takes, and to the model."""
+"""From a study to what :func:`faying.joint.build.build_model` takes, and to the model."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -7,15 +7,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from faying.contact.gap_field import read_gap_field, with_gap_offset
-from faying.contact.interface import Interface
 from faying.exceptions import StudyError
+from faying.interface.gap_field import read_gap_field, with_gap_offset
+from faying.interface.interface import Interface
+from faying.joint.build import build_model
+from faying.joint.diagnosis import check_held
+from faying.joint.lap_joint import STEEL, lap_joint_assembly
+from faying.joint.model import Model
 from faying.model.assembly import Assembly, Material
-from faying.model.build import build_model
 from faying.model.description import JointDescription
-from faying.model.diagnosis import check_held
-from faying.model.lap_joint import STEEL, lap_joint_assembly
-from faying.model.model import Model
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.study.bolts import (
     bolt_entries,
@@ -118,7 +118,7 @@ def build_loaded(loaded: LoadedModel) -> Model:
     Raises
     ------
     ModelError
-        As :func:`faying.model.build.build_model`, if a gap field does not cover its interface, or
+        As :func:`faying.joint.build.build_model`, if a gap field does not cover its interface, or
         if a load of the deck cannot be applied.
     """
     model = build_model(
@@ -150,7 +150,7 @@ def build(study: Study) -> Model:
     ------
     FayingError
         As :func:`load_model`, :func:`build_loaded`, :func:`faying.study.loads.check_loads` and
-        :func:`faying.model.diagnosis.check_held`.
+        :func:`faying.joint.diagnosis.check_held`.
     """
     model = build_loaded(load_model(study))
     check_loads(study, model)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from faying.exceptions import ModelError
-from faying.model.model import Model
+from faying.joint.model import Model
 from faying.reduction.methods import METHODS
 from faying.reduction.rivals import RIVALS
 from faying.reduction.snapshots import LoadBox

@@ -105,7 +105,7 @@ class ModelSection(Section):
     sets
         Own names for parts of the mesh.
     lap_joint
-        Keywords of :func:`faying.model.lap_joint.lap_joint_assembly`.
+        Keywords of :func:`faying.joint.lap_joint.lap_joint_assembly`.
     """
 
     source: Source
@@ -142,7 +142,7 @@ class InterfaceSection(Section):
     ----------
     initial_gap : [length]
         Added to the gap of the geometry before anything is tightened: one offset everywhere, or a
-        file for :func:`faying.contact.gap_field.read_gap_field`.
+        file for :func:`faying.interface.gap_field.read_gap_field`.
     """
 
     name: Name

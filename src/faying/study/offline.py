@@ -7,10 +7,11 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Matrix
-from faying.model.model import Model
-from faying.model.system import System
+from faying.assessment.choose import JointModeChoice, choose_joint_modes
+from faying.assessment.frequencies import preloaded_frequencies
+from faying.joint.model import Model
+from faying.joint.system import System
 from faying.reduction.basis import Basis, ModeKind
-from faying.reduction.choose import JointModeChoice, choose_joint_modes
 from faying.reduction.craig_bampton import classic_basis
 from faying.reduction.jim_a import jim_a
 from faying.reduction.jim_b import jim_b
@@ -20,7 +21,6 @@ from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.reduction.rivals import RIVALS, rival_system
 from faying.reduction.snapshots import static_snapshots
-from faying.simulation.frequencies import preloaded_frequencies
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static

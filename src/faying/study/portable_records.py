@@ -7,24 +7,24 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.contact.interface import Contact
+from faying.assessment.recovery import Recovery, frame_operator, supported_operator
+from faying.contact.contact import Contact
 from faying.exceptions import StudyError
-from faying.model.bolt import Bolt
-from faying.model.boundary import Boundary
-from faying.model.load_pattern import LoadPattern, pattern_forces
-from faying.model.model import Model
-from faying.model.system import (
+from faying.joint.load_pattern import LoadPattern, pattern_forces
+from faying.joint.model import Model
+from faying.joint.system import (
     System,
     boundary_dofs,
     boundary_slices,
     elongations,
     port_compliance_of,
 )
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
 from faying.reduction.basis import Basis
 from faying.reduction.portable import PortableJoint, PortableModel, with_residual
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.simulation.frame_motion import mass_invariants
-from faying.simulation.recovery import Recovery, frame_operator, supported_operator
 from faying.study.recovery_results import (
     BoundaryRecord,
     PortsRecord,

@@ -9,11 +9,11 @@ import scipy
 
 from faying import __version__
 from faying._typing import Vector
+from faying.joint.model import Model
+from faying.joint.system import System
 from faying.model.bodies import bodies
 from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
-from faying.model.model import Model
-from faying.model.system import System
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.portable_records import kept_models, ports_record, reduced_records
 from faying.study.progress import Stages

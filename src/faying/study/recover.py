@@ -8,16 +8,16 @@ from typing import Literal
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import StudyError
-from faying.reduction.portable import PortableJoint
-from faying.simulation.imported_recovery import (
+from faying.assessment.imported_recovery import (
     backward_differences,
     recover_from_modal,
     simulate_boundary_loads,
 )
+from faying.assessment.recovery import Recovered, Recovery, recover_reduced
+from faying.exceptions import StudyError
+from faying.reduction.portable import PortableJoint
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
-from faying.simulation.recovery import Recovered, Recovery, recover_reduced
 from faying.study.errors import nearest, quoted
 from faying.study.imported_history import ImportedHistory, read_imported_history
 from faying.study.interface_surface import nodal_average
@@ -25,7 +25,7 @@ from faying.study.portable_records import restored_joint, restored_model, restor
 from faying.study.recovery_results import RecoveredRecord, ReducedRecord
 from faying.study.results import Results
 from faying.study.store import read_results
-from faying.study.units import units_of
+from faying.units import units_of
 
 Derivatives = Literal["spline", "backward"]
 

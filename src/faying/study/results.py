@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.interface import FacePairs
+from faying.assessment.accuracy import Accuracy
+from faying.assessment.best_possible import BestPossible
+from faying.assessment.choose import JointModeChoice
+from faying.assessment.penalty_sweep import PenaltySweep
+from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
-from faying.reduction.best_possible import BestPossible
-from faying.reduction.choose import JointModeChoice
 from faying.reduction.mode_count import ModeCount
-from faying.simulation.accuracy import Accuracy
-from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.recovery_results import PortsRecord, ReducedRecord
 
 
@@ -36,7 +36,7 @@ class Response:
         Of static cases.
     recovered_pressure : (n_time, n_point), optional
         Of transients of reduced models: recovered from the motion, see
-        :mod:`faying.simulation.recovery`.
+        :mod:`faying.assessment.recovery`.
     """
 
     pressure: Matrix

@@ -39,11 +39,11 @@ import numpy as np
 
 from faying import __version__
 from faying.exceptions import FormatError
-from faying.study.files import replacing
+from faying.files.atomic import replacing
 from faying.study.recovery_results import RecoveredRecord
 from faying.study.results import Results
 from faying.study.store_fields import MEANINGS, Meaning
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 FORMAT = "faying results"
 RECOVERED_FORMAT = "faying recovered pressures"

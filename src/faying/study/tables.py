@@ -32,7 +32,7 @@ from faying.study.section import (
     Switch,
     refusal,
 )
-from faying.study.units import KINDS_OF_UNITS
+from faying.units import KINDS_OF_UNITS
 
 Method = Literal[
     "craig-bampton",

@@ -5,19 +5,19 @@ from functools import partial
 
 import numpy as np
 
+from faying.assessment.best_possible import best_possible_errors, best_possible_gap_errors
+from faying.assessment.choose import JointModeChoice
+from faying.assessment.penalty_advice import UnitNames, recommend_penalty
+from faying.assessment.penalty_sweep import penalty_sweep
+from faying.assessment.worst_case import WorstCase, worst_case_load
 from faying.exceptions import ConvergenceError
-from faying.model.model import Model
-from faying.model.system import System
+from faying.joint.model import Model
+from faying.joint.system import System
 from faying.reduction.basis import Basis
-from faying.reduction.best_possible import best_possible_errors, best_possible_gap_errors
-from faying.reduction.choose import JointModeChoice
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel, reduce
 from faying.reduction.snapshots import LoadBox
-from faying.simulation.penalty_advice import UnitNames, recommend_penalty
-from faying.simulation.penalty_sweep import penalty_sweep
 from faying.simulation.static import solve_static_cases
-from faying.simulation.worst_case import WorstCase, worst_case_load
 from faying.study.loads import case_load, training_box, validation_box
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.progress import Stages
@@ -29,7 +29,7 @@ from faying.study.results import (
     WorstCaseRecord,
 )
 from faying.study.tables import Study
-from faying.study.units import units_of
+from faying.units import units_of
 
 Models = Mapping[str, Mapping[int, System]]
 

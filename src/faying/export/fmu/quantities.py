@@ -6,7 +6,7 @@ converted (:func:`seconds`).
 
 from dataclasses import dataclass
 
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
 MASSES = {"t": 1e3, "kg": 1.0, "g": 1e-3, "slinch": 175.126835246476, "slug": 14.5939029372064}

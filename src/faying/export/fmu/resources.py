@@ -12,8 +12,8 @@ from faying.exceptions import StudyError
 from faying.export.fmu.quantities import seconds
 from faying.export.fmu.variables import Defaults
 from faying.export.hand_over import HandOver
-from faying.model.load_pattern import pattern_forces
-from faying.model.system import boundary_dofs, elongations
+from faying.joint.load_pattern import pattern_forces
+from faying.joint.system import boundary_dofs, elongations
 
 MAGIC = int.from_bytes(b"FYJOINT1", "little")
 TOKEN_LENGTH = 64

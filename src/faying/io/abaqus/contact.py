@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Matrix
-from faying.contact.pairing import find_interfaces
 from faying.exceptions import ModelError
+from faying.interface.pairing import find_interfaces
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.facets import gauss_rule, surface
+from faying.interface.facets import gauss_rule, surface
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.elements import Elements

@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Vector
-from faying.contact.facets import area_vectors, gauss_rule
+from faying.interface.facets import area_vectors, gauss_rule
 from faying.io.abaqus.pretension import Section
 from faying.io.abaqus.surfaces import DeckSurface
 from faying.model.assembly import Assembly, Equation, Spring, Support

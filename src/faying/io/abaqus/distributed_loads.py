@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.contact.facets import area_vectors, gauss_rule, shape_functions
+from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, real
 from faying.io.abaqus.keyword import Keyword

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError
-from faying.io.matrix_files import LabelledMatrix
+from faying.io.labelled_matrix import LabelledMatrix
 
 _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")
 _DOF = re.compile(rb"\s*(\d{1,15})\.([1-6])\s*")

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from faying._typing import Indices
-from faying.contact.interface import FacePairs
-from faying.contact.pairing import find_interfaces
-from faying.contact.penalty import automatic_penalty
 from faying.exceptions import FormatError
+from faying.interface.interface import FacePairs
+from faying.interface.pairing import find_interfaces
+from faying.interface.penalty import automatic_penalty
 from faying.io.abaqus.written_nodes import real_text
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription

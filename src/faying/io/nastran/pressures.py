@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
-from faying.contact.facets import area_vectors, gauss_rule, shape_functions
+from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids

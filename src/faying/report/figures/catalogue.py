@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from faying.exceptions import FormatError
+from faying.files.names import file_names
 from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
@@ -17,7 +18,6 @@ from faying.report.figures.response import response_figure
 from faying.report.figures.tightening import tightening_figure
 from faying.report.figures.time_step import time_step_figure
 from faying.report.style import house_style, save
-from faying.study.file_names import file_names
 from faying.study.results import CaseResult, Results
 
 Draw = Callable[[], Drawn | None]

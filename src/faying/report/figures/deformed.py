@@ -9,7 +9,7 @@ from faying.report.figures.model import name_axes, plot_bodies, title_above
 from faying.report.quantities import number, place, quantity
 from faying.report.style import heading, new_figure
 from faying.study.results import CaseResult, Results
-from faying.study.units import units_of
+from faying.units import units_of
 
 SHARE = 0.12
 """Largest drawn displacement over the size of the model."""

@@ -19,7 +19,7 @@ from faying.report.figures.surface_map import (
 from faying.report.quantities import ROUND_OFF, percent, place
 from faying.report.style import ERROR_MAP, heading, label, new_figure, plain
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 JOINT_MODES = 20
 """Count of the paper's Fig. 15.6."""

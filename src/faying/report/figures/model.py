@@ -15,9 +15,9 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 )
 
 from faying._typing import Indices, Matrix, Vector
+from faying.joint.model import Model
 from faying.model.bodies import bodies, body_names
 from faying.model.mesh import CellBlock, Mesh
-from faying.model.model import Model
 from faying.model.surface import exterior_faces
 from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import RINGS, outline, outline_of
@@ -31,7 +31,7 @@ from faying.report.style import (
     plain,
 )
 from faying.study.results import Results
-from faying.study.units import units_of
+from faying.units import units_of
 
 VIEW = {"elev": 24.0, "azim": -58.0}
 SLENDER = 0.5

@@ -4,12 +4,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
+from faying.assessment.penalty_sweep import PenaltySweep
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import quantity
 from faying.report.style import colour, new_figure, plain
-from faying.simulation.penalty_sweep import PenaltySweep
 from faying.study.results import Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 LINES = ("-", "--", ":", "-.")
 """One per load case, so that colours stay those of the methods."""

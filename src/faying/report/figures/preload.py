@@ -16,7 +16,7 @@ from faying.report.figures.pressure import (
 from faying.report.figures.surface_map import draw_edges, panel_size, prepare
 from faying.report.style import METHOD_COLOURS, new_figure, plain
 from faying.study.results import InterfaceRecord, Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 
 def plot_sticking(record: InterfaceRecord, axes: Axes, units: Units) -> Axes:

@@ -17,7 +17,7 @@ from faying.report.figures.surface_map import (
 from faying.report.quantities import percent, place, quantity
 from faying.report.style import PRESSURE_MAP, heading, new_figure, plain
 from faying.study.results import CaseResult, InterfaceRecord, Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 CLOSED = 1e-9
 """Averages below this fraction of the largest count as no contact."""

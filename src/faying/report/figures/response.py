@@ -12,7 +12,7 @@ from faying.report.figures.entry import Drawn
 from faying.report.quantities import percent, quantity
 from faying.report.style import REFERENCE, colour, heading, label, new_figure, plain
 from faying.study.results import CaseResult, MethodResult, Response, Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 COUNTS = (5, 20)
 """Joint modes of the paper's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""

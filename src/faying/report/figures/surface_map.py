@@ -16,12 +16,12 @@ from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.facets import shape_functions
+from faying.interface.facets import shape_functions
 from faying.report.figures.plane import Plane
 from faying.report.style import OPEN_COLOUR
 from faying.study.interface_surface import pair_facets
 from faying.study.results import InterfaceRecord
-from faying.study.units import Units
+from faying.units import Units
 
 # Nodes of a facet around its edge.
 RINGS = {

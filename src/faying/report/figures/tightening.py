@@ -8,7 +8,7 @@ from faying.report.figures.entry import Drawn
 from faying.report.quantities import percent, quantity
 from faying.report.style import METHOD_COLOURS, new_figure, plain
 from faying.study.results import Results
-from faying.study.units import units_of
+from faying.units import units_of
 
 NAMED = 14
 """Up to this many stages are named on the axis."""

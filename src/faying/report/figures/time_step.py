@@ -10,7 +10,7 @@ from faying.report.figures.response import peak_pressure
 from faying.report.quantities import percent, quantity
 from faying.report.style import METHOD_COLOURS, REFERENCE, heading, new_figure
 from faying.study.results import CaseResult, Results
-from faying.study.units import Units, units_of
+from faying.units import Units, units_of
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
-from faying.model.system import System
+from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
-from faying.model.system import System
+from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from faying._typing import Matrix, SparseMatrix, Vector
-from faying.model.system import System
+from faying.joint.system import System
 
 
 @dataclass(frozen=True, eq=False)

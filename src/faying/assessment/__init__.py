@@ -1,0 +1,1 @@
+"""What judges a solution: errors, certificates, recovery, sensitivities, advice."""

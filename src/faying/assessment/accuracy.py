@@ -1,0 +1,158 @@
+"""How far a solution is from a reference, in the seed's measure, Eq. (15.31)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.joint.system import System
+
+NO_MOTION = 1e-9
+"""Largest translation over the largest displacement or rotation, below which it is round-off.
+
+A boundary that only turns has translations of 1e-16; the unit of length, which this compares with
+radians, may be a thousand times another.
+"""
+
+
+class Compared(Protocol):
+    """What a comparison needs of a solution."""
+
+    @property
+    def system(self) -> System:
+        """The model that was solved."""
+        ...
+
+    @property
+    def pressure(self) -> Matrix:
+        """Contact pressure (..., n_point)."""
+        ...
+
+    def displacement(self, boundary: str) -> Matrix:
+        """Return the displacements at a boundary (..., n)."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accuracy:
+    """Errors relative to the reference, as fractions (0.05 is 5 %).
+
+    Attributes
+    ----------
+    max_relative_error
+        Largest |p − p_ref| over all points and instants, over the largest p_ref.
+    rms_relative_error
+        Root mean square of the same over all points and instants.
+    p999_relative_error
+        Its 99.9th percentile.
+    max_pressure_ratio
+        Largest pressure over the largest reference pressure.
+    displacement_error
+        Largest distance of boundary translations over the largest reference translation of any
+        boundary; zero where none moves but by round-off.
+    """
+
+    max_relative_error: float
+    rms_relative_error: float
+    p999_relative_error: float
+    max_pressure_ratio: float
+    displacement_error: float
+
+
+def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
+    """Return (p − p_ref) / max p_ref per contact point and instant, Eq. (15.31).
+
+    Raises
+    ------
+    ModelError
+        If the shapes differ or the reference has no pressure at all.
+    """
+    if np.shape(pressure) != np.shape(reference):
+        message = (
+            f"pressures of shape {np.shape(pressure)} and {np.shape(reference)} cannot be "
+            "compared; solve the same load case with the same time steps"
+        )
+        raise ModelError(message)
+    largest = float(np.max(reference, initial=0.0))
+    if largest <= 0:
+        message = "the reference has no contact pressure, so no relative error exists"
+        raise ModelError(message)
+    error: Matrix = (np.asarray(pressure) - reference) / largest
+    return error
+
+
+def compare(solution: Compared, reference: Compared) -> Accuracy:
+    """Compare a solution with a reference of the same load, points and instants.
+
+    Raises
+    ------
+    ModelError
+        If they do not have the same points and instants, or the reference has no pressure.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> model = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=5))
+    >>> load = fy.Load({"tip.Fz": -500.0})
+    >>> accuracy = fy.compare(fy.solve_static(rom, load), fy.solve_static(model, load))
+    >>> accuracy.max_relative_error > 1.0  # Craig-Bampton has the pressure wrong
+    True
+    """
+    boundaries = reference.system.boundaries
+    return measure(
+        solution.pressure,
+        reference.pressure,
+        [
+            (solution.displacement(name), reference.displacement(name), boundary.components)
+            for name, boundary in boundaries.items()
+        ],
+    )
+
+
+def measure(
+    pressure: Matrix, reference: Matrix, displacements: Iterable[tuple[Matrix, Matrix, Indices]]
+) -> Accuracy:
+    """Measure pressures (..., n_point) and displacements at boundaries.
+
+    Parameters
+    ----------
+    displacements
+        Of each boundary those measured and those of the reference (..., n), and the components
+        0 … 5 (n,) they belong to.
+
+    Raises
+    ------
+    ModelError
+        As :func:`relative_error`.
+    """
+    error = np.abs(relative_error(pressure, reference))
+    return Accuracy(
+        max_relative_error=float(error.max()),
+        rms_relative_error=float(np.sqrt((error**2).mean())),
+        p999_relative_error=float(np.percentile(error, 99.9)),
+        max_pressure_ratio=float(np.max(pressure) / np.max(reference)),
+        displacement_error=_displacement_error(list(displacements)),
+    )
+
+
+def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> float:
+    """Largest distance of translations over the largest motion; zero where nothing moves."""
+    largest = largest_translation = distance = 0.0
+    for motion, reference, components in displacements:
+        moved = reference[..., components < 3]
+        largest = max(largest, float(np.abs(reference).max(initial=0.0)))
+        largest_translation = max(largest_translation, float(_lengths(moved).max(initial=0.0)))
+        apart = _lengths(motion[..., components < 3] - moved)
+        distance = max(distance, float(apart.max(initial=0.0)))
+    if largest_translation <= NO_MOTION * largest:
+        return 0.0
+    return distance / largest_translation
+
+
+def _lengths(vectors: Matrix) -> Vector:
+    lengths: Vector = np.linalg.norm(vectors, axis=-1)
+    return lengths

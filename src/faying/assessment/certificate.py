@@ -1,0 +1,454 @@
+"""Certified error of any contact pressure, without the full solution (design §3).
+
+For a candidate λ̂ ≥ 0 of the problem s = Hλ + g_free ≥ 0, λ ≥ 0, λᵀs = 0 and *any* z ≥ 0,
+
+    ½ ‖λ̂ − λ*‖²_H  ≤  B(z) = λ̂ᵀ z + ½ (s − z)ᵀ H⁻¹ (s − z),   s = Hλ̂ + g_free,
+
+is the gap between the energy of λ̂ and a lower bound of the least energy. ``docs/theory/
+certificate.md`` derives it, the choices of z, and the intervals of forces that follow; equation
+numbers (C…) are of that page.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, final
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Matrix, Vector, frozen
+from faying.assessment.recovery import static_displacements
+from faying.contact.problem import SINGULAR_PIVOT
+from faying.exceptions import ModelError
+from faying.joint.system import System
+from faying.simulation.load import Load
+
+Measure = Literal["energy_error", "contact_force_error", "max_relative_error"]
+"""Certified quantities that a tolerance or a search may refer to."""
+
+NULL = 1e-12
+"""Eigenvalues of H below this fraction of the largest are zeros of a singular H."""
+
+POWERS = (1, 2, 4)
+"""Powers of the candidate that weigh the means from which the largest pressure is bounded."""
+
+OUT_OF_RANGE = 1e-8
+"""A force functional that misses the range of a singular H by this fraction is unbounded."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Flexibility:
+    """H = (T Tᵀ)⁺ with what certificates need of it.
+
+    Attributes
+    ----------
+    H : (n_point, n_point) [length/force]
+    half_inverse : (n_point, rank)
+        T with H⁺ = T Tᵀ.
+    range_basis : (n_point, rank) or None
+        Orthonormal columns that span the range of a singular H; None where H is definite.
+    """
+
+    H: Matrix
+    half_inverse: Matrix
+    range_basis: Matrix | None
+
+    def energy(self, gaps: Matrix) -> Vector:
+        """Return xᵀ H⁺ x (...) of gaps x (..., n_point) in the range of H."""
+        energy: Vector = ((gaps @ self.half_inverse) ** 2).sum(axis=-1)
+        return energy
+
+    def forces(self, gaps: Matrix) -> Matrix:
+        """Return H⁺ x (..., n_point)."""
+        forces: Matrix = (gaps @ self.half_inverse) @ self.half_inverse.T
+        return forces
+
+    def norms(self, functionals: Matrix) -> Vector:
+        """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
+        norms = np.sqrt(self.energy(functionals))
+        missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
+        return np.where(missed > OUT_OF_RANGE * np.linalg.norm(functionals, axis=-1), np.inf, norms)
+
+    @cached_property
+    def point_norms(self) -> Vector:
+        """√((H⁺)_kk) (n_point,) [√(force/length)], infinite where a point's force is not unique."""
+        own = np.sqrt((self.half_inverse**2).sum(axis=1))
+        if self.range_basis is None:
+            return np.asarray(own)
+        missed = 1.0 - (self.range_basis**2).sum(axis=1)
+        return np.where(missed > OUT_OF_RANGE, np.inf, own)
+
+    def projected(self, gaps: Matrix) -> Matrix:
+        """Return gaps projected onto the range of H."""
+        if self.range_basis is None:
+            return gaps
+        projected: Matrix = (gaps @ self.range_basis) @ self.range_basis.T
+        return projected
+
+    def admissible(self, slack: Matrix, wanted: Matrix) -> tuple[Matrix, Matrix]:
+        """Return z ≥ 0 near ``wanted`` with s − z in the range of H, and whether it exists (...).
+
+        A definite H admits every z. Otherwise the wish is projected and then lifted along the
+        uniform opening until no entry is negative, (C16).
+        """
+        if self.range_basis is None:
+            return wanted, np.ones(wanted.shape[:-1], dtype=bool)
+        z = slack + self.projected(wanted - slack)
+        opening = self.projected(np.ones(z.shape[-1]))
+        deficit = np.maximum(-z, 0.0).max(axis=-1, keepdims=True)
+        possible = (deficit[..., 0] == 0) | bool(opening.min() > 0)
+        lifted = z + deficit * opening / max(opening.min(), np.finfo(float).tiny)
+        return np.maximum(lifted, 0.0), possible
+
+
+def flexibility(H: Matrix) -> Flexibility:
+    """Factorize H for certificates: Cholesky, or the eigenvectors of a singular one.
+
+    Notes
+    -----
+    About ⅔ n³ multiplications; milliseconds for hundreds of points, 0.7 s for three thousand on
+    one thread. Singular H (hard contact with more contact points than relative displacements) needs
+    all its eigenvectors and takes tens of times as long.
+    """
+    H = np.asarray(H, dtype=float)
+    try:
+        factor = la.cholesky(H, lower=True)
+        pivots = np.diag(factor)
+        definite = bool(pivots.min() > SINGULAR_PIVOT * pivots.max())
+    except la.LinAlgError:
+        definite = False
+    if definite:
+        inverse, _ = la.lapack.dtrtri(factor, lower=1)
+        return Flexibility(H=H, half_inverse=inverse.T, range_basis=None)
+    values, vectors = la.eigh(H)
+    kept = values > NULL * values[-1]
+    basis = vectors[:, kept]
+    return Flexibility(H=H, half_inverse=basis / np.sqrt(values[kept]), range_basis=basis)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Enclosure:
+    """Where the exact contact forces λ* must lie, of one or many candidates.
+
+    Attributes
+    ----------
+    energy : (...) [force·length]
+        B ≥ ½ ‖λ̂ − λ*‖²_H.
+    centre : (..., n_point) [force]
+        c of the ball ‖λ* − c‖_H ≤ r, (C12).
+    radius : (...) [√(force·length)]
+        r.
+    """
+
+    energy: Vector
+    centre: Matrix
+    radius: Vector
+
+
+def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosure:
+    """Enclose the exact contact forces of bare contact problems.
+
+    Parameters
+    ----------
+    g_free : (..., n_point) [length]
+    forces : (..., n_point) [force]
+        Candidates λ̂ ≥ 0.
+
+    Notes
+    -----
+    The best of three z: s⁺ (design §3); s⁺ where λ̂ = 0 and 0 elsewhere, (C8), second order in the
+    error and usually the sharpest; and the minimizer point by point, (s − λ̂/(H⁻¹)_kk)⁺, (C9).
+    O(n²) a candidate.
+    """
+    slack = forces @ flexibility.H + g_free
+    open_gap = np.maximum(slack, 0.0)
+    wishes = (
+        open_gap,
+        np.where(forces > 0, 0.0, open_gap),
+        np.maximum(slack - forces / flexibility.point_norms**2, 0.0),
+    )
+    pairs = [flexibility.admissible(slack, wish) for wish in wishes]
+    works = np.array([(forces * z).sum(axis=-1) for z, _ in pairs])
+    energies = np.array([flexibility.energy(slack - z) for z, _ in pairs])
+    possible = np.array([exists for _, exists in pairs])
+    bounds = np.where(possible, works + 0.5 * energies, np.inf)
+    best = np.argmin(bounds, axis=0)[None]
+    z = np.take_along_axis(np.array([z for z, _ in pairs]), best[..., None], axis=0)[0]
+    energy = np.take_along_axis(bounds, best, axis=0)[0]
+    squared = np.take_along_axis(works + 0.25 * energies, best, axis=0)[0]
+    return Enclosure(
+        energy=energy,
+        centre=forces - 0.5 * flexibility.forces(slack - z),
+        radius=np.where(np.isfinite(energy), np.sqrt(squared), np.inf),
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Certificate:
+    """What is certain about the exact pressures, given a candidate.
+
+    Arrays have no leading axis for one load, otherwise one entry per load case.
+
+    Attributes
+    ----------
+    pressure : (..., n_point) [force/length²]
+        The candidate, negative values set to zero.
+    clipped_pressure : (...)
+        Largest pressure that was negative, hence clipped; the certificate is of the clipped one.
+    energy : (...) [force·length]
+        Bound of ½ (λ̂ − λ*)ᵀ H (λ̂ − λ*): strain energy that separates candidate and solution.
+    energy_error : (...)
+        Bound of ‖λ̂ − λ*‖_H / ‖λ*‖_H; infinite where nothing can be said.
+    pressure_low, pressure_high : (..., n_point) [force/length²]
+        The exact pressure of each contact point lies between them.
+    contact_force : interface to (..., 2) [force]
+        The exact total force of each interface lies between these two.
+    contact_force_error : (...)
+        Bound of the error of the candidate's total force over the exact one, the largest over the
+        interfaces.
+    rms_pressure_error : (...) [force/length²]
+        Bound of the area-weighted root mean square of p̂ − p* over all interfaces.
+    max_relative_error : (...)
+        Bound of the seed's measure max |p̂ − p*| / max p*, Eq. (15.31); infinite where no pressure
+        is certain.
+    """
+
+    pressure: Matrix
+    clipped_pressure: Vector
+    energy: Vector
+    energy_error: Vector
+    pressure_low: Matrix
+    pressure_high: Matrix
+    contact_force: Mapping[str, Matrix]
+    contact_force_error: Vector
+    rms_pressure_error: Vector
+    max_relative_error: Vector
+
+    def __post_init__(self) -> None:
+        for name in ("pressure", "pressure_low", "pressure_high"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def bound(self, measure: Measure) -> Vector:
+        """Return one of the certified relative errors (...)."""
+        bounds: dict[Measure, Vector] = {
+            "energy_error": self.energy_error,
+            "contact_force_error": self.contact_force_error,
+            "max_relative_error": self.max_relative_error,
+        }
+        if measure not in bounds:
+            message = f"there is no certified '{measure}'; choose one of {', '.join(bounds)}"
+            raise ModelError(message)
+        return bounds[measure]
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Certifier:
+    """Certifies candidates for a model; what can be computed beforehand is.
+
+    Attributes
+    ----------
+    system
+        The model whose exact solution is meant, usually the full one.
+    flexibility
+        Factorized H of its static contact problem.
+    """
+
+    system: System
+    flexibility: Flexibility
+
+    @cached_property
+    def totals(self) -> Matrix:
+        """Rows that sum the forces of each interface (n_interface, n_point)."""
+        contact = self.system.contact
+        rows = np.zeros((len(contact.slices), contact.n_points))
+        for row, points in zip(rows, contact.slices.values(), strict=True):
+            row[points] = 1.0
+        return rows
+
+    @cached_property
+    def total_norms(self) -> Vector:
+        """√(1ᵀ H⁻¹ 1) of each interface (n_interface,)."""
+        return self.flexibility.norms(self.totals)
+
+    @cached_property
+    def rms_factor(self) -> float:
+        """Bound of √(Σ λ²/w) per ‖λ‖_H: √c_n of (C15), or (C17) where that may be less.
+
+        Never an eigenvalue: at ten thousand points that takes longer than all else in a run.
+        """
+        contact = self.system.contact
+        by_law = float(np.sqrt(contact.penalty.max()))
+        if np.isfinite(by_law) and contact.n_points > self.system.port_compliance.n_relative:
+            return by_law
+        scaled = self.flexibility.half_inverse / np.sqrt(contact.weights)[:, None]
+        return min(by_law, float(np.sqrt(np.abs(scaled @ scaled.T).sum(axis=1).max())))
+
+    def certify_inputs(self, inputs: Matrix, pressure: Matrix) -> Certificate:
+        """Certify pressures (..., n_point) under inputs (..., n_input).
+
+        Raises
+        ------
+        ModelError
+            If shapes do not fit or a pressure is not finite.
+        """
+        contact = self.system.contact
+        given = self._checked(inputs, pressure)
+        displacement = static_displacements(self.system.port_compliance, inputs)
+        n_relative = self.system.port_compliance.n_relative
+        g_free = self.system.static_contact.free_gap(displacement[..., :n_relative])
+        candidate = np.maximum(given, 0.0)
+        forces = candidate * contact.weights
+        where = enclose(self.flexibility, g_free, forces)
+        force_error = _functional_bound(forces - where.centre, where, self.flexibility.point_norms)
+        error, weights = force_error / contact.weights, contact.weights
+        totals = self._totals(where)
+        low, high = self._pressures(where)
+        least = self._least_maximum(candidate, low, totals, where)
+        return Certificate(
+            pressure=candidate,
+            clipped_pressure=np.maximum(-given, 0.0).max(axis=-1, initial=0.0),
+            energy=where.energy,
+            energy_error=self._energy_error(forces, where),
+            pressure_low=low,
+            pressure_high=high,
+            contact_force={name: totals[..., row, :] for row, name in enumerate(contact.slices)},
+            contact_force_error=_total_error(forces @ self.totals.T, totals),
+            rms_pressure_error=self._rms(forces, where) / np.sqrt(weights.sum()),
+            max_relative_error=_ratio(error.max(axis=-1), least),
+        )
+
+    def _checked(self, inputs: Matrix, pressure: Matrix) -> Matrix:
+        given = np.asarray(pressure, dtype=float)
+        expected = (*np.shape(inputs)[:-1], self.system.contact.n_points)
+        if given.shape != expected or not np.isfinite(given).all():
+            message = (
+                f"the pressure to certify has shape {given.shape}, expected {expected} finite "
+                "values: one per contact point of the full model"
+            )
+            raise ModelError(message)
+        return given
+
+    def _pressures(self, where: Enclosure) -> tuple[Matrix, Matrix]:
+        """Intervals (..., n_point) of the exact pressures."""
+        reach = _reach(where.radius, self.flexibility.point_norms)
+        low = np.maximum(where.centre - reach, 0.0) / self.system.contact.weights
+        high = np.maximum(where.centre + reach, 0.0) / self.system.contact.weights
+        return low, high
+
+    def _totals(self, where: Enclosure) -> Matrix:
+        """Intervals (..., n_interface, 2) of the exact total forces."""
+        middle = where.centre @ self.totals.T
+        reach = _reach(where.radius, self.total_norms)
+        return np.maximum(np.stack([middle - reach, middle + reach], axis=-1), 0.0)
+
+    def _least_maximum(
+        self, candidate: Matrix, low: Matrix, totals: Matrix, where: Enclosure
+    ) -> Vector:
+        """Certain part of the largest pressure, (C14).
+
+        The largest pressure is no less than that of a point, the mean of an interface, or the mean
+        weighted with a power of the candidate.
+        """
+        weights = self.system.contact.weights
+        means = (totals[..., 0] / (self.totals @ weights)).max(axis=-1)
+        least: Vector = np.maximum(low.max(axis=-1), means)
+        for power in POWERS:
+            scale = np.maximum(candidate.max(axis=-1, keepdims=True), np.finfo(float).tiny)
+            pattern = (candidate / scale) ** power
+            middle = (pattern * where.centre).sum(axis=-1)
+            area = np.maximum(pattern @ weights, np.finfo(float).tiny)
+            reach = _product(where.radius, self.flexibility.norms(pattern))
+            least = np.maximum(least, (middle - reach) / area)
+        return least
+
+    def _energy_error(self, forces: Matrix, where: Enclosure) -> Vector:
+        norm = np.sqrt(np.maximum(((forces @ self.flexibility.H) * forces).sum(axis=-1), 0.0))
+        distance = np.sqrt(2 * where.energy)
+        return _ratio(distance, norm - distance)
+
+    def _rms(self, forces: Matrix, where: Enclosure) -> Vector:
+        if self.flexibility.range_basis is not None:
+            return np.full_like(where.energy, np.inf)
+        weights = self.system.contact.weights
+        offset = np.sqrt(((forces - where.centre) ** 2 / weights).sum(axis=-1))
+        whole: Vector = np.sqrt(2 * where.energy) * self.rms_factor
+        ball: Vector = offset + where.radius * self.rms_factor
+        return np.minimum(ball, whole)
+
+
+def certifier(system: System) -> Certifier:
+    """Factorize the flexibility of a model once, to certify many candidates.
+
+    Notes
+    -----
+    About ⅔ n_point³ once; then O(n_point²) per candidate.
+    """
+    return Certifier(system=system, flexibility=flexibility(system.static_contact.flexibility))
+
+
+def certify(model: System, load: Load, pressure: Matrix) -> Certificate:
+    """Bound the error of a candidate pressure at a static load, without solving the model.
+
+    Parameters
+    ----------
+    model
+        The full model (anything whose exact static solution is in question).
+    load
+        Histories are taken at time zero.
+    pressure : (n_point,) [force/length²]
+        From any method; negative values are set to zero, the certificate then is of that.
+
+    Returns
+    -------
+    Certificate
+
+    Raises
+    ------
+    ModelError
+        If the pressure has another number of points, or the load does not fit the model.
+
+    Notes
+    -----
+    Rigorous up to round-off (about 1e-12 of ‖λ̂‖_H). The model's compliance must be known, with
+    which the exact solution costs milliseconds: certificates are for searches over many loads and
+    bases, and for pressures whose origin one does not trust. See :func:`certifier` for many.
+    """
+    inputs = load.inputs(model, np.zeros(1))[0]
+    return certifier(model).certify_inputs(inputs, pressure)
+
+
+def _functional_bound(offset: Matrix, where: Enclosure, norms: Vector) -> Matrix:
+    """|λ̂_k − λ*_k| ≤ min(|λ̂_k − c_k| + r h_k, √(2B) h_k), (C10) and (C13)."""
+    ball = np.abs(offset) + _reach(where.radius, norms)
+    return np.minimum(ball, _reach(np.sqrt(2 * where.energy), norms))
+
+
+def _reach(radius: Vector, norms: Vector) -> Matrix:
+    """Reach r h_k (..., k) of a ball in the directions of several functionals."""
+    return _product(radius[..., None], norms)
+
+
+def _product(radius: Matrix, norm: Matrix) -> Matrix:
+    """Product that is infinite where either factor is, even if the other vanishes."""
+    bounded = np.isfinite(radius) & np.isfinite(norm)
+    product: Matrix = np.where(np.isfinite(radius), radius, 0.0) * np.where(bounded, norm, 0.0)
+    return np.where(bounded, product, np.inf)
+
+
+def _total_error(given: Matrix, totals: Matrix) -> Vector:
+    """Largest relative distance of the candidates' totals to the ends of the intervals."""
+    distance = np.abs(given[..., None] - totals).max(axis=-1)
+    largest: Vector = _ratio(distance, totals[..., 0]).max(axis=-1)
+    return largest
+
+
+def _ratio(numerator: Vector, denominator: Vector) -> Vector:
+    """Quotient; zero where the numerator vanishes, infinite where only the denominator is ≤ 0."""
+    positive = denominator > 0
+    quotient = np.asarray(numerator) / np.where(positive, denominator, 1.0)
+    return np.where(positive, quotient, np.where(np.asarray(numerator) > 0, np.inf, 0.0))

@@ -1,0 +1,107 @@
+"""The number of joint modes that a tolerance needs, chosen by certified errors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Vector, frozen
+from faying.assessment.certificate import Measure, certifier
+from faying.exceptions import ModelError
+from faying.joint.model import Model
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.reduced_model import reduce
+from faying.simulation.load import Load
+from faying.simulation.static import solve_static_cases
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointModeChoice:
+    """How many joint modes a tolerance needs.
+
+    Attributes
+    ----------
+    count
+        The choice: the fewest that are certified to do, or all there are if none is (``met``).
+    met
+        Whether the tolerance is certified.
+    tolerance, measure
+        What was asked for.
+    counts : (n,)
+        Numbers of joint modes that were tried.
+    bounds : (n,)
+        Certified error of each, the largest over the loads.
+    """
+
+    count: int
+    met: bool
+    tolerance: float
+    measure: Measure
+    counts: Indices
+    bounds: Vector
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "counts", frozen(self.counts, np.int64))
+        object.__setattr__(self, "bounds", frozen(self.bounds))
+
+
+def choose_joint_modes(
+    model: Model,
+    basis: Basis,
+    loads: Sequence[Load],
+    tolerance: float,
+    *,
+    measure: Measure = "energy_error",
+) -> JointModeChoice:
+    """Find the fewest joint modes whose certified error meets a tolerance at all loads.
+
+    Parameters
+    ----------
+    model
+        The full model; it is not solved.
+    basis
+        With as many joint modes as may be used, e.g. from :func:`faying.jim_b`.
+    loads
+        Static loads, e.g. ``box.random_loads(model, 50, seed=0)``.
+    tolerance
+        As a fraction of the exact solution, in the measure.
+    measure
+        ``"energy_error"`` is bounded sharply; ``"max_relative_error"`` (of pressure) several times
+        too high for stiff contact, so more modes than necessary may be chosen.
+
+    Raises
+    ------
+    ModelError
+        If there is no load or the tolerance is not positive.
+
+    Notes
+    -----
+    Counts are tried upwards, as errors need not fall with every mode. Per count one projection and
+    one reduced static solution and certificate per load, some milliseconds each.
+    """
+    if not loads or not tolerance > 0:
+        message = (
+            f"choosing joint modes needs at least one load (got {len(loads)}) and a positive "
+            f"tolerance (got {tolerance:g})"
+        )
+        raise ModelError(message)
+    judge = certifier(model)
+    counts, bounds = [], []
+    for count in range(basis.count(ModeKind.JOINT) + 1):
+        rom = reduce(model, basis.with_joint_modes(count))
+        cases = solve_static_cases(rom, loads)
+        certificate = judge.certify_inputs(cases.inputs, cases.pressure)
+        counts.append(count)
+        bounds.append(float(certificate.bound(measure).max()))
+        if bounds[-1] <= tolerance:
+            break
+    return JointModeChoice(
+        count=counts[-1],
+        met=bounds[-1] <= tolerance,
+        tolerance=tolerance,
+        measure=measure,
+        counts=np.array(counts),
+        bounds=np.array(bounds),
+    )

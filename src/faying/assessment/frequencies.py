@@ -1,0 +1,81 @@
+"""Natural frequencies of a preloaded joint, its contact linearized."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import SparseMatrix, Vector
+from faying.joint.model import Model
+from faying.linalg.factorization import factorize
+from faying.linalg.inertia import count_negative
+from faying.reduction.normal_modes import lowest_modes
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static
+
+NEARLY_RIGID = 1e-6
+"""Flexibility of a closed hard contact point, over its own compliance."""
+
+
+def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = None) -> Vector:
+    """Compute the lowest frequencies of small vibrations about a static state.
+
+    Points in contact stay closed and open ones stay open, K + Gᵀ diag(c_n w) G over the former.
+
+    Parameters
+    ----------
+    state
+        Static solution to vibrate about; by default the joint under its bolts alone.
+
+    Returns
+    -------
+    ndarray (count,) [1/time]
+
+    Notes
+    -----
+    One factorization and one Lanczos run. :func:`faying.count_frequencies_below` proves that none
+    is missing.
+    """
+    tangent = _tangent(model, state)
+    squares, _ = lowest_modes(tangent, model.M, factorize(tangent), count)
+    return np.sqrt(squares) / (2 * np.pi)
+
+
+def count_frequencies_below(
+    model: Model, frequency: float, *, state: Solution | None = None
+) -> int:
+    """Count the frequencies of small vibrations about a static state below one [1/time].
+
+    Parameters
+    ----------
+    state
+        As in :func:`preloaded_frequencies`, which computes them.
+
+    Raises
+    ------
+    InertiaError
+        If the frequency is so close to one of theirs that round-off decides.
+
+    Notes
+    -----
+    One factorization of K − ω²M with the closed contact in K, by Sylvester's law of inertia.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.preloaded_frequencies(joint, 3).round()
+    array([ 352.,  635., 1622.])
+    >>> fy.count_frequencies_below(joint, 1e3)
+    2
+    """
+    return count_negative(_tangent(model, state) - (2 * np.pi * frequency) ** 2 * model.M)
+
+
+def _tangent(model: Model, state: Solution | None) -> SparseMatrix:
+    """Return K + Gᵀ diag(c_n w) G over the closed points."""
+    contact = model.contact
+    about = solve_static(model) if state is None else state
+    closed = about.contact_forces > 0
+    own = model.static_contact.own_compliance
+    flexibility = np.maximum(contact.flexibility, NEARLY_RIGID * own)
+    G = contact.gap_operator[closed]
+    return (model.K + G.T @ sp.diags_array(1 / flexibility[closed]) @ G).tocsr()

@@ -1,0 +1,188 @@
+"""Recovery from the history of another program: modal coordinates, or forces at boundaries."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from faying._typing import Matrix, Vector
+from faying.assessment.recovery import (
+    Recovered,
+    Recovery,
+    recover_pressure,
+    solve_instants,
+)
+from faying.exceptions import ModelError
+from faying.joint.system import System
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.frame_motion import FrameMotion
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import History, Load
+from faying.simulation.solution import Solution
+from faying.simulation.transient import solve_transient
+
+
+def recover_from_modal(
+    operator: Recovery,
+    times: Vector,
+    coordinates: Matrix,
+    load: Load,
+    *,
+    velocities: Matrix | None = None,
+    accelerations: Matrix | None = None,
+    frame_motion: FrameMotion | None = None,
+) -> Recovered:
+    """Recover pressures from a modal history that another program made.
+
+    Parameters
+    ----------
+    operator
+        Result of :func:`recovery_operator` for the basis of the history.
+    times : (n_time,) [time]
+        Increasing.
+    coordinates : (n_time, n_mode)
+        q in the order of the basis; read only where a derivative is missing.
+    load
+        Boundary forces at those instants, e.g. as :class:`~faying.simulation.load.History`, and
+        bolt forces.
+    velocities, accelerations : (n_time, n_mode), optional
+        Derived from a cubic spline where missing: accelerations from the velocities where these
+        are given, otherwise from the coordinates. The error falls with the sampling interval, but
+        only to first order where contact changes. A spline rings across a jump of the load, and
+        implicit Euler's accelerations are not those of a smooth curve: export accelerations there,
+        or use :func:`backward_differences`.
+    frame_motion
+        Of the supports, where they move; coordinates are then relative to them.
+
+    Raises
+    ------
+    ModelError
+        If shapes do not fit, times do not increase, or fewer than four instants must be
+        differentiated.
+    """
+    times = np.asarray(times, dtype=float)
+    shape = (len(times), operator.inertia.shape[1])
+    given = {"coordinates": coordinates, "velocities": velocities, "accelerations": accelerations}
+    for name, values in given.items():
+        if values is not None and np.shape(values) != shape:
+            message = (
+                f"the {name} have shape {np.shape(values)}, expected {shape}: "
+                "one row per time and one column per trial vector"
+            )
+            raise ModelError(message)
+    v, a = _derivatives(times, np.asarray(coordinates), velocities, accelerations)
+    inputs = load.inputs(operator.model, times)
+    free = operator.free_displacements(inputs, v, a)
+    if frame_motion is not None:
+        free = free - _carried(operator, frame_motion, len(times))
+    return solve_instants(operator.model, load.name, inputs, free, times)
+
+
+def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
+    """Return Q K⁻¹ M A times the accelerations of the frame (n_time, n_port)."""
+    if operator.frame is None:
+        message = (
+            "the recovery matrices know nothing of supports that move, for the mass of supported "
+            "nodes was not kept; run the study again with this version of faying"
+        )
+        raise ModelError(message)
+    fields = motion.fields()
+    if len(fields) != n_time:
+        message = f"the frame's motion has {len(fields)} instants but the history {n_time}"
+        raise ModelError(message)
+    return np.asarray(fields @ operator.frame.T)
+
+
+def backward_differences(times: Vector, coordinates: Matrix) -> tuple[Matrix, Matrix]:
+    """Return the velocities and accelerations implicit Euler had, from rest, at equal steps.
+
+    Parameters
+    ----------
+    times : (n_time,) [time]
+    coordinates : (n_time, n_mode)
+
+    Returns
+    -------
+    tuple of ndarray (n_time, n_mode)
+        (q₁ − q₀)/h and its difference over h; zero at the first instant.
+    """
+    steps = np.diff(np.asarray(times, dtype=float))[:, None]
+    velocities, accelerations = np.zeros((2, *np.shape(coordinates)))
+    velocities[1:] = np.diff(coordinates, axis=0) / steps
+    accelerations[1:] = np.diff(velocities, axis=0) / steps
+    return velocities, accelerations
+
+
+def recover_from_boundary_loads(
+    rom: ReducedModel,
+    times: Vector,
+    forces: Mapping[str, Vector],
+    *,
+    step: float | None = None,
+    integrator: Integrator | None = None,
+    name: str = "boundary loads",
+) -> Recovered:
+    """Simulate a reduced model under imported boundary forces, then recover its pressures.
+
+    The best recovery there is: with ``compliance=True`` the reduced model itself has accurate
+    inertia forces, see ``docs/theory/recovery.md``.
+
+    Parameters
+    ----------
+    times : (n_time,) [time]
+        Starting at zero, when the joint rests under its bolts.
+    forces
+        ``"boundary.component"`` to forces or moments (n_time,), linear in between.
+    step
+        Time step; the smallest interval between ``times`` unless given.
+
+    Raises
+    ------
+    ModelError
+        If the times do not start at zero and increase, or a boundary does not exist.
+    """
+    solution = simulate_boundary_loads(
+        rom, times, forces, step=step, integrator=integrator, name=name
+    )
+    return recover_pressure(rom.model, solution)
+
+
+def simulate_boundary_loads(
+    system: System,
+    times: Vector,
+    forces: Mapping[str, Vector],
+    *,
+    step: float | None = None,
+    integrator: Integrator | None = None,
+    name: str = "boundary loads",
+) -> Solution:
+    """Simulate a system under imported boundary forces, as :func:`recover_from_boundary_loads`."""
+    times = np.asarray(times, dtype=float)
+    if len(times) < 2 or times[0] != 0:
+        message = "boundary loads need at least two instants, the first at time zero"
+        raise ModelError(message)
+    load = Load({key: History(times, values) for key, values in forces.items()}, name=name)
+    interval = float(np.diff(times).min()) if step is None else step
+    return solve_transient(
+        system, load, step=interval, duration=float(times[-1]), integrator=integrator
+    )
+
+
+def _derivatives(
+    times: Vector, q: Matrix, v: Matrix | None, a: Matrix | None
+) -> tuple[Matrix, Matrix]:
+    """Velocities and accelerations, by a cubic spline where they are missing."""
+    if v is not None and a is not None:
+        return v, a
+    if len(times) < 4 or not (np.diff(times) > 0).all():
+        message = (
+            f"{len(times)} instants are too few, or do not increase, to derive what is missing; "
+            "give velocities and accelerations"
+        )
+        raise ModelError(message)
+    velocity = CubicSpline(times, q).derivative()(times) if v is None else v
+    if a is not None:
+        return velocity, a
+    if v is None:
+        return velocity, CubicSpline(times, q).derivative(2)(times)
+    return velocity, CubicSpline(times, v).derivative()(times)

@@ -1,0 +1,90 @@
+"""What solvers know of contact: relative displacements, gaps at points, and a local law."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.exceptions import ModelError
+from faying.linalg.budget import default_budget, points_fit
+from faying.linalg.compressed import Compliance, CompressedCompliance
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Contact:
+    """All interfaces of a system stacked: what a solver needs to know of contact, nothing more.
+
+    Attributes
+    ----------
+    relative_operator : (n_relative, n_dof)
+        P, relative displacements of the node pairs; sparse for a full model, dense (PΦ) for a
+        reduced one. Reduction changes nothing else.
+    interpolation : (n_point, n_relative) sparse
+        N, gaps at the contact points from relative displacements.
+    initial_gap, weights, penalty : (n_point,)
+    slices
+        Interface name to its contact points.
+    residual_compliance : (n_relative, n_relative) or None
+        Relative displacement per contact force that the basis of a reduced model cannot express.
+    places : (n_relative, 3) or None
+        Where the relative displacements are [length].
+    dense_budget
+        Memory that dense matrices between pairs or contact points may take [bytes].
+    """
+
+    relative_operator: SparseMatrix | Matrix
+    interpolation: SparseMatrix
+    initial_gap: Vector
+    weights: Vector
+    penalty: Vector
+    slices: Mapping[str, slice]
+    residual_compliance: Compliance | None = None
+    places: Matrix | None = None
+    dense_budget: int = field(default_factory=default_budget)
+
+    @property
+    def gap_operator(self) -> SparseMatrix | Matrix:
+        """G = N P (n_point, n_dof), Eq. (15.3)."""
+        return self.interpolation @ self.relative_operator
+
+    @cached_property
+    def transposed(self) -> tuple[SparseMatrix, SparseMatrix | Matrix]:
+        """Nᵀ and Pᵀ, which take forces at the contact points to the degrees of freedom."""
+        at_pairs, P = read_only(self.interpolation.T.tocsr()), self.relative_operator
+        return at_pairs, P.T if isinstance(P, np.ndarray) else read_only(P.T.tocsr())
+
+    @cached_property
+    def flexibility(self) -> Vector:
+        """Diagonal of D = diag(1 / (c_n w)) [length/force]; zero where contact is hard."""
+        flexibility: Vector = frozen(1.0 / (self.penalty * self.weights))
+        return flexibility
+
+    @property
+    def n_points(self) -> int:
+        """Number of contact points of all interfaces."""
+        return len(self.weights)
+
+    def at_points(self, compliance: Compliance) -> Matrix:
+        """Take a compliance between node pairs to one between contact points, N S Nᵀ.
+
+        Raises
+        ------
+        ModelError
+            If dense matrices of that size exceed the dense budget.
+        """
+        if not points_fit(self.n_points, self.dense_budget):
+            message = (
+                f"a dense matrix between {self.n_points} contact points exceeds the dense budget "
+                f"of {self.dense_budget:.2g} bytes; solve without it (solve_static, "
+                "solve_transient), use a coarser interface, or raise the budget with "
+                "model.with_dense_budget"
+            )
+            raise ModelError(message)
+        if isinstance(compliance, CompressedCompliance):
+            half = (compliance @ self.interpolation.T.toarray()).T
+        else:
+            half = self.interpolation @ compliance
+        full: Matrix = self.interpolation @ half.T
+        return full

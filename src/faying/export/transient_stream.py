@@ -1,0 +1,183 @@
+"""Long transients, written to HDF5 as they are computed: memory is that of one piece."""
+
+from collections.abc import Callable, Mapping
+from os import PathLike
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import FormatError, ModelError
+from faying.joint.system import System
+from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.transient import Restart, transient_pieces
+from faying.study.store import member_name
+
+FORMAT = "faying transient"
+PIECE = 2000
+"""Steps between two writes: 15 MB for a thousand contact points, a second of computing or less."""
+
+ALWAYS = ("times", "max_pressure")
+FIELDS: Mapping[str, Callable[[Solution], Matrix]] = {
+    "times": lambda piece: np.asarray(piece.times),
+    "max_pressure": lambda piece: piece.max_pressure,
+    "states": lambda piece: piece.states,
+    "velocities": lambda piece: np.asarray(piece.velocities),
+    "accelerations": lambda piece: np.asarray(piece.accelerations),
+    "pressure": lambda piece: piece.pressure,
+    "gap": lambda piece: piece.gap,
+    "iterations": lambda piece: np.asarray(piece.iterations),
+}
+"""What can be kept of every instant; boundaries, bolts and interfaces are kept always."""
+
+
+def stream_transient(
+    system: System,
+    load: Load,
+    path: str | PathLike[str],
+    *,
+    step: float,
+    duration: float,
+    integrator: Integrator | None = None,
+    fields: tuple[str, ...] = ("states",),
+    resume: bool = False,
+    progress: Callable[[int], object] | None = None,
+) -> Path:
+    """Integrate as :func:`faying.solve_transient` and write the history while it grows.
+
+    Parameters
+    ----------
+    path
+        HDF5 file: ``times``, ``max_pressure``, ``displacements/BOUNDARY``,
+        ``contact_forces/INTERFACE``, ``bolt_forces/BOLT`` and ``fields``, one row an instant.
+        Attribute ``complete`` tells whether the run reached its end.
+    fields
+        More to keep of every instant, of :data:`FIELDS`. ``"pressure"`` of a thousand points takes
+        8 GB for a million steps.
+    resume
+        Go on where the file ends; the same numbers as in one run.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ModelError
+        As :func:`faying.solve_transient`, or if a field is not known.
+    FormatError
+        If the file cannot be written, or to resume is not one of this function's, or of another
+        system or step.
+
+    Notes
+    -----
+    Whatever is written stays readable when the run is stopped.
+    """
+    unknown = [name for name in fields if name not in FIELDS]
+    if unknown:
+        message = f"there is no field '{unknown[0]}' to keep; fields are {', '.join(FIELDS)}"
+        raise ModelError(message)
+    target = Path(path)
+    scheme = ImplicitEuler() if integrator is None else integrator
+    kept = tuple(dict.fromkeys([*ALWAYS, *fields]))
+    try:
+        with h5py.File(target, "a" if resume else "w", track_order=True) as file:
+            restart = _restart(file, system, scheme, step) if resume and len(file) else None
+            if restart is None:
+                _begin(file, load, scheme, step)
+            pieces = transient_pieces(
+                system,
+                load,
+                step=step,
+                duration=duration,
+                length=PIECE,
+                integrator=scheme,
+                restart=restart,
+                progress=progress,
+            )
+            for piece, end in pieces:
+                _append(file, piece, kept)
+                _mark(file, end)
+            file.attrs["complete"] = True
+    except OSError as error:
+        message = f"cannot write the history to {target}: {error}; check the folder and free space"
+        raise FormatError(message) from None
+    return target
+
+
+def _begin(file: h5py.File, load: Load, scheme: Integrator, step: float) -> None:
+    file.attrs["format"] = FORMAT
+    file.attrs["load"] = load.name
+    file.attrs["integrator"] = scheme.name
+    file.attrs["step"] = step
+    file.attrs["complete"] = False
+
+
+def _append(file: h5py.File, piece: Solution, kept: tuple[str, ...]) -> None:
+    """Add the rows of a piece to every dataset."""
+    rows: dict[str, Matrix] = {name: FIELDS[name](piece) for name in kept}
+    system = piece.system
+    for name in system.boundaries:
+        rows[f"displacements/{member_name(name)}"] = piece.displacement(name)
+    for name in system.contact.slices:
+        rows[f"contact_forces/{member_name(name)}"] = piece.contact_force(name)
+    for name in system.bolts:
+        rows[f"bolt_forces/{member_name(name)}"] = piece.bolt_force(name)
+    for name, values in rows.items():
+        if name not in file:
+            file.create_dataset(
+                name,
+                shape=(0, *values.shape[1:]),
+                maxshape=(None, *values.shape[1:]),
+                chunks=(min(PIECE, 1024), *values.shape[1:]),
+                dtype=values.dtype,
+            )
+        data = file[name]
+        data.resize(len(data) + len(values), axis=0)
+        data[-len(values) :] = values
+
+
+def _mark(file: h5py.File, end: Restart) -> None:
+    """Note where the run stands, and let the file be readable from here."""
+    place = file.require_group("restart")
+    for name, values in (*vars(end.motion).items(), ("active", end.active)):
+        if name not in place:
+            place.create_dataset(name, data=values)
+        place[name][...] = values
+    place.attrs["done"] = end.done
+    file.flush()
+
+
+def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -> Restart:
+    expected = {"format": FORMAT, "integrator": scheme.name, "step": step}
+    for name, value in expected.items():
+        if file.attrs.get(name) != value:
+            message = (
+                f"{file.filename} has {name} {file.attrs.get(name)}, expected {value}; resume "
+                "with what the run began with, or start anew"
+            )
+            raise FormatError(message)
+    place = file.get("restart")
+    if place is None or place["u"].shape != (system.K.shape[0],):
+        message = f"{file.filename} is of another model, or empty; start anew without resume"
+        raise FormatError(message)
+    done = int(place.attrs["done"])
+    for data in _datasets(file):
+        data.resize(done + 1, axis=0)  # rows of a piece that was cut short
+    motion = Motion(**{name: place[name][()] for name in ("u", "v", "a", "force")})
+    file.attrs["complete"] = False
+    return Restart(done=done, motion=motion, active=place["active"][()])
+
+
+def _datasets(file: h5py.File) -> list[h5py.Dataset]:
+    found: list[h5py.Dataset] = []
+
+    def visit(name: str, node: h5py.HLObject) -> None:
+        if isinstance(node, h5py.Dataset) and not name.startswith("restart/"):
+            found.append(node)
+
+    file.visititems(visit)
+    return found

@@ -1,0 +1,1 @@
+"""Where two surfaces meet: facets, pairs, projections and the operators they give."""

@@ -1,0 +1,94 @@
+"""Linear cells that quadratic facets are divided into, to be clipped."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.interface.arcs import arc_heights
+from faying.interface.facets import shape_functions
+from faying.model.surface import N_NODES, Facets, facet_centres, facet_normals, padded
+
+_CENTRE = 8
+"""Local number of the point at the centre of a quad8, beyond its nodes."""
+
+_CELLS = {
+    "tri3": ((0, 1, 2),),
+    "quad4": ((0, 1, 2, 3),),
+    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    "quad8": ((0, 4, _CENTRE, 7), (4, 1, 5, _CENTRE), (_CENTRE, 5, 2, 6), (7, _CENTRE, 6, 3)),
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cells:
+    """Linear facets, each a part of one facet.
+
+    Attributes
+    ----------
+    points : (n_point, 3) [length]
+        Nodes of the mesh and centres of quad8.
+    facets : (n_cell)
+        In terms of these points.
+    parents : (n_cell,)
+        Facet each is a part of.
+    """
+
+    points: Matrix
+    facets: Facets
+    parents: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parents", frozen(self.parents, np.int64))
+
+    @property
+    def corners(self) -> Matrix:
+        """Corners in space (n_cell, 4, 3); triangles repeat their last one."""
+        corners: Matrix = self.points[self.facets.corners]
+        return corners
+
+    @property
+    def centres(self) -> Matrix:
+        """Mean corner of each cell (n_cell, 3)."""
+        return facet_centres(self.points, self.facets)
+
+    @property
+    def normals(self) -> Matrix:
+        """Unit outward normal of each cell (n_cell, 3)."""
+        return facet_normals(self.points, self.facets)
+
+    @property
+    def arcs(self) -> Vector:
+        """Estimated height of the surface over each cell (n_cell,)."""
+        return arc_heights(self.corners, self.facets, self.normals)
+
+
+def divided(nodes: Matrix, facets: Facets) -> Cells:
+    """Divide quadratic facets into four linear cells each; linear ones are their own.
+
+    With half the chords the cells follow curved sides four times as closely as the corners do.
+    """
+    counts, points = facets.counts, [nodes]
+    tables: list[Indices] = []
+    parents: list[Indices] = []
+    for kind, n in N_NODES.items():
+        rows = np.flatnonzero(counts == n)
+        table = facets.nodes[rows, :n]
+        if kind == "quad8":
+            shape = shape_functions(kind, np.array([[0.5, 0.5]]))[0]
+            first = len(nodes)
+            points.append(np.einsum("a,fad->fd", shape, nodes[table]))
+            table = np.column_stack([table, first + np.arange(len(rows))])
+        local = np.array(_CELLS[kind])
+        tables.append(padded(table[:, local].reshape(-1, local.shape[1])))
+        parents.append(np.repeat(rows, len(local)))
+    parent = np.concatenate(parents)
+    source = facets.taken(parent)
+    order = np.argsort(parent, kind="stable")
+    cells = Facets(
+        nodes=np.concatenate(tables),
+        elements=source.elements,
+        properties=source.properties,
+        bodies=source.bodies,
+    )
+    return Cells(points=np.concatenate(points), facets=cells.taken(order), parents=parent[order])

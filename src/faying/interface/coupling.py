@@ -1,0 +1,326 @@
+"""Mortar coupling: the motion of the plus side as seen by the nodes of the minus side.
+
+Dual Lagrange multipliers (B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012) on segments
+(Puso & Laursen 2004), built on the covered part of each facet so that they stay consistent at the
+edge of the overlap (A. Popp, A. Seitz, M. W. Gee, W. A. Wall, Comput. Methods Appl. Mech. Engrg.
+264 (2013) 67-80). The derivation is in ``docs/theory/non_matching.md``.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.interface.arcs import FLATNESS, corner_normals, standing_off
+from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
+from faying.interface.segment_points import LINEAR, FacetPoints, on_side
+from faying.interface.segments import Segments
+from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_normals
+
+_DEGREE = {"tri3": 1, "quad4": 2, "tri6": 2, "quad8": 3}
+"""Polynomial degree of the shape functions on a parallelogram."""
+
+_RATIONAL = 8
+"""Degrees more where a facet is no parallelogram: its shape functions are then no polynomials."""
+
+_LARGEST_DEGREE = 12
+
+_AT_ONCE = 200_000
+"""Quadrature points in memory at a time."""
+
+_AFFINE = 1e-9
+"""Deviation from a parallelogram, over its size, that is rounding."""
+
+_DETERMINED = 1e-9
+"""Smallest eigenvalue of a facet's scaled mass matrix that still says something about motion."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Coupling:
+    """Relative displacements of two sides, one for each corner node of the minus side.
+
+    Attributes
+    ----------
+    segments
+    pairs : (n_pair, 2)
+        Corner nodes of the covered minus facets, each with the nearest node of the plus side.
+    columns : (n_minus, 4)
+        Pair of each corner of the minus facets; triangles repeat their last one.
+    minus, plus : (n_pair, n_node) sparse
+        Motion of each side at the pairs from translations of the nodes; the relative displacement
+        is their difference.
+    weights : (n_pair,) [length²]
+        ∫ L dA over the covered part, L the linear shape functions.
+    coverage : (n_pair,)
+        The same over the integral over the whole of these facets.
+    masses : (n_minus, 4, 4) [length²]
+        ∫ L_i L_j dA over the covered part of each facet.
+    gap : (n_pair,) [length]
+        Initial gap of the two surfaces; between curved surfaces of linear facets that of the
+        smooth surfaces through their corners.
+    """
+
+    segments: Segments
+    pairs: Indices
+    columns: Indices
+    minus: SparseMatrix
+    plus: SparseMatrix
+    weights: Vector
+    coverage: Vector
+    masses: Matrix
+    gap: Vector
+
+    def __post_init__(self) -> None:
+        for name in ("weights", "coverage", "masses", "gap"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in ("pairs", "columns"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+        for matrix in (self.minus, self.plus):
+            read_only(matrix)
+
+    @property
+    def motion(self) -> SparseMatrix:
+        """Relative displacements (n_pair, n_node) from translations of the nodes."""
+        return (self.plus - self.minus).tocsr()
+
+    @property
+    def face_coverage(self) -> Vector:
+        """Covered share of each facet (n_face,), in the order of ``Interface.faces``."""
+        order = np.concatenate(list(by_kind(self.segments.minus).values()))
+        share: Vector = np.minimum(self.segments.covered[order], 1.0)
+        return np.where(self.segments.whole[order], 1.0, share)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Integrals:
+    """Integrals over triangles of one kind of minus and one kind of plus facet.
+
+    Triangles ``rows`` (n,); ∫ L N⁻, ∫ L N⁺ (n, 4, n_node), ∫ L L (n, 4, 4), ∫ L and ∫ L g (n, 4).
+    """
+
+    rows: Indices
+    minus: Matrix
+    plus: Matrix
+    mass: Matrix
+    weight: Matrix
+    gap: Matrix
+
+
+def couple(nodes: Matrix, segments: Segments) -> Coupling:
+    """Integrate the coupling of two sides over their segments.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+    segments
+        With at least one triangle.
+
+    Notes
+    -----
+    With Ψ_A biorthogonal to the linear L_B on the covered part of each facet, the relative
+    displacement is ∫ Ψ_A (u⁺ − u⁻) dA / ∫ L_A dA. Since Σ Ψ_A = 1, a constant pressure loads the
+    nodes of both sides by the integrals of their own shape functions; since ∫ Ψ_A L_B vanishes
+    for A ≠ B, linear motions are seen exactly. Linear in the number of segments.
+    """
+    parts = list(_integrals(nodes, segments))
+    pairs, columns = _pairs(nodes, segments)
+    n_minus, owner = len(segments.minus), segments.minus_of
+    mass, weight = np.zeros((n_minus, 4, 4)), np.zeros((n_minus, 4))
+    for part in parts:
+        np.add.at(mass, owner[part.rows], part.mass)
+        np.add.at(weight, owner[part.rows], part.weight)
+    dual = _dual(mass, weight)
+    total = _at_pairs(columns, weight, len(pairs))
+    # Beyond a curved side shape functions are negative, and a node may see nothing but that.
+    total = np.where(total > 0, total, np.inf)
+    sides = {
+        name: _operator(name, parts, segments, dual, columns, (len(pairs), len(nodes)), total)
+        for name in ("minus", "plus")
+    }
+    gap = np.zeros(len(pairs))
+    for part in parts:
+        own = owner[part.rows]
+        np.add.at(gap, columns[own], np.einsum("nab,nb->na", dual[own], part.gap))
+    return Coupling(
+        segments=segments,
+        pairs=pairs,
+        columns=columns,
+        weights=_at_pairs(columns, weight, len(pairs)),
+        coverage=np.where(np.isfinite(total), total, 0.0)
+        / _at_pairs(columns, whole_weights(nodes, segments.minus), len(pairs)),
+        masses=mass,
+        gap=gap / total,
+        **sides,
+    )
+
+
+def whole_weights(nodes: Matrix, facets: Facets) -> Matrix:
+    """Return ∫ L dA over whole facets (n_facet, 4) [length²]; triangles have a zero last."""
+    weights = np.zeros((len(facets), 4))
+    for kind, rows in by_kind(facets).items():
+        rule, n_corner = gauss_rule(kind), N_CORNERS[kind]
+        geometry = surface(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], rule)
+        weights[rows, :n_corner] = geometry.areas @ shape_functions(LINEAR[kind], rule.points)
+    return weights
+
+
+def by_kind(facets: Facets) -> dict[str, Indices]:
+    """Return the rows of each kind of facet present."""
+    counts = facets.counts
+    rows = {kind: np.flatnonzero(counts == n) for kind, n in N_NODES.items()}
+    return {kind: found for kind, found in rows.items() if len(found)}
+
+
+def _pairs(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
+    """Corner nodes with their nearest partners (n_pair, 2), and the pair of every corner."""
+    own, columns = np.unique(segments.minus.corners, return_inverse=True)
+    others = np.unique(segments.plus.nodes[segments.plus.nodes >= 0])
+    nearest = others[cKDTree(nodes[others]).query(nodes[own])[1]]
+    return np.column_stack([own, nearest]), columns.reshape(-1, 4)
+
+
+def _at_pairs(columns: Indices, values: Matrix, n_pair: int) -> Vector:
+    total = np.zeros(n_pair)
+    np.add.at(total, columns, values)
+    return total
+
+
+def _dual(mass: Matrix, weight: Matrix) -> Matrix:
+    """Coefficients of the dual functions, Ψ = diag(∫ L) (∫ L L)⁻¹ L (n, 4, 4).
+
+    Scaled by the weights the mass matrix has eigenvalues up to 1. Those of a small corner of a
+    facet are far below: there the linear part of the motion is left to the other facets.
+    """
+    used = weight > 0
+    root = np.sqrt(np.where(used, weight, 1.0))
+    scaled = mass / (root[:, :, None] * root[:, None, :])
+    values, vectors = np.linalg.eigh(scaled)
+    inverse = np.where(values > _DETERMINED, 1.0 / np.maximum(values, _DETERMINED), 0.0)
+    pseudo = np.einsum("nak,nk,nbk->nab", vectors, inverse, vectors)
+    dual: Matrix = np.where(used[:, :, None] & used[:, None, :], pseudo, 0.0)
+    return dual * (root[:, :, None] / root[:, None, :])
+
+
+def _operator(
+    side: str,
+    parts: list[_Integrals],
+    segments: Segments,
+    dual: Matrix,
+    columns: Indices,
+    shape: tuple[int, int],
+    total: Vector,
+) -> SparseMatrix:
+    """Motion of one side at the pairs (n_pair, n_node)."""
+    facets, of = {
+        "minus": (segments.minus, segments.minus_of),
+        "plus": (segments.plus, segments.plus_of),
+    }[side]
+    entries, places = [], []
+    for part in parts:
+        own = segments.minus_of[part.rows]
+        block = dual[own] @ getattr(part, side)
+        found = facets.nodes[of[part.rows], : block.shape[2]]
+        row = np.broadcast_to(columns[own][:, :, None], block.shape)
+        column = np.broadcast_to(found[:, None, :], block.shape)
+        entries.append(block.ravel())
+        places.append(np.stack([row.ravel(), column.ravel()]))
+    table = (np.concatenate(entries), tuple(np.concatenate(places, axis=1)))
+    result = sp.coo_array(table, shape=shape).tocsr()
+    result = sp.csr_array(sp.diags_array(1.0 / total) @ result)
+    # What should vanish does to rounding, and would fill the matrix.
+    result.data[np.abs(result.data) < 1e-12] = 0.0
+    result.eliminate_zeros()
+    result.sort_indices()
+    return result
+
+
+def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
+    """Integrate over the triangles, one combination of facet kinds after the other."""
+    kinds = [by_kind(facets) for facets in (segments.minus, segments.plus)]
+    sides = (segments.minus, segments.plus)
+    flat = all(_is_flat(nodes, facets) for facets in sides)
+    normals = [None if flat else corner_normals(nodes, facets) for facets in sides]
+    for (one, minus_rows), (other, plus_rows) in product(kinds[0].items(), kinds[1].items()):
+        chosen = np.isin(segments.minus_of, minus_rows) & np.isin(segments.plus_of, plus_rows)
+        rows = np.flatnonzero(chosen)
+        if not len(rows):
+            continue
+        rule = gauss_rule("tri3", _degree(nodes, segments, (one, other), rows))
+        for part in np.array_split(rows, 1 + len(rows) * len(rule.weights) // _AT_ONCE):
+            yield _of_kinds(nodes, segments, (one, other), part, rule, normals)
+
+
+def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
+    """Degree of the products to be integrated over triangles ``rows``."""
+    degree = _DEGREE[LINEAR[kinds[0]]] + max(_DEGREE[kind] for kind in kinds)
+    affine = _affine(nodes, segments.minus, segments.minus_of[rows])
+    if affine and _affine(nodes, segments.plus, segments.plus_of[rows]):
+        return degree
+    return min(degree + _RATIONAL, _LARGEST_DEGREE)
+
+
+def _of_kinds(
+    nodes: Matrix,
+    segments: Segments,
+    kinds: tuple[str, str],
+    rows: Indices,
+    rule: Rule,
+    normals: list[Matrix | None],
+) -> _Integrals:
+    own, other = segments.minus_of[rows], segments.plus_of[rows]
+    minus, plus = (
+        on_side(side, kind, nodes, segments, rows, rule)
+        for side, kind in zip(("minus", "plus"), kinds, strict=True)
+    )
+    size = 2 * segments.areas[rows][:, None] * rule.weights
+    size = size * np.linalg.norm(minus.area_vectors, axis=-1)
+    gap = plus.heights - minus.heights
+    if normals[0] is not None and normals[1] is not None:
+        gap -= _arc(minus, nodes, segments.minus, own, normals[0])
+        gap -= _arc(plus, nodes, segments.plus, other, normals[1])
+    linear = minus.linear
+    linear = np.pad(linear, ((0, 0), (0, 0), (0, 4 - linear.shape[2])))
+    weighted = (size[..., None] * linear).transpose(0, 2, 1)
+    return _Integrals(
+        rows=rows,
+        minus=weighted @ minus.shape,
+        plus=weighted @ plus.shape,
+        mass=weighted @ linear,
+        weight=weighted.sum(axis=2),
+        gap=np.einsum("naq,nq->na", weighted, gap),
+    )
+
+
+def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
+    """Tell whether facets are triangles or parallelograms, with mid-side nodes half way."""
+    used = facets.taken(np.unique(rows))
+    for kind, members in by_kind(used).items():
+        x = nodes[used.nodes[members, : N_NODES[kind]]]
+        corners = x[:, : N_CORNERS[kind]]
+        away = np.zeros(1)
+        if N_CORNERS[kind] == 4:
+            away = np.abs(corners[:, 0] - corners[:, 1] + corners[:, 2] - corners[:, 3])
+        if x.shape[1] > N_CORNERS[kind]:
+            middle = (corners + np.roll(corners, -1, axis=1)) / 2
+            away = np.append(away, np.abs(middle - x[:, N_CORNERS[kind] :]))
+        if away.max() > _AFFINE * np.ptp(corners, axis=1).max():
+            return False
+    return True
+
+
+def _arc(side: FacetPoints, nodes: Matrix, facets: Facets, at: Indices, normals: Matrix) -> Matrix:
+    """Height of the smooth surface over linear facets (n, n_q); quadratic ones follow it."""
+    if LINEAR[side.kind] != side.kind:
+        return np.zeros(side.shape.shape[:2])
+    n_corner = N_CORNERS[side.kind]
+    corners = nodes[facets.nodes[at, :n_corner]]
+    return standing_off(side.shape, corners, normals[at, :n_corner])
+
+
+def _is_flat(nodes: Matrix, facets: Facets) -> bool:
+    normals = facet_normals(nodes, facets)
+    return bool(np.linalg.norm(normals - normals[0], axis=1).max() <= FLATNESS)

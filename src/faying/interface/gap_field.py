@@ -1,0 +1,265 @@
+"""Initial gap fields (form error, shim, heat) from a function, points, nodes or a file.
+
+A field is an offset added to the geometric gap: positive where material is missing, negative where
+there is too much of it (a shim, an interference).
+
+With an initial gap the contact forces are no longer proportional to the inputs: loads and initial
+bolt forces times two do not give pressures times two. Training boxes that scale the initial bolt
+forces N₀ (``LoadBox.preload_factors``) then no longer scale the preload by the same factor; they
+remain valid training loads.
+"""
+
+import csv
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import scipy.interpolate as si
+from scipy.spatial import QhullError
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import FormatError, ModelError
+from faying.interface.interface import Interface
+from faying.interface.relative import sides
+
+POINT_COLUMNS = ("x", "y", "z", "gap")
+NODE_COLUMNS = ("node", "gap")
+
+
+def with_gap_offset(interface: Interface, offset: Vector) -> Interface:
+    """Return the interface with an offset (n_point,) added to its initial gap [length].
+
+    Raises
+    ------
+    ModelError
+        If there is not one finite offset per contact point (or one for all).
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> model = fy.lap_joint(element_size=5.0)
+    >>> shimmed = with_gap_offset(model.interfaces["joint"], -0.05)
+    >>> model = model.with_interfaces({"joint": shimmed})
+    """
+    values = np.asarray(offset, dtype=float)
+    if values.shape not in {(), (interface.n_points,)} or not np.isfinite(values).all():
+        message = (
+            f"interface '{interface.name}': a gap offset of shape {values.shape} was given; it "
+            f"needs one finite number for each of its {interface.n_points} contact points"
+        )
+        raise ModelError(message)
+    return replace(interface, initial_gap=interface.initial_gap + values)
+
+
+def gap_from_function(interface: Interface, function: Callable[[Matrix], Vector]) -> Vector:
+    """Evaluate a function of position at the contact points.
+
+    Parameters
+    ----------
+    function
+        Takes positions (n, 3) [length] and returns gap offsets (n,) [length].
+
+    Returns
+    -------
+    ndarray (n_point,)
+
+    Raises
+    ------
+    ModelError
+        If the function does not return one finite number per point.
+    """
+    values = np.asarray(function(interface.points), dtype=float)
+    if values.shape != (interface.n_points,) or not np.isfinite(values).all():
+        message = (
+            f"interface '{interface.name}': the gap function returned shape {values.shape} for "
+            f"{interface.n_points} points, or values that are not finite; return one per point"
+        )
+        raise ModelError(message)
+    return values
+
+
+def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Vector:
+    """Interpolate measured gap offsets to the contact points.
+
+    Positions are projected onto the plane that fits the contact points best; between the samples
+    the field is linear on their Delaunay triangles, outside their hull it is that of the nearest
+    sample. Interfaces that bend by more than a right angle have no such plane: give nodes.
+
+    Parameters
+    ----------
+    positions : (n, 3) [length]
+    gaps : (n,) [length]
+
+    Returns
+    -------
+    ndarray (n_point,)
+
+    Raises
+    ------
+    ModelError
+        If positions and gaps do not match, or the positions lie on one line.
+    """
+    samples, values = np.asarray(positions, dtype=float), np.asarray(gaps, dtype=float)
+    if samples.shape != (len(values), 3) or not (
+        np.isfinite(samples).all() and np.isfinite(values).all()
+    ):
+        message = (
+            f"interface '{interface.name}': {samples.shape} positions and {values.shape} gaps do "
+            "not match or are not finite; give (n, 3) positions and n gaps"
+        )
+        raise ModelError(message)
+    centre = interface.points.mean(axis=0)
+    plane = np.linalg.svd(interface.points - centre, full_matrices=False)[2][:2].T
+    places, wanted = (samples - centre) @ plane, (interface.points - centre) @ plane
+    try:
+        inside = si.LinearNDInterpolator(places, values)(wanted)
+    except (QhullError, ValueError):
+        message = (
+            f"interface '{interface.name}': the {len(values)} positions of the gap field lie on "
+            "one line along the interface; give samples spread over its area"
+        )
+        raise ModelError(message) from None
+    nearest = si.NearestNDInterpolator(places, values)(wanted)
+    field: Vector = np.where(np.isnan(inside), nearest, inside)
+    return field
+
+
+def gap_from_nodes(
+    interface: Interface, node_ids: Indices, nodes: Sequence[int], gaps: Vector
+) -> Vector:
+    """Interpolate gap offsets given at nodes with the shape functions of the interface.
+
+    Parameters
+    ----------
+    node_ids : (n_node,)
+        Ids of all nodes of the mesh, ``model.assembly.mesh.node_ids``.
+    nodes : (n,)
+        Node ids of either side; where both nodes of a pair are named, their gaps add up (each
+        side has its own form error). Nodes elsewhere are ignored. Where meshes do not match, plus
+        nodes act through the projection, and all those around a pair are needed.
+    gaps : (n,) [length]
+
+    Returns
+    -------
+    ndarray (n_point,)
+
+    Raises
+    ------
+    ModelError
+        If a node pair of the interface has no gap at either node, or a node is named twice.
+    """
+    ids, values = np.asarray(nodes, dtype=np.int64), np.asarray(gaps, dtype=float)
+    if ids.shape != values.shape or not np.isfinite(values).all():
+        message = (
+            f"interface '{interface.name}': {ids.shape} nodes and {values.shape} gaps do not "
+            "match or are not finite; give one gap per node"
+        )
+        raise ModelError(message)
+    order = np.argsort(ids)
+    ids, values = ids[order], values[order]
+    if (np.diff(ids) == 0).any():
+        twice = int(ids[np.argmax(np.diff(ids) == 0)])
+        message = f"interface '{interface.name}': the gap field names node {twice} twice"
+        raise ModelError(message)
+    given = np.isin(node_ids, ids)
+    at_nodes = np.zeros(len(node_ids))
+    at_nodes[given] = values[np.searchsorted(ids, node_ids[given])]
+    total, named = np.zeros(len(interface.pairs)), np.zeros(len(interface.pairs), dtype=bool)
+    for side in sides(interface, len(node_ids)):
+        # A pair hears of a side only if all nodes it takes its value from are named.
+        complete = abs(side) @ ~given == 0
+        total += np.where(complete, side @ at_nodes, 0.0)
+        named |= complete
+    missing = np.flatnonzero(~named)
+    if missing.size:
+        minus, plus = node_ids[interface.pairs[missing[0]]].tolist()
+        message = (
+            f"interface '{interface.name}': the gap field has no value at {missing.size} of "
+            f"{len(named)} node pairs, the first of nodes {minus} and {plus}; give one for each"
+        )
+        raise ModelError(message)
+    field: Vector = interface.point_shape @ total
+    return field
+
+
+def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) -> Vector:
+    """Read gap offsets from a CSV file with the columns ``x,y,z,gap`` or ``node,gap``.
+
+    Parameters
+    ----------
+    path
+        First line names the columns, in any order; lines that start with # are skipped.
+    node_ids : (n_node,)
+        Ids of all nodes of the mesh, ``model.assembly.mesh.node_ids``.
+
+    Returns
+    -------
+    ndarray (n_point,)
+        As :func:`gap_from_points` or :func:`gap_from_nodes` make it.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, has other columns, or holds something that is no finite number.
+    ModelError
+        If the field does not cover the interface.
+    """
+    header, table = read_gap_table(Path(path))
+    if set(header) == set(POINT_COLUMNS):
+        columns = table[:, [header.index(name) for name in POINT_COLUMNS]]
+        return gap_from_points(interface, columns[:, :3], columns[:, 3])
+    nodes, gaps = (table[:, header.index(name)] for name in NODE_COLUMNS)
+    if (nodes != np.round(nodes)).any():
+        message = f"{path}: node ids must be whole numbers"
+        raise FormatError(message)
+    return gap_from_nodes(interface, node_ids, nodes.astype(np.int64).tolist(), gaps)
+
+
+def read_gap_table(path: Path) -> tuple[list[str], Matrix]:
+    """Read a CSV file of numbers below a line of column names.
+
+    Returns
+    -------
+    tuple of list of str, ndarray (n, n_column)
+        The names, ``x,y,z,gap`` or ``node,gap`` in the order of the file, and the numbers.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, has other columns, or holds something that is no finite number.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        message = f"{path}: the gap field cannot be read ({error})"
+        raise FormatError(message) from None
+    numbered = [
+        (number, [entry.strip() for entry in row])
+        for number, row in enumerate(csv.reader(lines), start=1)
+        if row and not row[0].lstrip().startswith("#")
+    ]
+    header = [name.lower() for name in numbered[0][1]] if numbered else []
+    if sorted(header) not in (sorted(POINT_COLUMNS), sorted(NODE_COLUMNS)):
+        message = (
+            f"{path}: the columns are '{','.join(header)}'; the first line must name either "
+            f"{','.join(POINT_COLUMNS)} or {','.join(NODE_COLUMNS)}"
+        )
+        raise FormatError(message)
+    rows = [_numbers(path, number, row, len(header)) for number, row in numbered[1:]]
+    if not rows:
+        message = f"{path}: the gap field has no lines below its column names"
+        raise FormatError(message)
+    return header, np.array(rows)
+
+
+def _numbers(path: Path, number: int, row: list[str], count: int) -> list[float]:
+    try:
+        values = [float(entry) for entry in row]
+    except ValueError:
+        values = []
+    if len(values) != count or not all(math.isfinite(value) for value in values):
+        message = f"{path}:{number}: '{','.join(row)}' is not {count} finite numbers"
+        raise FormatError(message)
+    return values

@@ -1,0 +1,189 @@
+"""The contact interface: a linear gap operator, quadrature weights, and a local law.
+
+Signs and units: ``docs/conventions.md``. In short, the normal points out of the *minus* side,
+gap g = g₀ + n·(u⁺ − u⁻) ≥ 0 is open, and pressure p ≥ 0 is compression.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.contact.contact import Contact
+from faying.exceptions import ModelError
+from faying.interface.coupling import Coupling
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FacePairs:
+    """Matched facets of one kind on the two sides of an interface.
+
+    Between meshes that do not match these are the corners of the minus facets that the plus side
+    covers, wholly or in part, and the plus node nearest to each.
+
+    Attributes
+    ----------
+    kind
+        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+    minus, plus : (n_face, n_node_per_face)
+        Node indices; column j of ``plus`` touches column j of ``minus``. Columns run
+        counter-clockwise seen from outside the minus body.
+    """
+
+    kind: str
+    minus: Indices
+    plus: Indices
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "minus", frozen(self.minus, np.int64))
+        object.__setattr__(self, "plus", frozen(self.plus, np.int64))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Interface:
+    """Two surfaces in contact, Eq. (15.11), with a penalty law.
+
+    Zero-thickness elements where the meshes match, a mortar coupling where they do not; solvers
+    see no difference.
+
+    Attributes
+    ----------
+    faces
+        The matched facets, one entry per kind.
+    pairs : (n_pair, 2)
+        Node indices (minus, plus) of the touching nodes; of a mortar coupling the minus nodes
+        that carry it, each with the nearest plus node, which only names a neighbour.
+    pair_normals : (n_pair, 3)
+        Unit normals out of the minus side at the pairs (area-weighted mean of the facets).
+    relative_operator : (n_relative, n_dof) sparse
+        Relative displacement u⁺ − u⁻ of the pairs (of a mortar coupling, projected): along the
+        one normal of a flat interface (n_relative = n_pair), or all three components of a curved
+        one (3 n_pair).
+    interpolation : (n_point, n_relative) sparse
+        Shape functions, times the normal where the interface is curved.
+    point_shape : (n_point, n_pair) sparse
+        Plain shape functions of the pairs at the contact points.
+    initial_gap : (n_point,) [length]
+    weights : (n_point,) [length²]
+        Area each contact point stands for.
+    points, normals : (n_point, 3)
+    face_of_point : (n_point,)
+        Running number of the facet (through all entries of ``faces``) a point lies on. Under nodal
+        quadrature the points of facets that meet at a node pair are one point, with the sum of
+        their weights: its facet is then the first of them, and only tells about where it is.
+    penalty : [force/length³]
+        Contact stiffness c_n of Eq. (15.12); ``inf`` is hard contact, Eq. (15.7).
+    quadrature
+        Name of the rule, e.g. ``"gauss-2"`` or ``"nodal"``.
+    coupling
+        How the motion of the plus side reaches the pairs; None where the meshes match.
+    """
+
+    name: str
+    faces: tuple[FacePairs, ...]
+    pairs: Indices
+    pair_normals: Matrix
+    relative_operator: SparseMatrix
+    interpolation: SparseMatrix
+    point_shape: SparseMatrix
+    initial_gap: Vector
+    weights: Vector
+    points: Matrix
+    normals: Matrix
+    face_of_point: Indices
+    penalty: float
+    quadrature: str
+    coupling: Coupling | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("pair_normals", "initial_gap", "weights", "points", "normals"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in ("pairs", "face_of_point"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+        if not self.penalty > 0:
+            message = (
+                f"interface '{self.name}': the penalty is {self.penalty:g}; give a positive "
+                "number, 'auto' or 'hard'"
+            )
+            raise ModelError(message)
+
+    @cached_property
+    def gap_operator(self) -> SparseMatrix:
+        """G (n_point, n_dof): gap per displacement, Eq. (15.3); Gᵀλ are the forces of (15.11)."""
+        return read_only((self.interpolation @ self.relative_operator).tocsr())
+
+    @property
+    def n_points(self) -> int:
+        """Number of contact points."""
+        return len(self.weights)
+
+    @property
+    def relative_places(self) -> Matrix:
+        """About where each relative displacement is (n_relative, 3): amid the points it moves.
+
+        Under nodal quadrature the corners of six-node triangles move none; any place serves them.
+        """
+        shape = abs(self.point_shape)
+        total = np.asarray(shape.sum(axis=0)).reshape(-1, 1)
+        moved = (shape.T @ self.points) / np.where(total > 0, total, 1.0)
+        places = np.where(total > 0, moved, self.points.mean(axis=0))
+        return np.repeat(places, self.relative_operator.shape[0] // len(places), axis=0)
+
+    @property
+    def area(self) -> float:
+        """Area of the interface [length²]."""
+        return float(self.weights.sum())
+
+    def pair_points(self, nodes: Matrix) -> Matrix:
+        """Return where the pairs are (n_pair, 3), from the coordinates of all nodes."""
+        if self.coupling is not None:
+            return np.asarray(nodes[self.pairs[:, 0]])
+        return np.asarray(nodes[self.pairs].mean(axis=1))
+
+    def nodal_average(self, values: Matrix) -> Matrix:
+        """Average a quantity at the contact points to the node pairs.
+
+        Weights are w N², which stay positive for quadratic facets where ∫N may not.
+
+        Parameters
+        ----------
+        values : (..., n_point)
+
+        Returns
+        -------
+        ndarray (..., n_pair)
+        """
+        weight = self.point_shape.power(2).multiply(self.weights[:, None]).tocsr()
+        total = np.asarray(weight.sum(axis=0)).ravel()
+        weighted: Matrix = (weight.T @ np.asarray(values).T).T
+        return weighted / np.where(total > 0, total, 1.0)
+
+    def with_penalty(self, penalty: float) -> "Interface":
+        """Return a copy with another contact stiffness (``inf`` for hard contact)."""
+        return replace(self, penalty=float(penalty))
+
+    def with_initial_gap(self, initial_gap: Vector) -> "Interface":
+        """Return a copy with another initial gap at every contact point."""
+        gap = np.broadcast_to(np.asarray(initial_gap, dtype=float), self.initial_gap.shape)
+        return replace(self, initial_gap=gap)
+
+
+def stack(interfaces: Mapping[str, Interface]) -> Contact:
+    """Stack the interfaces of a model in their order."""
+    members = list(interfaces.values())
+    ends = np.cumsum([0, *(member.n_points for member in members)])
+    return Contact(
+        relative_operator=read_only(sp.vstack([m.relative_operator for m in members]).tocsr()),
+        interpolation=read_only(sp.block_diag([m.interpolation for m in members]).tocsr()),
+        initial_gap=frozen(np.concatenate([m.initial_gap for m in members])),
+        weights=frozen(np.concatenate([m.weights for m in members])),
+        penalty=frozen(np.concatenate([np.full(m.n_points, m.penalty) for m in members])),
+        places=frozen(np.concatenate([m.relative_places for m in members])),
+        slices={
+            name: slice(int(start), int(stop))
+            for name, start, stop in zip(interfaces, ends[:-1], ends[1:], strict=True)
+        },
+    )

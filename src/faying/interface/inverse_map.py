@@ -1,0 +1,115 @@
+"""Reference coordinates of points that are given in the plane of a facet."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import ModelError
+from faying.interface.facets import shape_functions, shape_gradients
+from faying.model.surface import N_CORNERS
+
+_Position = Callable[[Matrix], tuple[Matrix, Matrix]]
+
+_LIMIT = 25
+"""Newton steps; a parallelogram takes one, a distorted facet four or five."""
+
+_CLOSE = 1e-13
+"""Step in reference coordinates that ends the iteration."""
+
+
+def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
+    """Find where on facets points are, seen along one direction.
+
+    Parameters
+    ----------
+    kind
+        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+    nodes : (n, n_node_per_face, 2) [length]
+        Nodes projected onto a plane.
+    points : (n, n_q, 2) [length]
+        Points in that plane.
+
+    Returns
+    -------
+    ndarray (n, n_q, 2)
+        Near a curved side they may lie a little outside of the reference facet.
+
+    Raises
+    ------
+    ModelError
+        If the facet folds over itself seen along that direction.
+
+    Notes
+    -----
+    Newton's method on all points at once, from the affine map at the centre.
+    """
+    corner = [nodes[:, i] for i in range(N_CORNERS[kind])]
+    if len(corner) == 3:
+        origin, centre = corner[0], 0.0
+        sides = [corner[1] - corner[0], corner[2] - corner[0]]
+    else:
+        # At the centre, for a corner may have collapsed.
+        origin, centre = nodes[:, :4].mean(axis=1), 0.5
+        sides = [corner[1] + corner[2] - corner[0] - corner[3]]
+        sides = [side / 2 for side in (*sides, corner[2] + corner[3] - corner[0] - corner[1])]
+    affine = np.linalg.inv(np.stack(sides, axis=-1))
+    first = centre + (points - origin[:, None]) @ affine.transpose(0, 2, 1)
+    if kind == "tri3":
+        return np.asarray(first)
+    position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)
+    # Components first: arrays of pairs are slow to work on.
+    wanted, place = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
+    for _ in range(_LIMIT):
+        here, tangents = position(place)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = _solved(tangents, wanted - here)
+        place = place + step
+        if not np.isfinite(place).all():
+            break
+        if np.abs(step).max(initial=0.0) < _CLOSE:
+            return np.moveaxis(place, 0, 2)
+    largest = 1e3 * _CLOSE
+    if np.isfinite(place).all() and np.abs(step).max() < largest:
+        return np.moveaxis(place, 0, 2)
+    row = int(np.nan_to_num(np.abs(step), nan=np.inf).max(axis=(0, 2)).argmax())
+    message = (
+        f"a {kind} facet of {np.ptp(nodes[row], axis=0).max():g} in size folds over itself where "
+        "the other side lies on it; repair the mesh there"
+    )
+    raise ModelError(message)
+
+
+def _interpolated(kind: str, nodes: Matrix) -> _Position:
+    """Positions (2, n, n_q) and tangents (2, 2, n, n_q) at reference coordinates (2, n, n_q)."""
+
+    def position(place: Matrix) -> tuple[Matrix, Matrix]:
+        flat = np.moveaxis(place, 0, 2).reshape(-1, 2)
+        shape = shape_functions(kind, flat).reshape(*place.shape[1:], -1)
+        gradients = shape_gradients(kind, flat).reshape(*place.shape[1:], -1, 2)
+        tangents = np.stack([gradients[..., i] @ nodes for i in range(2)])
+        return np.moveaxis(shape @ nodes, 2, 0), np.moveaxis(tangents, 3, 0)
+
+    return position
+
+
+def _bilinear(nodes: Matrix) -> _Position:
+    """Spell out the same for quad4, of which there are the most."""
+    first, second, third, fourth = np.moveaxis(nodes[..., None], (1, 2), (0, 1))
+    along, across = second - first, fourth - first
+    twist = first - second + third - fourth
+
+    def position(place: Matrix) -> tuple[Matrix, Matrix]:
+        xi, eta = place
+        right, up = along + twist * eta, across + twist * xi
+        return first + right * xi + across * eta, np.stack([right, up], axis=1)
+
+    return position
+
+
+def _solved(tangents: Matrix, right: Matrix) -> Matrix:
+    """Solve 2 × 2 systems (2, 2, n, n_q) by Cramer's rule."""
+    (a, b), (c, d) = tangents
+    x, y = right
+    solution: Matrix = np.stack([d * x - b * y, a * y - c * x]) / (a * d - b * c)
+    return solution

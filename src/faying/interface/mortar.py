@@ -1,0 +1,175 @@
+"""Interfaces between meshes that do not match, from a mortar coupling of their two sides."""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import ModelError, naming
+from faying.interface.coupling import Coupling, by_kind, couple
+from faying.interface.facets import area_vectors, reference_nodes
+from faying.interface.interface import FacePairs, Interface
+from faying.interface.mismatch import facet_place, raise_no_contact
+from faying.interface.mortar_points import contact_points
+from faying.interface.relative import (
+    along_normals,
+    combined_displacement,
+    common_normal,
+    times_normals,
+    unit,
+)
+from faying.interface.segment_points import LINEAR
+from faying.interface.segments import Segments, find_segments
+from faying.interface.sides import candidates, touching_tolerance
+from faying.model.assembly import Assembly
+from faying.model.dofs import DofMap
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import N_NODES, Facets, facet_area_vectors
+
+_COLLAPSED = 1e-9
+"""Jacobian at a corner, over the area of the facet, that is rounding."""
+
+_TWICE = 1e-3
+"""Share of a facet covered beyond the whole that cannot be rounding."""
+
+
+def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Coupling]:
+    """Couple the sides of an interface whose meshes do not match.
+
+    Parameters
+    ----------
+    spec
+        Sides as :func:`faying.interface.pairing.pair_facets` takes them; the minus side carries the
+        contact points. The tolerance is the largest distance of surfaces that touch.
+
+    Returns
+    -------
+    dict
+        Name to coupling: the name of the spec, or ``name-1``, ``name-2``, … where both sides are
+        ``"auto"`` and several pairs of bodies touch.
+
+    Raises
+    ------
+    ModelError
+        If a side has no facets, the sides nowhere touch, or something is covered twice.
+    """
+    facets, side = candidates(assembly, spec)
+    # Bricks that are collapsed to wedges have facets without area, which touch nothing.
+    extended = np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1) > 0
+    facets, side = facets.taken(extended), side[extended]
+    tolerance = touching_tolerance(assembly.mesh.nodes, facets, spec)
+    found = []
+    with naming(f"interface '{spec.name}'"):
+        for own in np.unique(side)[:-1]:  # bodies, of which there are few
+            others = np.flatnonzero(side > own)
+            minus, plus = facets.taken(side == own), facets.taken(others)
+            segments = find_segments(assembly.mesh.nodes, minus, plus, tolerance)
+            found += _by_body(segments, facets, side)
+    if not found:
+        raise_no_contact(assembly, spec, facets, side, tolerance)
+    for segments in found:
+        _check_once(assembly, spec, segments)
+    names = [f"{spec.name}-{i + 1}" for i in range(len(found))] if len(found) > 1 else [spec.name]
+    with naming(f"interface '{spec.name}'"):
+        return {
+            name: couple(assembly.mesh.nodes, segments)
+            for name, segments in zip(names, found, strict=True)
+        }
+
+
+def _by_body(segments: Segments, facets: Facets, side: Indices) -> list[Segments]:
+    """Divide segments by the side their plus facets belong to."""
+    if not len(segments):
+        return []
+    # Sides other than 0 and 1 are bodies, so a node tells the side.
+    of_node = np.zeros(int(facets.nodes.max()) + 1, dtype=np.int64)
+    of_node[facets.corners] = side[:, None]
+    owner = of_node[segments.plus.nodes[segments.plus_of, 0]]
+    return [segments.touched(owner == one) for one in np.unique(owner)]
+
+
+def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> None:
+    twice = np.flatnonzero(segments.covered > 1 + _TWICE)
+    if twice.size:
+        message = (
+            f"interface '{spec.name}': {twice.size} facets of the minus side are covered more than "
+            f"once, for example {facet_place(assembly, segments.minus, int(twice[0]))}; the plus "
+            "side overlaps itself, or the tolerance is larger than the thickness of a part"
+        )
+        raise ModelError(message)
+
+
+def build_mortar_interface(
+    assembly: Assembly, dofs: DofMap, spec: InterfaceSpec, coupling: Coupling, penalty: float
+) -> Interface:
+    """Form the interface of a mortar coupling, the counterpart of Eq. (15.3), (15.11), (15.14).
+
+    Parameters
+    ----------
+    spec
+        Gives name and quadrature. Without a choice of quadrature, penalty contact takes Gauss
+        points and hard contact nodal ones.
+    coupling
+        From :func:`find_couplings`.
+    penalty : [force/length³]
+        ``inf`` is hard contact.
+
+    Returns
+    -------
+    Interface
+        Gauss points are those of zero-thickness elements on facets that are covered wholly, and
+        points of the segments elsewhere. Nodal points are the pairs.
+
+    Raises
+    ------
+    ModelError
+        If the order does not fit the quadrature.
+    """
+    nodes = assembly.mesh.nodes
+    faces = _faces(coupling)
+    raw_normals = _pair_normals(nodes, coupling)
+    points = contact_points(nodes, spec, coupling, raw_normals, penalty)
+    normals, pair_normals, flat = common_normal(points.normals, points.weights, raw_normals)
+    motion = combined_displacement(dofs, coupling.motion)
+    return Interface(
+        name=spec.name,
+        faces=faces,
+        pairs=coupling.pairs,
+        pair_normals=pair_normals,
+        relative_operator=along_normals(pair_normals, motion) if flat else motion,
+        interpolation=points.shape if flat else times_normals(points.shape, normals),
+        point_shape=points.shape,
+        initial_gap=points.shape @ coupling.gap,
+        weights=points.weights,
+        points=points.points,
+        normals=normals,
+        face_of_point=points.faces,
+        penalty=penalty,
+        quadrature=points.rule,
+        coupling=coupling,
+    )
+
+
+def _faces(coupling: Coupling) -> tuple[FacePairs, ...]:
+    """Corners of the minus facets with the plus node next to each."""
+    entries = []
+    for kind, rows in by_kind(coupling.segments.minus).items():
+        linear = LINEAR[kind]
+        own = coupling.columns[rows, : N_NODES[linear]]
+        entries.append(
+            FacePairs(kind=linear, minus=coupling.pairs[own, 0], plus=coupling.pairs[own, 1])
+        )
+    return tuple(entries)
+
+
+def _pair_normals(nodes: Matrix, coupling: Coupling) -> Matrix:
+    """Average the facets' normals at the pairs, weighted with the local Jacobian."""
+    total = np.zeros((len(coupling.pairs), 3))
+    facets = coupling.segments.minus
+    for kind, rows in by_kind(facets).items():
+        corners = reference_nodes(LINEAR[kind])
+        vectors = area_vectors(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], corners)
+        whole = facet_area_vectors(nodes, facets.taken(rows))[:, None]
+        # A corner that has collapsed has no Jacobian, but lies in the plane of its facet.
+        collapsed = np.linalg.norm(vectors, axis=2) < _COLLAPSED * np.linalg.norm(whole, axis=2)
+        vectors = np.where(collapsed[..., None], whole, vectors)
+        np.add.at(total, coupling.columns[rows, : len(corners)], vectors)
+    return unit(total)

@@ -1,0 +1,225 @@
+"""Contact points of a mortar coupling.
+
+On facets that are covered wholly they are those of zero-thickness elements, so that meshes that
+do match give the same interface either way. Relative displacements are linear on each facet, and
+more points would not see more.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.interface.coupling import Coupling, by_kind, whole_weights
+from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
+from faying.interface.relative import unit
+from faying.interface.segment_points import LINEAR, on_side
+from faying.interface.zero_thickness import contact_rule
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import N_NODES
+
+SMALL = 0.2
+"""Coverage of a node below which its contact point joins a neighbour's.
+
+It stands for too little area to carry a pressure of its own, which hard contact would leave
+undetermined. A strip narrower than 0.45 of a facet then has one row of points; with 0.05 it had
+two, and some of them carried four times the pressure of their neighbours around a hole.
+"""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MortarPoints:
+    """Contact points: shape functions (n_point, n_pair), geometry, owning facet, rule."""
+
+    shape: SparseMatrix
+    points: Matrix
+    weights: Vector
+    normals: Matrix
+    faces: Indices
+    rule: str
+
+
+def contact_points(
+    nodes: Matrix,
+    spec: InterfaceSpec,
+    coupling: Coupling,
+    pair_normals: Matrix,
+    penalty: float,
+) -> MortarPoints:
+    """Place the contact points.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+    pair_normals : (n_pair, 3)
+
+    Raises
+    ------
+    ModelError
+        If the order does not fit the quadrature.
+    """
+    rules = {kind: contact_rule(spec, kind, penalty) for kind in by_kind(coupling.segments.minus)}
+    if any(rule.name == "nodal" for rule in rules.values()):
+        return _nodal(nodes, coupling, pair_normals)
+    degree = spec.order or 2
+    parts = _on_whole_facets(nodes, coupling, rules) + _on_segments(nodes, coupling, degree)
+    names = dict.fromkeys(part.rule for part in parts)
+    return MortarPoints(
+        shape=sp.csr_array(sp.vstack([part.shape for part in parts])),
+        points=np.concatenate([part.points for part in parts]),
+        weights=np.concatenate([part.weights for part in parts]),
+        normals=np.concatenate([part.normals for part in parts]),
+        faces=_numbers(coupling)[np.concatenate([part.faces for part in parts])],
+        rule="+".join(names),
+    )
+
+
+def _numbers(coupling: Coupling) -> Indices:
+    """Return the running number of each minus facet through the entries of ``Interface.faces``."""
+    order = np.concatenate(list(by_kind(coupling.segments.minus).values()))
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    return number
+
+
+def _on_whole_facets(
+    nodes: Matrix, coupling: Coupling, rules: dict[str, Rule]
+) -> list[MortarPoints]:
+    facets, whole = coupling.segments.minus, coupling.segments.whole
+    parts = []
+    for kind, every in by_kind(facets).items():
+        rows, rule = every[whole[every]], rules[kind]
+        if not len(rows):
+            continue
+        geometry = surface(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], rule)
+        shape = shape_functions(LINEAR[kind], rule.points)
+        parts.append(
+            MortarPoints(
+                shape=_spread(np.broadcast_to(shape, (len(rows), *shape.shape)), rows, coupling),
+                points=geometry.points.reshape(-1, 3),
+                weights=geometry.areas.ravel(),
+                normals=geometry.normals.reshape(-1, 3),
+                faces=np.repeat(rows, len(rule.weights)),
+                rule=rule.name,
+            )
+        )
+    return parts
+
+
+def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarPoints]:
+    segments, rule = coupling.segments, gauss_rule("tri3", degree)
+    partly = ~segments.whole[segments.minus_of]
+    parts = []
+    for kind, facets in by_kind(segments.minus).items():
+        rows = np.flatnonzero(partly & np.isin(segments.minus_of, facets))
+        if not len(rows):
+            continue
+        own, n_q = segments.minus_of[rows], len(rule.weights)
+        seen = on_side("minus", kind, nodes, segments, rows, rule)
+        vectors = seen.area_vectors
+        slope = np.linalg.norm(vectors, axis=-1)
+        weights = 2 * segments.areas[rows][:, None] * rule.weights * slope
+        weights = _consistent(weights, seen.linear, own, coupling)
+        normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[own])
+        coordinates = nodes[segments.minus.nodes[own, : N_NODES[kind]]]
+        parts.append(
+            MortarPoints(
+                shape=_spread(seen.linear, own, coupling),
+                points=np.einsum("nqa,nad->nqd", seen.shape, coordinates).reshape(-1, 3),
+                weights=weights.ravel(),
+                normals=unit(normals.reshape(-1, 3)),
+                faces=np.repeat(own, n_q),
+                rule=f"segments-{degree}",
+            )
+        )
+    return parts
+
+
+def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Coupling) -> Matrix:
+    """Correct weights (n, n_q) so that they integrate L as the coupling does.
+
+    A low rule misses a little where the shape functions are no polynomials, and a constant
+    pressure would then load the two sides differently. The factor is linear on each facet.
+    """
+    n_corner = shape.shape[2]
+    sums, masses = np.zeros((len(coupling.masses), 4)), np.zeros_like(coupling.masses)
+    weighted = weights[..., None] * shape
+    np.add.at(sums[:, :n_corner], rows, weighted.sum(axis=1))
+    np.add.at(masses[:, :n_corner, :n_corner], rows, np.einsum("nqa,nqb->nab", weighted, shape))
+    missing = coupling.masses.sum(axis=2) - sums
+    inverse = np.linalg.pinv(masses[rows], rcond=1e-9, hermitian=True)
+    factors = np.einsum("nab,nb->na", inverse, missing[rows])[:, :n_corner]
+    factor = 1.0 + np.einsum("nqa,na->nq", shape, factors)
+    # A facet so distorted that this fails keeps its own weights, which are positive.
+    least = np.ones(len(masses))
+    np.minimum.at(least, rows, factor.min(axis=1))
+    corrected: Matrix = np.where(least[rows][:, None] > 0, weights * factor, weights)
+    return corrected
+
+
+def _spread(values: Matrix, rows: Indices, coupling: Coupling) -> SparseMatrix:
+    """Shape functions of the pairs (n n_q, n_pair) from those of facets' corners (n, n_q, k)."""
+    n, n_q, n_corner = values.shape
+    columns = np.repeat(coupling.columns[rows, None, :n_corner], n_q, axis=1)
+    place = np.repeat(np.arange(n * n_q), n_corner)
+    shape = (n * n_q, len(coupling.pairs))
+    spread = sp.csr_array((values.ravel(), (place, columns.ravel())), shape=shape)
+    spread.data[np.abs(spread.data) < 1e-14] = 0.0
+    spread.eliminate_zeros()
+    return spread
+
+
+def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> MortarPoints:
+    """Place one point at each pair, with the mean gap near it over the covered part.
+
+    On a facet of which the share c is covered, ∫ L_A g is c (∫ L_A) g_A + (1 - c) Σ ∫ L_A L_B g_B:
+    the values of the pairs themselves where it is covered wholly, and towards the corner of a
+    facet the mean over what is covered, for there the pairs may lie far outside.
+    """
+    segments, n_pair = coupling.segments, len(coupling.pairs)
+    share = np.minimum(segments.covered, 1.0)
+    share[segments.whole] = 1.0
+    weights = coupling.masses.sum(axis=2)
+    weights[segments.whole] = whole_weights(nodes, segments.minus)[segments.whole]
+    own = np.arange(4)
+    blocks = (1.0 - share)[:, None, None] * coupling.masses
+    blocks[:, own, own] += share[:, None] * weights
+    rows = np.repeat(coupling.columns[:, :, None], 4, axis=2).ravel()
+    columns = np.repeat(coupling.columns[:, None, :], 4, axis=1).ravel()
+    mean = sp.csr_array((blocks.ravel(), (rows, columns)), shape=(n_pair, n_pair))
+    mean.eliminate_zeros()
+    host = _hosts(coupling)
+    kept, place = np.unique(host, return_inverse=True)
+    join = sp.csr_array((np.ones(n_pair), (place, np.arange(n_pair))), shape=(len(kept), n_pair))
+    joined = sp.csr_array(join @ mean)
+    area = np.asarray(joined.sum(axis=1)).ravel()
+    shape = sp.csr_array(sp.diags_array(1.0 / area) @ joined)
+    first = np.full(n_pair, len(segments.minus))
+    np.minimum.at(first, coupling.columns, np.repeat(_numbers(coupling)[:, None], 4, axis=1))
+    return MortarPoints(
+        shape=shape,
+        points=shape @ nodes[coupling.pairs[:, 0]],
+        weights=area,
+        normals=unit(shape @ pair_normals),
+        faces=first[kept],
+        rule="nodal",
+    )
+
+
+def _hosts(coupling: Coupling) -> Indices:
+    """Pair whose contact point each pair (n_pair,) shares; its own where it is covered enough."""
+    n_pair = len(coupling.pairs)
+    host = np.arange(n_pair)
+    # Strictly more, so that no two pairs choose each other.
+    rank = np.argsort(np.argsort(coupling.coverage, kind="stable"), kind="stable")
+    best = coupling.columns[np.arange(len(coupling.columns)), rank[coupling.columns].argmax(axis=1)]
+    order = np.argsort(rank[best], kind="stable")
+    neighbour = host.copy()
+    # The last write wins: the best of all facets around a pair.
+    neighbour[coupling.columns[order].ravel()] = np.repeat(best[order], 4)
+    small = coupling.coverage < SMALL
+    host[small] = neighbour[small]
+    while not np.array_equal(host[host], host):
+        host = host[host]
+    return host

@@ -1,0 +1,220 @@
+"""Pairing: which facets of two bodies touch, and which of their nodes.
+
+The conforming interfaces of the zero-thickness elements of Eq. (15.11): every facet of one side
+has one partner on the other, node on node.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices, Mask, Matrix
+from faying.exceptions import ModelError
+from faying.interface.interface import FacePairs
+from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
+from faying.interface.selection import select_facets
+from faying.interface.sides import candidates, touching_tolerance
+from faying.model.assembly import Assembly
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import (
+    N_NODES,
+    Facets,
+    exterior_facets,
+    facet_area_vectors,
+    unique_rows,
+)
+
+__all__ = ["exterior_facets", "find_interfaces", "pair_facets", "select_facets"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Matches:
+    """Coincident facets (columns of ``plus`` follow ``minus``) and their sides (n_facet, 2)."""
+
+    minus: Facets
+    plus: Facets
+    sides: Indices
+
+    def taken(self, chosen: Mask) -> "_Matches":
+        return _Matches(
+            minus=self.minus.taken(chosen),
+            plus=self.plus.taken(chosen),
+            sides=self.sides[chosen],
+        )
+
+
+def pair_facets(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...]:
+    """Match the facets of the two sides of an interface.
+
+    Parameters
+    ----------
+    spec
+        Named sides: facets of ``minus`` with a coincident facet of opposite orientation on
+        ``plus``; others on either side may lie off the overlap. ``"auto"`` on both sides: all
+        coincident exterior facets of different bodies, where the body with the smallest node id
+        is the minus side. ``"auto"`` on one side: all facets the other side leaves.
+
+    Returns
+    -------
+    tuple of FacePairs
+        One entry per facet kind.
+
+    Raises
+    ------
+    ModelError
+        If a side has no facets, nothing matches, facets lie on the other side's surface without
+        a partner, or the bodies overlap.
+
+    Notes
+    -----
+    k-d trees and one sort of the facets; nodes match where they are closer than the tolerance, so
+    the sides may also be separated by a gap smaller than it.
+    """
+    return _face_pairs(_matches(assembly, spec))
+
+
+def find_interfaces(assembly: Assembly, spec: InterfaceSpec) -> dict[str, tuple[FacePairs, ...]]:
+    """Match facets as :func:`pair_facets`, one interface per pair of bodies where sides are "auto".
+
+    Returns
+    -------
+    dict
+        Name to matched facets: the name of the spec, or ``name-1``, ``name-2``, … for several
+        pairs of bodies, in the order of their smallest node ids.
+    """
+    matches = _matches(assembly, spec)
+    if spec.minus != "auto" or spec.plus != "auto":
+        return {spec.name: _face_pairs(matches)}
+    _, group, counts = unique_rows(matches.sides)
+    names = [f"{spec.name}-{i + 1}" for i in range(len(counts))] if len(counts) > 1 else [spec.name]
+    return {name: _face_pairs(matches.taken(group == i)) for i, name in enumerate(names)}
+
+
+def _matches(assembly: Assembly, spec: InterfaceSpec) -> _Matches:
+    facets, side = candidates(assembly, spec)
+    nodes = assembly.mesh.nodes
+    tolerance = touching_tolerance(nodes, facets, spec)
+    labels = _coincident_nodes(nodes, facets, tolerance)
+    # The extra last label serves the unused columns.
+    keys = np.sort(np.append(labels, -1)[facets.nodes], axis=1)
+    _check_not_collapsed(keys, facets, assembly, spec, tolerance)
+    first, second = _coincident_facets(keys, side, facets, assembly, spec)
+    _check_facing(facet_area_vectors(nodes, facets), first, second, facets, assembly, spec)
+    matched = np.zeros(len(facets), dtype=bool)
+    matched[first] = matched[second] = True
+    check_no_mismatch(assembly, spec, facets, side, matched, tolerance)
+    if not matched.any():
+        raise_no_contact(assembly, spec, facets, side, tolerance)
+    plus = _aligned(labels, facets.taken(first), facets.taken(second))
+    sides = np.column_stack([side[first], side[second]])
+    return _Matches(minus=facets.taken(first), plus=plus, sides=sides)
+
+
+def _coincident_nodes(nodes: Matrix, facets: Facets, tolerance: float) -> Indices:
+    """Label nodes (n_node,) so that coincident ones share a label.
+
+    Clusters rather than nearest neighbours: on an edge where two blocks meet on a base there are
+    three nodes in one place, and a nearest neighbour may be the wrong one.
+    """
+    used = np.unique(facets.nodes[facets.nodes >= 0])
+    links = cKDTree(nodes[used]).query_pairs(tolerance, output_type="ndarray")
+    ones = np.ones(len(links), dtype=np.int8)
+    graph = sp.coo_array((ones, (links[:, 0], links[:, 1])), shape=(len(used), len(used)))
+    labels = np.full(len(nodes), -1, dtype=np.int64)
+    labels[used] = connected_components(graph.tocsr(), directed=False)[1]
+    return labels
+
+
+def _coincident_facets(
+    keys: Indices, side: Indices, facets: Facets, assembly: Assembly, spec: InterfaceSpec
+) -> tuple[Indices, Indices]:
+    """Return the facets on the two sides (lower side first) whose nodes all coincide."""
+    _, group, counts = unique_rows(keys)
+    order = np.lexsort((side, group))
+    start = np.cumsum(counts) - counts
+    # Sides are sorted within a group: it joins different sides if its ends differ.
+    low, high = order[start], order[start + counts - 1]
+    mixed = side[low] != side[high]
+    crowded = np.flatnonzero(mixed & (counts > 2))
+    if crowded.size:
+        rows = order[start[crowded[0]] : start[crowded[0]] + counts[crowded[0]]]
+        message = (
+            f"interface '{spec.name}': {len(rows)} facets coincide "
+            f"{facet_place(assembly, facets, rows[0])}; two are expected. Do the two sides "
+            "select the same facets, do bodies overlap, or is the tolerance "
+            "larger than the thickness of a part?"
+        )
+        raise ModelError(message)
+    first, second = low[mixed], high[mixed]
+    by_first = np.argsort(first)
+    return first[by_first], second[by_first]
+
+
+def _aligned(labels: Indices, minus: Facets, plus: Facets) -> Facets:
+    """Permute the columns of ``plus`` so that column j coincides with column j of ``minus``."""
+    padded = np.append(labels, -1)
+    of_minus = np.argsort(padded[minus.nodes], axis=1, kind="stable")
+    of_plus = np.argsort(padded[plus.nodes], axis=1, kind="stable")
+    nodes = np.empty_like(plus.nodes)
+    np.put_along_axis(nodes, of_minus, np.take_along_axis(plus.nodes, of_plus, axis=1), axis=1)
+    return Facets(
+        nodes=nodes, elements=plus.elements, properties=plus.properties, bodies=plus.bodies
+    )
+
+
+def _face_pairs(matches: _Matches) -> tuple[FacePairs, ...]:
+    counts = matches.minus.counts
+    return tuple(
+        FacePairs(
+            kind=kind,
+            minus=matches.minus.nodes[counts == n, :n],
+            plus=matches.plus.nodes[counts == n, :n],
+        )
+        for kind, n in N_NODES.items()
+        if np.any(counts == n)
+    )
+
+
+def _check_not_collapsed(
+    keys: Indices, facets: Facets, assembly: Assembly, spec: InterfaceSpec, tolerance: float
+) -> None:
+    """Refuse a tolerance that joins nodes of one facet."""
+    repeated = (keys[:, 1:] == keys[:, :-1]) & (keys[:, 1:] >= 0)
+    rows = np.flatnonzero(repeated.any(axis=1))
+    if rows.size:
+        message = (
+            f"interface '{spec.name}': nodes of one facet "
+            f"{facet_place(assembly, facets, rows[0])} are within the tolerance "
+            f"{tolerance:g} of each other; lower the tolerance, or repair the facet"
+        )
+        raise ModelError(message)
+
+
+def _check_facing(
+    vectors: Matrix,
+    first: Indices,
+    second: Indices,
+    facets: Facets,
+    assembly: Assembly,
+    spec: InterfaceSpec,
+) -> None:
+    """Refuse coincident facets that are the same one or face the same way."""
+    keys = facets.corner_keys
+    shared = np.flatnonzero((keys[first] == keys[second]).all(axis=1))
+    if shared.size:
+        message = (
+            f"interface '{spec.name}': both sides select the same {shared.size} facets, for "
+            f"example {facet_place(assembly, facets, first[shared[0]])}; name one body per side"
+        )
+        raise ModelError(message)
+    same = np.flatnonzero(np.einsum("fd,fd->f", vectors[first], vectors[second]) >= 0)
+    if same.size:
+        message = (
+            f"interface '{spec.name}': {same.size} of {len(first)} coincident facets face the same "
+            f"way, for example {facet_place(assembly, facets, first[same[0]])}; the bodies "
+            "overlap, or the nodes of a face set do not run counter-clockwise seen from outside"
+        )
+        raise ModelError(message)

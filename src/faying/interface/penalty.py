@@ -1,0 +1,108 @@
+"""Contact stiffness from the elements that touch."""
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import ModelError
+from faying.interface.coupling import Coupling
+from faying.interface.interface import FacePairs
+from faying.model.assembly import Assembly
+from faying.model.elements import SOLIDS
+from faying.model.mesh import Mesh
+from faying.model.surface import (
+    Facets,
+    exterior_facets,
+    facet_centres,
+    facet_normals,
+    padded,
+    unique_rows,
+)
+
+PENALTY_FACTOR = 10.0
+"""Automatic penalty over E/h: the interface is then ten times stiffer than one element layer."""
+
+
+def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float:
+    """Return c_n = 10 E/h [force/length³] of the elements adjoining an interface; design §5.
+
+    E is the smallest Young's modulus among them, h their mean extent normal to their facet.
+
+    Parameters
+    ----------
+    faces
+        From :func:`faying.interface.pairing.pair_facets`.
+
+    Raises
+    ------
+    ModelError
+        If the facets belong to no solid elements (a model given as matrices) or a property has no
+        material: the penalty must then be a number.
+    """
+    return facet_penalty(assembly, _owners(assembly, faces))
+
+
+def facet_penalty(assembly: Assembly, facets: Facets) -> float:
+    """Return 10 E/h [force/length³] of the elements that facets of both sides belong to.
+
+    Raises
+    ------
+    ModelError
+        As :func:`automatic_penalty`.
+    """
+    missing = np.setdiff1d(facets.properties, np.fromiter(assembly.materials, np.int64))
+    if missing.size:
+        what = (
+            "its facets belong to no solid elements"
+            if missing[0] < 0
+            else f"property {missing[0]} has no material"
+        )
+        message = (
+            f"penalty = 'auto' needs the elements at the interface, but {what}; give the penalty "
+            "as a number [force/length³] (10 E/h is a good start, h the element size)"
+        )
+        raise ModelError(message)
+    used = np.unique(facets.properties).tolist()
+    modulus = min(assembly.materials[number].youngs_modulus for number in used)
+    return PENALTY_FACTOR * modulus / float(_heights(assembly.mesh, facets).mean())
+
+
+def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
+    """Return 10 E/h [force/length³] of the elements on both sides of a mortar coupling.
+
+    Raises
+    ------
+    ModelError
+        As :func:`automatic_penalty`.
+    """
+    return facet_penalty(assembly, coupling.segments.minus.joined(coupling.segments.plus))
+
+
+def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
+    """Find whose exterior facets the two sides are; -1 where they are none's."""
+    nodes = np.concatenate([padded(side) for f in faces for side in (f.minus, f.plus)])
+    nobody = np.full(len(nodes), -1)
+    given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
+    both = exterior_facets(assembly.mesh).joined(given)
+    first, group, _ = unique_rows(both.corner_keys)
+    return both.taken(first[group[-len(nodes) :]])
+
+
+def _heights(mesh: Mesh, facets: Facets) -> Vector:
+    """Measure how far the owning elements reach inwards from their facets (n_facet,)."""
+    centres = facet_centres(mesh.nodes, facets)
+    normals = facet_normals(mesh.nodes, facets)
+    heights = np.zeros(len(facets))
+    for block in mesh.blocks:
+        order = np.argsort(block.ids)
+        rows = np.flatnonzero(np.isin(facets.elements, block.ids))
+        place = order[np.searchsorted(block.ids, facets.elements[rows], sorter=order)]
+        corners = mesh.nodes[block.nodes[place, : SOLIDS[block.kind].n_corners]]
+        heights[rows] = _depth(corners, centres[rows], normals[rows])
+    return heights
+
+
+def _depth(corners: Matrix, centres: Matrix, normals: Matrix) -> Vector:
+    """Return the largest distance of element corners (n, n_corner, 3) behind their facet."""
+    inward = np.einsum("fcd,fd->fc", centres[:, None] - corners, normals)
+    depth: Vector = inward.max(axis=1, initial=0.0)
+    return depth

@@ -1,0 +1,109 @@
+"""Relative displacements of two sides, and their components along the normals."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.interface.arcs import FLATNESS
+from faying.interface.interface import Interface
+from faying.model.dofs import DofMap
+
+
+def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
+    """Return the operator (3 n_pair, n_dof) to u⁺ − u⁻ of node pairs, pair by pair."""
+    minus, plus = ((6 * nodes[:, None] + np.arange(3)).ravel() for nodes in pairs.T)
+    difference = (dofs.transformation[plus] - dofs.transformation[minus]).tocsr()
+    difference.eliminate_zeros()
+    return difference
+
+
+def combined_displacement(dofs: DofMap, factors: SparseMatrix) -> SparseMatrix:
+    """Return the operator (3 n, n_dof) to sums of translations, from factors (n, n_node)."""
+    entries = factors.tocoo()
+    component = np.arange(3)
+    rows = (3 * entries.row[:, None] + component).ravel()
+    columns = (6 * entries.col[:, None] + component).ravel()
+    shape = (3 * factors.shape[0], 6 * factors.shape[1])
+    spread = sp.csr_array((np.repeat(entries.data, 3), (rows, columns)), shape=shape)
+    combined = (spread @ dofs.transformation).tocsr()
+    combined.eliminate_zeros()
+    return combined
+
+
+def sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatrix]:
+    """Return what the pairs take from the nodes of the minus and of the plus side.
+
+    Returns
+    -------
+    tuple of csr_array (n_pair, n_node)
+        Their difference applied to translations of the nodes is the relative displacement.
+    """
+    if interface.coupling is not None:
+        return interface.coupling.minus, interface.coupling.plus
+    n_pair = len(interface.pairs)
+    minus, plus = (
+        sp.csr_array((np.ones(n_pair), (np.arange(n_pair), nodes)), shape=(n_pair, n_node))
+        for nodes in interface.pairs.T
+    )
+    return minus, plus
+
+
+def relative_motion(interface: Interface, dofs: DofMap, chosen: Mask) -> SparseMatrix:
+    """Return the operator (3 n, n_dof) to all components at the chosen pairs (n_pair,).
+
+    Between meshes that do not match these are the projected relative displacements, not those of
+    the two nodes a pair is named after.
+    """
+    if interface.coupling is None:
+        return relative_displacement(dofs, interface.pairs[chosen])
+    return combined_displacement(dofs, interface.coupling.motion[chosen])
+
+
+def common_normal(
+    normals: Matrix, weights: Vector, pair_normals: Matrix
+) -> tuple[Matrix, Matrix, bool]:
+    """Replace all normals by their mean where they agree; tell whether they did.
+
+    Parameters
+    ----------
+    normals : (n_point, 3)
+    weights : (n_point,)
+    pair_normals : (n_pair, 3)
+    """
+    mean = unit((weights @ normals)[None])
+    every = np.concatenate([normals, pair_normals])
+    if np.linalg.norm(every - mean, axis=1).max() > FLATNESS:
+        return normals, pair_normals, False
+    # Rounding in a component that should vanish would couple directions that are not.
+    mean = unit(np.where(np.abs(mean) < 1e-14, 0.0, mean))
+    return (
+        np.broadcast_to(mean, normals.shape),
+        np.broadcast_to(mean, pair_normals.shape),
+        True,
+    )
+
+
+def along_normals(normals: Matrix, operator: SparseMatrix) -> SparseMatrix:
+    """Return the component along the normals (n, n_dof) of an operator (3 n, n_dof)."""
+    n = len(normals)
+    rows, columns = np.repeat(np.arange(n), 3), np.arange(3 * n)
+    along = sp.csr_array((normals.ravel(), (rows, columns)), shape=(n, 3 * n))
+    along.eliminate_zeros()
+    return (along @ operator).tocsr()
+
+
+def times_normals(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
+    """Return N n (n_point, 3 n_pair) from N (n_point, n_pair), the columns pair by pair."""
+    entries = shape.tocoo()
+    rows = np.repeat(entries.row, 3)
+    columns = (3 * entries.col[:, None] + np.arange(3)).ravel()
+    data = (entries.data[:, None] * normals[entries.row]).ravel()
+    result = sp.csr_array((data, (rows, columns)), shape=(shape.shape[0], 3 * shape.shape[1]))
+    result.eliminate_zeros()
+    return result
+
+
+def unit(vectors: Matrix) -> Matrix:
+    """Return vectors (n, 3) scaled to length one."""
+    scaled: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return scaled

@@ -1,0 +1,93 @@
+"""Quadrature points on segments, as the facets of either side see them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.interface.facets import Rule, shape_functions, shape_gradients
+from faying.interface.inverse_map import reference_coordinates
+from faying.interface.segments import Segments
+from faying.model.surface import N_NODES
+
+LINEAR = {"tri3": "tri3", "tri6": "tri3", "quad4": "quad4", "quad8": "quad4"}
+"""Facet on the corners of each kind: relative displacements live there."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FacetPoints:
+    """Points on facets of one kind.
+
+    Attributes
+    ----------
+    kind
+    places : (n, n_q, 2)
+        Reference coordinates.
+    local : (n, n_node_per_face, 3) [length]
+        Nodes of the facet in the frame of the minus facet.
+    shape : (n, n_q, n_node_per_face)
+        Shape functions.
+    """
+
+    kind: str
+    places: Matrix
+    local: Matrix
+    shape: Matrix
+
+    @property
+    def linear(self) -> Matrix:
+        """Shape functions of the corners alone (n, n_q, 3 or 4)."""
+        return self.shape if LINEAR[self.kind] == self.kind else _at(LINEAR[self.kind], self.places)
+
+    @property
+    def heights(self) -> Matrix:
+        """Height over the plane of the minus facet (n, n_q) [length]."""
+        heights: Matrix = np.einsum("nqa,na->nq", self.shape, self.local[..., 2])
+        return heights
+
+    @property
+    def area_vectors(self) -> Matrix:
+        """Area vectors per area in the plane (n, n_q, 3), in the frame of the minus facet."""
+        flat = self.places.reshape(-1, 2)
+        gradients = shape_gradients(self.kind, flat).reshape(*self.shape.shape, 2)
+        tangents = np.einsum("nqaj,nad->jnqd", gradients, self.local)
+        vectors = np.cross(tangents[0], tangents[1])
+        projected: Matrix = vectors / vectors[..., 2:]
+        return projected
+
+
+def on_side(
+    side: str, kind: str, nodes: Matrix, segments: Segments, rows: Indices, rule: Rule
+) -> FacetPoints:
+    """Place the quadrature points of triangles ``rows`` on the facets of one side.
+
+    Parameters
+    ----------
+    side
+        ``"minus"`` or ``"plus"``.
+    kind
+        Of the facets these triangles lie on.
+    nodes : (n_node, 3) [length]
+    rule
+        Of triangles.
+
+    Raises
+    ------
+    ModelError
+        If a facet folds over itself.
+    """
+    own = segments.minus_of[rows]
+    facets, at = {
+        "minus": (segments.minus, own),
+        "plus": (segments.plus, segments.plus_of[rows]),
+    }[side]
+    corners = shape_functions("tri3", rule.points)
+    points = np.einsum("qi,nid->nqd", corners, segments.triangles[rows])
+    away = nodes[facets.nodes[at, : N_NODES[kind]]] - segments.origins[own][:, None]
+    local = np.einsum("nkd,nad->nka", away, segments.frames[own])
+    places = reference_coordinates(kind, local[..., :2], points)
+    return FacetPoints(kind=kind, places=places, local=local, shape=_at(kind, places))
+
+
+def _at(kind: str, places: Matrix) -> Matrix:
+    return shape_functions(kind, places.reshape(-1, 2)).reshape(*places.shape[:2], -1)

@@ -1,0 +1,237 @@
+"""Segments: where the facets of two meshes that do not match lie on each other.
+
+Each pair of facets that touch is projected onto the plane of the minus facet and clipped there
+(M. A. Puso, T. A. Laursen, A mortar segment-to-segment contact method for large deformation solid
+mechanics, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629); here against that plane, which
+is fixed because displacements are small.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.interface.cells import Cells, divided
+from faying.interface.clipping import areas, clip, fans
+from faying.interface.mismatch import FACING
+from faying.model.surface import Facets, facet_centres, facet_normals
+
+NEGLIGIBLE = 1e-6
+"""Share of a minus facet below which it does not count as covered: digits of coordinates."""
+
+WHOLE = 1 - 1e-5
+"""Share of a minus facet from which it counts as wholly covered: digits of coordinates."""
+
+_SLIVER = 1e-10
+"""Area of a segment over that of its smaller facet, below which clipping has made it."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Segments:
+    """Triangles on which a minus and a plus facet lie on each other.
+
+    Attributes
+    ----------
+    minus, plus
+        Facets of the two sides that touch.
+    origins : (n_minus, 3) [length]
+    frames : (n_minus, 3, 3)
+        Two tangents and the normal of the plane of each minus facet, as rows.
+    triangles : (n_triangle, 3, 2) [length]
+        Corners in the plane of their minus facet, counter-clockwise.
+    minus_of, plus_of : (n_triangle,)
+        Facets a triangle lies on.
+    covered : (n_minus,)
+        Share of each minus facet that the plus side covers, in its plane.
+    """
+
+    minus: Facets
+    plus: Facets
+    origins: Matrix
+    frames: Matrix
+    triangles: Matrix
+    minus_of: Indices
+    plus_of: Indices
+    covered: Vector
+
+    def __post_init__(self) -> None:
+        for name in ("origins", "frames", "triangles", "covered"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        for name in ("minus_of", "plus_of"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+
+    def __len__(self) -> int:
+        """Return the number of triangles."""
+        return len(self.triangles)
+
+    @property
+    def whole(self) -> Mask:
+        """Whether each minus facet (n_minus,) is wholly covered."""
+        return self.covered >= WHOLE
+
+    @property
+    def areas(self) -> Vector:
+        """Areas (n_triangle,) in the plane of the minus facets."""
+        return areas(self.triangles, np.full(len(self), 3))
+
+    @property
+    def partial(self) -> Matrix:
+        """Corners in space (n, 3, 3) of the triangles on facets that are covered in part."""
+        chosen = ~self.whole[self.minus_of]
+        own = self.minus_of[chosen]
+        flat = np.einsum("nia,nad->nid", self.triangles[chosen], self.frames[own, :2])
+        corners: Matrix = self.origins[own][:, None] + flat
+        return corners
+
+    def touched(self, chosen: Mask) -> "Segments":
+        """Return the chosen triangles (n_triangle,) with only the facets they lie on."""
+        minus, minus_of = np.unique(self.minus_of[chosen], return_inverse=True)
+        plus, plus_of = np.unique(self.plus_of[chosen], return_inverse=True)
+        share = np.zeros(len(self.minus))
+        np.add.at(share, self.minus_of, np.where(chosen, self.areas, 0.0))
+        whole = np.zeros(len(self.minus))
+        np.add.at(whole, self.minus_of, self.areas)
+        return Segments(
+            minus=self.minus.taken(minus),
+            plus=self.plus.taken(plus),
+            origins=self.origins[minus],
+            frames=self.frames[minus],
+            triangles=self.triangles[chosen],
+            minus_of=minus_of,
+            plus_of=plus_of,
+            covered=self.covered[minus] * share[minus] / whole[minus],
+        )
+
+
+def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) -> Segments:
+    """Clip the facets of two sides against each other where they touch.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+    minus, plus
+        Facets that may touch; quadratic ones are divided into four linear cells.
+    tolerance : [length]
+        Largest distance between the two surfaces along the normal of the minus facet, to which
+        the heights of the arcs over both facets are added where the surfaces are curved.
+
+    Returns
+    -------
+    Segments
+        Without triangles where the sides nowhere touch.
+
+    Notes
+    -----
+    A k-d tree finds facets that may touch, all pairs are clipped at once. Time and memory are
+    proportional to the number of pairs whose boxes overlap.
+    """
+    centres = facet_centres(nodes, minus)
+    frames = _frames(nodes[minus.corners], facet_normals(nodes, minus))
+    below, above = divided(nodes, minus), divided(nodes, plus)
+    one, other = _near(below, above, tolerance)
+    first, second = below.parents[one], above.parents[other]
+    own = _in_planes(below.corners, centres[below.parents], frames[below.parents])
+    size = areas(own, np.full(len(own), 4))
+    full = np.bincount(below.parents, size, len(minus))
+    # The plus side is seen from inside: turned round, it runs counter-clockwise as well.
+    window = _turned_round(
+        _in_planes(above.corners[other], centres[first], frames[first]),
+        above.facets.triangular[other],
+    )
+    polygons, counts = clip(own[one], window)
+    common = areas(polygons, counts)
+    smaller = np.minimum(size[one], np.abs(areas(window, np.full(len(window), 4))))
+    kept = common > _SLIVER * smaller
+    middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
+    points = centres[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
+    height = np.abs(_height(points, frames[first, 2], below, one, above, other))
+    kept &= height <= tolerance + below.arcs[one] + above.arcs[other] + 1e-9 * np.sqrt(size[one])
+    covered = np.bincount(first[kept], common[kept], len(minus)) / full
+    kept &= covered[first] >= NEGLIGIBLE
+    triangles, owners = fans(polygons[kept], counts[kept])
+    found = Segments(
+        minus=minus,
+        plus=plus,
+        origins=centres,
+        frames=frames,
+        triangles=triangles,
+        minus_of=first[kept][owners],
+        plus_of=second[kept][owners],
+        covered=covered,
+    )
+    return found.touched(found.areas > _SLIVER * full[found.minus_of])
+
+
+def _frames(corners: Matrix, normals: Matrix) -> Matrix:
+    """Two tangents and the normal of each facet (n, 3, 3)."""
+    edges = np.roll(corners, -1, axis=1) - corners
+    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
+    first = edges[np.arange(len(edges)), longest]
+    first = first - np.einsum("nd,nd->n", first, normals)[:, None] * normals
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normals, first), normals], axis=1)
+
+
+def _in_planes(points: Matrix, origins: Matrix, frames: Matrix) -> Matrix:
+    """Project points (n, k, 3) onto the planes of n facets (n, k, 2)."""
+    flat: Matrix = np.einsum("nkd,nad->nka", points - origins[:, None], frames[:, :2])
+    return flat
+
+
+def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
+    """Reverse the corners of facets (n, 4, 2); triangles still repeat their last one."""
+    square, triangle = [3, 2, 1, 0], [2, 1, 0, 0]
+    return np.where(triangular[:, None, None], corners[:, triangle], corners[:, square])
+
+
+def _height(
+    points: Matrix, upwards: Matrix, below: Cells, one: Indices, above: Cells, other: Indices
+) -> Vector:
+    """Distance (n,) between the planes of two cells at points (n, 3), along directions (n, 3)."""
+    heights = []
+    for cells, rows in ((below, one), (above, other)):
+        normals = cells.normals[rows]
+        offset = np.einsum("nd,nd->n", cells.centres[rows] - points, normals)
+        heights.append(offset / np.einsum("nd,nd->n", upwards, normals))
+    distance: Vector = heights[1] - heights[0]
+    return distance
+
+
+def _near(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indices]:
+    """Return the pairs of cells that face each other and whose boxes overlap."""
+    boxes = []
+    for cells in (below, above):
+        corners, reach = cells.corners, cells.arcs[:, None] + tolerance
+        boxes.append((corners.min(axis=1) - reach, corners.max(axis=1) + reach))
+    (low, high), (from_, to) = boxes
+    normals = below.normals, above.normals
+    pairs = [np.empty((0, 2), dtype=np.int64)]
+    for one, other in _by_distance(*boxes):
+        near = np.einsum("nd,nd->n", normals[0][one], normals[1][other]) < FACING
+        near &= (low[one] <= to[other]).all(axis=1) & (from_[other] <= high[one]).all(axis=1)
+        pairs.append(np.column_stack([one[near], other[near]]))
+    found = np.concatenate(pairs)
+    found = found[np.lexsort(found.T[::-1])]
+    return found[:, 0], found[:, 1]
+
+
+def _by_distance(
+    minus: tuple[Matrix, Matrix], plus: tuple[Matrix, Matrix]
+) -> Iterator[tuple[Indices, Indices]]:
+    """Yield pairs of boxes that may overlap, one size of plus boxes (by powers of two) a time.
+
+    Sizes apart, because the largest facet of a graded mesh would make all others its neighbours.
+    """
+    centres = [(low + high) / 2 for low, high in (minus, plus)]
+    radii = [np.linalg.norm(high - low, axis=1) / 2 for low, high in (minus, plus)]
+    size = np.floor(np.log2(np.maximum(radii[1], np.finfo(float).tiny))).astype(int)
+    for one_size in np.unique(size):
+        members = np.flatnonzero(size == one_size)
+        reach = radii[0] + radii[1][members].max()
+        found = cKDTree(centres[1][members]).query_ball_point(centres[0], reach)
+        counts = np.fromiter(map(len, found), np.int64, len(found))
+        if counts.any():
+            others = np.concatenate([np.asarray(part, dtype=np.int64) for part in found])
+            yield np.repeat(np.arange(len(counts)), counts), members[others]

@@ -1,0 +1,229 @@
+"""Zero-thickness elements: matched facets become the linear gap operator of an interface."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.interface.facets import (
+    Rule,
+    area_vectors,
+    gauss_rule,
+    nodal_rule,
+    reference_nodes,
+    shape_functions,
+    surface,
+)
+from faying.interface.interface import FacePairs, Interface
+from faying.interface.penalty import automatic_penalty
+from faying.interface.relative import (
+    along_normals,
+    common_normal,
+    relative_displacement,
+    times_normals,
+    unit,
+)
+from faying.model.assembly import Assembly
+from faying.model.dofs import DofMap
+from faying.model.specs import InterfaceSpec
+
+__all__ = ["automatic_penalty", "build_interface", "relative_displacement"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Points:
+    """Contact points: shape functions of the pairs (n_point, n_pair), geometry, owning facet."""
+
+    shape: SparseMatrix
+    points: Matrix
+    weights: Vector
+    normals: Matrix
+    faces: Indices
+
+
+def build_interface(
+    assembly: Assembly,
+    dofs: DofMap,
+    spec: InterfaceSpec,
+    faces: tuple[FacePairs, ...],
+    penalty: float,
+) -> Interface:
+    """Form the zero-thickness elements of an interface, Eq. (15.3), (15.11), (15.14).
+
+    Geometry (points, areas, normals) is that of the surface midway between the two sides.
+
+    Parameters
+    ----------
+    spec
+        Gives name and quadrature; without a choice of quadrature, penalty contact takes Gauss
+        points and hard contact nodal ones, of which linear facets have no more than node pairs,
+        so that hard contact forces are unique.
+    faces
+        From :func:`faying.interface.pairing.pair_facets`.
+    penalty : [force/length³]
+        ``inf`` is hard contact.
+
+    Returns
+    -------
+    Interface
+        With nodal quadrature the points that facets share are one point with their areas summed;
+        ``face_of_point`` then names the first of these facets.
+
+    Raises
+    ------
+    ModelError
+        If a facet has no area or the order does not fit the quadrature.
+
+    Notes
+    -----
+    Linear in the number of contact points. The two sides of a pair carry exactly opposite
+    entries, so Newton's third law, Eq. (15.4), holds to the last bit.
+    """
+    if not faces:
+        message = f"interface '{spec.name}' has no facets; pair the facets of its sides first"
+        raise ModelError(message)
+    nodes = assembly.mesh.nodes
+    rules = [contact_rule(spec, entry.kind, penalty) for entry in faces]
+    pairs, columns = _node_pairs(faces, len(nodes))
+    middle = nodes[pairs].mean(axis=1)
+    points = _merged(*_all_points(spec.name, faces, columns, rules, middle))
+    normals, pair_normals, flat = common_normal(
+        points.normals, points.weights, pair_normals_of(faces, columns, middle)
+    )
+    relative = relative_displacement(dofs, pairs)
+    separation = points.shape @ (nodes[pairs[:, 1]] - nodes[pairs[:, 0]])
+    return Interface(
+        name=spec.name,
+        faces=faces,
+        pairs=pairs,
+        pair_normals=pair_normals,
+        relative_operator=along_normals(pair_normals, relative) if flat else relative,
+        interpolation=points.shape if flat else times_normals(points.shape, normals),
+        point_shape=points.shape,
+        initial_gap=np.einsum("kd,kd->k", normals, separation),
+        weights=points.weights,
+        points=points.points,
+        normals=normals,
+        face_of_point=points.faces,
+        penalty=penalty,
+        quadrature="+".join(dict.fromkeys(rule.name for rule in rules)),
+    )
+
+
+def contact_rule(spec: InterfaceSpec, kind: str, penalty: float) -> Rule:
+    """Return the rule that places the contact points of a facet.
+
+    Raises
+    ------
+    ModelError
+        If the order does not fit the quadrature.
+    """
+    quadrature = spec.quadrature or ("nodal" if np.isinf(penalty) else "gauss")
+    if quadrature == "gauss":
+        return gauss_rule(kind, spec.order)
+    if spec.order is not None:
+        message = (
+            f"interface '{spec.name}': order {spec.order} is given but nodal quadrature has none; "
+            "leave the order out or take quadrature = 'gauss'"
+        )
+        raise ModelError(message)
+    return nodal_rule(kind)
+
+
+def _node_pairs(faces: tuple[FacePairs, ...], n_node: int) -> tuple[Indices, list[Indices]]:
+    """Return unique pairs (n_pair, 2) and, per entry of faces, the pair of each of its nodes."""
+    codes = np.concatenate([(f.minus * n_node + f.plus).ravel() for f in faces])
+    unique, inverse = np.unique(codes, return_inverse=True)
+    ends = np.cumsum([f.minus.size for f in faces])[:-1]
+    shapes = [f.minus.shape for f in faces]
+    split = np.split(inverse.ravel(), ends)
+    columns = [part.reshape(shape) for part, shape in zip(split, shapes, strict=True)]
+    return np.column_stack(np.divmod(unique, n_node)), columns
+
+
+def _all_points(
+    name: str,
+    faces: tuple[FacePairs, ...],
+    columns: list[Indices],
+    rules: list[Rule],
+    middle: Matrix,
+) -> tuple[_Points, Indices]:
+    """Evaluate every facet; also return the pair a point coincides with, -1 for none."""
+    parts, at_pair, first_face = [], [], 0
+    for entry, local, rule in zip(faces, columns, rules, strict=True):
+        geometry = surface(entry.kind, middle[local], rule)
+        if not np.all(geometry.areas > 0):
+            row = int(np.flatnonzero(~np.all(geometry.areas > 0, axis=1))[0])
+            x, y, z = middle[local[row]].mean(axis=0)
+            message = (
+                f"interface '{name}': a {entry.kind} facet at ({x:g}, {y:g}, {z:g}) has no area; "
+                "repair the mesh there"
+            )
+            raise ModelError(message)
+        n_face, n_q = geometry.areas.shape
+        parts.append(
+            _Points(
+                shape=_point_shape(entry.kind, local, rule, len(middle)),
+                points=geometry.points.reshape(-1, 3),
+                weights=geometry.areas.ravel(),
+                normals=geometry.normals.reshape(-1, 3),
+                faces=np.repeat(first_face + np.arange(n_face), n_q),
+            )
+        )
+        at_pair.append(np.where(rule.nodes >= 0, local[:, rule.nodes], -1).ravel())
+        first_face += n_face
+    joined = _Points(
+        shape=sp.vstack([part.shape for part in parts]).tocsr(),
+        points=np.concatenate([part.points for part in parts]),
+        weights=np.concatenate([part.weights for part in parts]),
+        normals=np.concatenate([part.normals for part in parts]),
+        faces=np.concatenate([part.faces for part in parts]),
+    )
+    return joined, np.concatenate(at_pair)
+
+
+def _point_shape(kind: str, local: Indices, rule: Rule, n_pair: int) -> SparseMatrix:
+    """Shape functions of the pairs (n_face n_q, n_pair)."""
+    values = shape_functions(kind, rule.points)
+    # Shape functions at nodes are 0 and 1 but for rounding, which would fill the matrix.
+    values = np.where(np.abs(values) < 1e-14, 0.0, values)
+    n_face, n_q = len(local), len(rule.weights)
+    data = np.broadcast_to(values, (n_face, *values.shape)).ravel()
+    rows = np.repeat(np.arange(n_face * n_q), values.shape[1])
+    columns = np.repeat(local[:, None, :], n_q, axis=1).ravel()
+    shape = sp.csr_array((data, (rows, columns)), shape=(n_face * n_q, n_pair))
+    shape.eliminate_zeros()
+    return shape
+
+
+def _merged(raw: _Points, at_pair: Indices) -> _Points:
+    """Join the points at one node pair: they share one gap, so separate forces are undefined."""
+    alone = len(raw.weights) + np.arange(len(raw.weights))
+    key = np.where(at_pair >= 0, at_pair, alone)
+    _, first, group = np.unique(key, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    ones = np.ones(len(key))
+    join = sp.csr_array(
+        (ones, (place[group.ravel()], np.arange(len(key)))), shape=(len(order), len(key))
+    )
+    kept = first[order]
+    return _Points(
+        shape=raw.shape[kept],
+        points=raw.points[kept],
+        weights=join @ raw.weights,
+        normals=unit(join @ (raw.weights[:, None] * raw.normals)),
+        faces=raw.faces[kept],
+    )
+
+
+def pair_normals_of(faces: tuple[FacePairs, ...], columns: list[Indices], middle: Matrix) -> Matrix:
+    """Average the facets' normals at the pairs, weighted with the local Jacobian."""
+    total = np.zeros((len(middle), 3))
+    for entry, local in zip(faces, columns, strict=True):
+        vectors = area_vectors(entry.kind, middle[local], reference_nodes(entry.kind))
+        np.add.at(total, local, vectors)
+    return unit(total)

@@ -1,0 +1,287 @@
+"""From a description to a model: matrices, constraints, interfaces, bolts and boundaries."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
+from faying.exceptions import ModelError, naming
+from faying.interface.doubled import check_not_doubled
+from faying.interface.interface import Interface, stack
+from faying.interface.mortar import build_mortar_interface, find_couplings
+from faying.interface.pairing import find_interfaces
+from faying.interface.penalty import automatic_penalty, coupling_penalty
+from faying.interface.zero_thickness import build_interface
+from faying.joint.diagnosis import unconstrained
+from faying.joint.model import Model
+from faying.joint.structure import Structure
+from faying.joint.system import boundary_dofs, elongations
+from faying.model.assembly import Assembly, Beam
+from faying.model.bolt import Bolt
+from faying.model.bolt_sense import Seats, check_not_twice, spring_sense
+from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.clamping import check_clamping, element_seats
+from faying.model.constraints import constrain, movable_components
+from faying.model.contained_bolt import check_contained, elongation_factors
+from faying.model.coupled_boundary import add_coupled_boundary
+from faying.model.dofs import DofMap
+from faying.model.generated_bolt import add_bolt, bolt_axis_element
+from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+
+
+def build_model(
+    assembly: Assembly,
+    *,
+    interfaces: Sequence[InterfaceSpec] = (InterfaceSpec(name="joint"),),
+    bolts: Sequence[BoltSpec] = (),
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+    units: str = "mm-t-s",
+) -> Model:
+    """Build a model of an assembly.
+
+    Parameters
+    ----------
+    interfaces
+        Where bodies touch; by default all coincident facets of different bodies.
+    bolts
+        Bolts to be tightened; those with an ``axis`` are generated, those with ``elements`` are
+        beams of the assembly, those with ``nodes`` are part of its given stiffness matrix.
+    boundaries
+        Where loads enter; their degrees of freedom stay free.
+    damping
+        Rayleigh factors, added to any damping matrix the assembly brings.
+
+    Raises
+    ------
+    ModelError
+        If something named does not exist, elements are inverted, facets do not match, a boundary
+        is supported, or two boundaries share a node.
+
+    Notes
+    -----
+    Assembly and elimination of constraints only; nothing is factorized yet.
+    """
+    assembly, bolts = _with_generated_bolts(assembly, bolts)
+    seats = _bolt_seats(assembly, bolts)
+    check_not_twice(seats)
+    assembly, boundaries = _with_coupled_boundaries(assembly, boundaries)
+    nodal = assemble_matrices(assembly)
+    used = used_components(assembly)
+    movable = movable_components(assembly, used)
+    ends = [_boundary_components(assembly, spec, movable) for spec in boundaries]
+    _check_disjoint(assembly, boundaries, ends)
+    dofs = constrain(assembly, used, keep=np.concatenate([*ends, np.empty(0, dtype=np.int64)]))
+    damping = damping or Rayleigh()
+    M, C, K = _free_matrices(nodal, dofs, damping)
+    joints = _interfaces(assembly, dofs, interfaces)
+    placed = {
+        spec.name: Boundary(
+            name=spec.name,
+            nodes=assembly.mesh.node_ids[end // 6],
+            components=end % 6,
+            dofs=dofs.index(end // 6, end % 6),
+        )
+        for spec, end in zip(boundaries, ends, strict=True)
+    }
+    tightened = {spec.name: _bolt(assembly, dofs, K, spec, seats) for spec in bolts}
+    stacked = stack(joints)
+    structure = Structure(
+        M=M,
+        C=C,
+        K=K,
+        relative_operator=stacked.relative_operator,
+        places=stacked.places,
+        boundary=boundary_dofs(placed),
+        elongations=elongations(tightened, K.shape[0]),
+        diagnose=partial(unconstrained, assembly, dofs),
+    )
+    return Model(
+        structure=structure,
+        interfaces=joints,
+        bolts=tightened,
+        boundaries=placed,
+        dofs=dofs,
+        assembly=assembly,
+        damping=damping,
+        name=assembly.name,
+        units=units,
+    )
+
+
+def _with_generated_bolts(
+    assembly: Assembly, bolts: Sequence[BoltSpec]
+) -> tuple[Assembly, list[BoltSpec]]:
+    """Add the bolts that are not in the deck; all specs then name elements."""
+    specs = []
+    for spec in bolts:
+        if spec.axis is None:
+            specs.append(spec)
+            continue
+        assembly = add_bolt(assembly, spec)
+        specs.append(replace(spec, elements=(assembly.beams[-1].id,), axis=None))
+    return assembly, specs
+
+
+def _with_coupled_boundaries(
+    assembly: Assembly, boundaries: Sequence[BoundarySpec]
+) -> tuple[Assembly, list[BoundarySpec]]:
+    """Add the nodes of boundaries that couple a face; all others stay as they are."""
+    specs = []
+    for spec in boundaries:
+        if spec.coupling is None:
+            specs.append(spec)
+            continue
+        assembly, own = add_coupled_boundary(assembly, spec, _boundary_nodes(assembly, spec))
+        specs.append(own)
+    return assembly, specs
+
+
+def _bolt_seats(assembly: Assembly, specs: Sequence[BoltSpec]) -> dict[str, Seats]:
+    """Return what each bolt that has an element holds at its ends."""
+    axes = {spec.name: bolt_axis_element(assembly, spec) for spec in specs if spec.nodes is None}
+    return {name: element_seats(assembly, element) for name, element in axes.items()}
+
+
+def _free_matrices(
+    nodal: NodalMatrices, dofs: DofMap, damping: Rayleigh
+) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
+    """M, C, K at the free degrees of freedom, with Rayleigh damping added to C."""
+    T = dofs.transformation
+
+    def project(matrix: SparseMatrix) -> SparseMatrix:
+        projected = (T.T @ matrix @ T).tocsr()
+        return ((projected + projected.T) * 0.5).tocsr()
+
+    M, K = project(nodal.M), project(nodal.K)
+    C = damping.alpha * M + damping.beta * K
+    if nodal.C is not None:
+        C = C + project(nodal.C)
+    return read_only(M), read_only(C.tocsr()), read_only(K)
+
+
+def _interfaces(
+    assembly: Assembly, dofs: DofMap, specs: Sequence[InterfaceSpec]
+) -> dict[str, Interface]:
+    joints: dict[str, Interface] = {}
+    for spec in specs:
+        for name, interface in _found(assembly, dofs, spec):
+            if name in joints:
+                message = f"two interfaces are called '{name}'; give each its own name"
+                raise ModelError(message)
+            joints[name] = interface
+    if not joints:
+        message = "the model has no interface; name one, or let faying find it with 'auto'"
+        raise ModelError(message)
+    check_not_doubled(joints)
+    return joints
+
+
+def _found(
+    assembly: Assembly, dofs: DofMap, spec: InterfaceSpec
+) -> Iterator[tuple[str, Interface]]:
+    """Find where the sides of a spec touch and build the interfaces there."""
+    if spec.meshes == "non-matching":
+        for name, coupling in find_couplings(assembly, spec).items():
+            penalty = _penalty(spec, partial(coupling_penalty, assembly, coupling))
+            own = replace(spec, name=name)
+            yield name, build_mortar_interface(assembly, dofs, own, coupling, penalty)
+    else:
+        for name, faces in find_interfaces(assembly, spec).items():
+            penalty = _penalty(spec, partial(automatic_penalty, assembly, faces))
+            yield name, build_interface(assembly, dofs, replace(spec, name=name), faces, penalty)
+
+
+def _penalty(spec: InterfaceSpec, automatic: Callable[[], float]) -> float:
+    if spec.penalty == "hard":
+        return np.inf
+    if spec.penalty != "auto":
+        return float(spec.penalty)
+    with naming(f"interface '{spec.name}'"):
+        return automatic()
+
+
+def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:
+    """Rows 6 i + c of the components that can carry a load."""
+    nodes = _boundary_nodes(assembly, spec)
+    rows = (6 * nodes[:, None] + np.arange(6)).ravel()
+    free: Indices = rows[movable[rows]]
+    if not len(free):
+        message = (
+            f"boundary '{spec.name}' takes no load: its node {assembly.mesh.node_ids[nodes[0]]} is "
+            "fixed by supports in every component, or touches nothing; choose a node that can move"
+        )
+        raise ModelError(message)
+    return free
+
+
+def _boundary_nodes(assembly: Assembly, spec: BoundarySpec) -> Indices:
+    if spec.node is not None:
+        with naming(f"boundary '{spec.name}'"):
+            return assembly.mesh.node_index(np.array([spec.node]))
+    sets: Mapping[str, Indices] = assembly.mesh.node_sets
+    if spec.set is None or spec.set not in sets:
+        message = (
+            f"boundary '{spec.name}': there is no node set '{spec.set}'; "
+            f"known are {', '.join(sets) or 'none, so give a node'}"
+        )
+        raise ModelError(message)
+    return sets[spec.set]
+
+
+def _check_disjoint(
+    assembly: Assembly, specs: Sequence[BoundarySpec], ends: Sequence[Indices]
+) -> None:
+    owner: dict[int, str] = {}
+    for spec, end in zip(specs, ends, strict=True):
+        for row in end.tolist():
+            other = owner.setdefault(row, spec.name)
+            if other != spec.name:
+                message = (
+                    f"boundaries '{other}' and '{spec.name}' share node "
+                    f"{assembly.mesh.node_ids[row // 6]} ({FORCE_NAMES[row % 6]}); "
+                    "let each node belong to one boundary"
+                )
+                raise ModelError(message)
+
+
+def _bolt(
+    assembly: Assembly,
+    dofs: DofMap,
+    K: SparseMatrix,
+    spec: BoltSpec,
+    seats: Mapping[str, Seats],
+) -> Bolt:
+    """Axial stiffness and elongation row of what is tightened."""
+    if spec.nodes is not None:
+        row, stiffness = elongation_factors(assembly, spec), float(spec.stiffness or 0.0)
+    else:
+        row, stiffness = _of_element(assembly, spec, seats[spec.name])
+    elongation = (row @ dofs.transformation).toarray().ravel()
+    if spec.nodes is not None:
+        check_contained(K, elongation, spec)
+    return Bolt(name=spec.name, elongation=elongation, stiffness=stiffness)
+
+
+def _of_element(assembly: Assembly, spec: BoltSpec, seats: Seats) -> tuple[SparseMatrix, float]:
+    """Elongation row (1, 6 n_node) and axial stiffness of the element that is tightened."""
+    element = bolt_axis_element(assembly, spec)
+    check_clamping(assembly.mesh, spec, seats)
+    if isinstance(element, Beam):
+        start, end = (assembly.mesh.nodes[node] for node in element.nodes)
+        length = float(np.linalg.norm(end - start))
+        stiffness = element.material.youngs_modulus * element.section.area / length
+        rows = 6 * np.repeat(element.nodes, 3) + np.tile(np.arange(3), 2)
+        factors: Vector = np.concatenate([start - end, end - start]) / length
+    else:
+        (first, component), (second, _) = element.ends
+        sign = spring_sense(assembly, element, seats)
+        stiffness = element.stiffness
+        rows = 6 * np.array([first, second]) + component
+        factors = np.array([-sign, sign])
+    shape = (1, 6 * len(assembly.mesh.nodes))
+    return sp.csr_array((factors, (np.zeros(len(rows), dtype=int), rows)), shape=shape), stiffness

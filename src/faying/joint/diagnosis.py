@@ -1,0 +1,181 @@
+"""Why a stiffness matrix is singular, in the words of the model."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.joint.model import Model
+from faying.model.assembly import Assembly
+from faying.model.bodies import bodies, body_names
+from faying.model.dofs import DofMap
+from faying.model.rigid_motion import free_motions, rigid_motions
+
+REMEDY = "support it, or tie it to a held body with a bolt (contact alone holds nothing)"
+
+# Rounding of unit vectors, of twists of unit size and of places, over the size of the body.
+_ROUNDING = 1e-6
+
+MOST_NODES = 4
+"""Loose nodes that are named."""
+
+
+def check_held(model: Model) -> None:
+    """Refuse a model of which something can move freely, without factorizing it.
+
+    Raises
+    ------
+    ModelError
+        The message names the body, or node, and how it can move.
+
+    Notes
+    -----
+    Finds what :func:`faying.model.rigid_motion.free_motions` finds; a hinge inside a body shows
+    when the stiffness is factorized.
+    """
+    found = free_motions(model.assembly, model.dofs, model.K)
+    if found.motions.shape[1]:
+        raise ModelError(_described(model.assembly, model.dofs, found.labels, found.motions))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeParts:
+    """What can move while nothing but contact resists.
+
+    Attributes
+    ----------
+    count
+        Number of independent motions; None where there are too many parts to look for them.
+    parts
+        Body, or node, to how it can move.
+    """
+
+    count: int | None
+    parts: Mapping[str, str]
+
+
+def free_parts(model: Model) -> FreeParts:
+    """Name everything that can move without strain energy, contact aside.
+
+    Notes
+    -----
+    As :func:`check_held`, which refuses such a model.
+    """
+    found = free_motions(model.assembly, model.dofs, model.K)
+    count = found.motions.shape[1] if found.searched else None
+    if not count:
+        return FreeParts(count=count, parts={})
+    nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
+    size = np.linalg.norm(nodal, axis=2)
+    # Rotations of the nodes of a body that moves are part of its motion.
+    moving = size.max(axis=1) > 0.01 * size.max()
+    parts = {}
+    for label in np.unique(found.labels[moving & (found.labels >= 0)]).tolist():
+        members = np.flatnonzero(found.labels == label)
+        ways = _ways(model.assembly.mesh.nodes[members], nodal[members])
+        parts[_body(model.assembly, members)] = ways
+    loose = model.assembly.mesh.node_ids[moving & (found.labels < 0)].tolist()
+    if loose:
+        shown = ", ".join(map(str, loose[:MOST_NODES]))
+        more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
+        parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
+    return FreeParts(count=count, parts=parts)
+
+
+def unconstrained(assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector) -> str:
+    """Say what moves freely where a factorization of K met a motion without resistance.
+
+    Parameters
+    ----------
+    motion : (n_dof,)
+        What the factorization found: one motion of possibly many.
+    """
+    found = free_motions(assembly, dofs, K)
+    motions = found.motions if found.motions.shape[1] else motion[:, None]
+    return _described(assembly, dofs, found.labels, motions)
+
+
+def _described(assembly: Assembly, dofs: DofMap, labels: Indices, motions: Matrix) -> str:
+    """Name the part that moves most, and its motion."""
+    nodal = np.moveaxis(dofs.nodal(motions.T), 0, -1)
+    size = np.linalg.norm(nodal, axis=2)
+    mesh = assembly.mesh
+    moved = size[:, :3].max(axis=1)
+    if moved.max() < 0.1 * size.max():
+        node = int(size.max(axis=1).argmax())
+        axes = "xyz"[int(size[node, 3:].argmax())]
+        return (
+            f"unconstrained node: node {mesh.node_ids[node]} can rotate freely about {axes}; "
+            "support its rotation, or couple it to a body"
+        )
+    node = int(moved.argmax())
+    if labels[node] < 0:
+        unit = _direction(nodal[node, :3, int(np.linalg.norm(nodal[node, :3], axis=0).argmax())])
+        return (
+            f"unconstrained node: node {mesh.node_ids[node]} can move freely along {unit}; {REMEDY}"
+        )
+    members = np.flatnonzero(labels == labels[node])
+    how = _ways(mesh.nodes[members], nodal[members])
+    others = np.setdiff1d(labels[moved > 0.01 * moved.max()], [-1, labels[node]]).tolist()
+    along = "".join(f", and with it {_body(assembly, labels == other)}" for other in others[:2])
+    more = f" and {len(others) - 2} other bodies" if len(others) > 2 else ""
+    return f"unconstrained body: {_body(assembly, members)} {how}{along}{more}; {REMEDY}"
+
+
+def _ways(points: Matrix, moved: Matrix) -> str:
+    """Describe the rigid motions of a body from displacements (n_node, 6, n_motion)."""
+    centre, n_motion = points.mean(axis=0), moved.shape[2]
+    components = np.tile(np.arange(3), len(points))
+    basis = rigid_motions(np.repeat(points, 3, axis=0), components, centre)
+    radius = float(np.linalg.norm(points - centre, axis=1).max()) or 1.0
+    basis = basis / np.array([1.0] * 3 + [radius] * 3)
+    shown = moved[:, :3].reshape(-1, n_motion)
+    twists, *_ = np.linalg.lstsq(basis, shown, rcond=None)
+    if np.linalg.norm(basis @ twists - shown) > 1e-3 * np.linalg.norm(shown):
+        return f"contains a hinge: its nodes move along {_direction(shown[:3, 0])} and others"
+    left, size, _ = np.linalg.svd(twists)
+    ways = left[:, : int((size > _ROUNDING * size[0]).sum())]
+    count = ways.shape[1]
+    if count == 6:
+        return "is held by nothing"
+    one = _simplest(ways)
+    shifts = np.linalg.norm(one[3:]) < _ROUNDING
+    turning = "" if shifts else f"can turn freely {_axis(one, centre, radius)}"
+    text = turning or f"can move freely along {_direction(one[:3])}"
+    return text if count == 1 else f"{text} (one of {count} free motions)"
+
+
+def _simplest(ways: Matrix) -> Vector:
+    """Return a translation among the twists (6, n) if there is one."""
+    _, size, right = np.linalg.svd(ways[3:])
+    size = np.append(size, np.zeros(ways.shape[1]))[: ways.shape[1]]
+    least: Vector = ways @ right[-1] if size[-1] < _ROUNDING else ways[:, 0]
+    return least
+
+
+def _axis(twist: Vector, centre: Vector, radius: float) -> str:
+    """Say about which line a twist turns."""
+    rotation = twist[3:] / radius
+    point = centre + np.cross(rotation, twist[:3]) / (rotation @ rotation)
+    point = np.where(np.abs(point) < _ROUNDING * radius, 0.0, point)
+    place = ", ".join(f"{value + 0.0:.4g}" for value in point)
+    return f"about the axis {_direction(rotation)} through ({place})"
+
+
+def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
+    """Name a body by an element set that covers it, and by its nodes."""
+    mesh = assembly.mesh
+    ids = mesh.node_ids[chosen]
+    number = int(bodies(mesh)[chosen][0])
+    name = body_names(mesh)[number] if number >= 0 else ""
+    named = f"body '{name}'" if name in mesh.element_sets else "body"
+    return f"{named} (nodes {ids.min()} to {ids.max()})"
+
+
+def _direction(motion: Vector) -> str:
+    """Return the unit vector along a motion, its largest component positive."""
+    unit = motion / max(float(np.linalg.norm(motion)), np.finfo(float).tiny)
+    unit = unit * np.sign(unit[np.abs(unit).argmax()] or 1.0)
+    return "(" + ", ".join(f"{value:.2f}" for value in np.round(unit, 2) + 0.0) + ")"

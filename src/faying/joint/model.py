@@ -1,0 +1,225 @@
+"""The full finite element model of a joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
+from faying.contact.condensed import CondensedContact
+from faying.contact.contact import Contact
+from faying.exceptions import ModelError
+from faying.interface.interface import Interface, stack
+from faying.joint.load_pattern import (
+    LoadPattern,
+    check_pattern_name,
+    load_pattern,
+    pattern_forces,
+)
+from faying.joint.structure import Structure
+from faying.joint.system import PortCompliance
+from faying.linalg.factorization import Factorization
+from faying.model.assembly import Assembly, NodalLoads
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.model.dofs import DofMap
+from faying.model.matrices import assemble_matrices
+from faying.model.specs import Rayleigh
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Model:
+    """A structure with interfaces, bolts, boundaries and load patterns.
+
+    Copies made by the ``with_…`` methods share the structure, hence everything that was computed
+    from its factorization.
+
+    Attributes
+    ----------
+    structure
+        M, C, K and what is computed from their factorization.
+    interfaces, bolts, boundaries
+        By name.
+    dofs
+        From the six degrees of freedom of every node to the free ones.
+    assembly
+        The description the model was built from.
+    damping
+        Rayleigh factors of C.
+    units
+        Label of the consistent unit set, carried into every output.
+    stuck
+        Interface name to the pairs (n_pair,) that stick in tangential direction.
+    load_patterns
+        Distributed loads that may be scaled; none unless asked for, as each costs a port.
+    """
+
+    structure: Structure
+    interfaces: Mapping[str, Interface]
+    bolts: Mapping[str, Bolt]
+    boundaries: Mapping[str, Boundary]
+    dofs: DofMap
+    assembly: Assembly
+    damping: Rayleigh = field(default_factory=Rayleigh)
+    name: str = "model"
+    units: str = "mm-t-s"
+    stuck: Mapping[str, Mask] = field(default_factory=dict)
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
+
+    @property
+    def nodal_mass(self) -> SparseMatrix:
+        """Mass matrix (6 n_node, 6 n_node) before couplings and supports, for supports that move.
+
+        Assembled again at every call: a large model should not keep it for the few who need it.
+        """
+        return assemble_matrices(self.assembly).M
+
+    @property
+    def M(self) -> SparseMatrix:
+        """Mass matrix (n_dof, n_dof)."""
+        return self.structure.M
+
+    @property
+    def C(self) -> SparseMatrix:
+        """Damping matrix (n_dof, n_dof)."""
+        return self.structure.C
+
+    @property
+    def K(self) -> SparseMatrix:
+        """Stiffness matrix (n_dof, n_dof), bolts and sticking areas included."""
+        return self.structure.K
+
+    @cached_property
+    def contact(self) -> Contact:
+        """All interfaces stacked."""
+        return replace(stack(self.interfaces), dense_budget=self.structure.dense_budget)
+
+    @cached_property
+    def port_compliance(self) -> PortCompliance:
+        """Static compliance between contact pairs, boundary, bolts and load patterns."""
+        if not self.load_patterns:
+            return self.structure.port_compliance
+        return self.structure.loaded_ports(self.pattern_forces)
+
+    @property
+    def pattern_forces(self) -> Matrix:
+        """Forces of all load patterns (n_pattern, n_dof)."""
+        return pattern_forces(self.load_patterns, self.structure.n_dof)
+
+    @cached_property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem of the full model."""
+        compliance = self.structure.port_compliance.relative
+        return CondensedContact(contact=self.contact, compliance=compliance)
+
+    def factorize_static(self) -> Factorization:
+        """Return the factorization of K that the structure already holds."""
+        return _StaticFactorization(structure=self.structure)
+
+    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:  # noqa: ARG002
+        """Return the states themselves: they are the free displacements."""
+        return states
+
+    def with_dense_budget(self, n_bytes: int) -> "Model":
+        """Return a copy whose dense contact matrices may take another amount of memory.
+
+        What exceeds it is kept compressed, with the error that this makes reported; what was
+        factorized or condensed before is formed anew.
+        """
+        structure = replace(self.structure, dense_budget=int(n_bytes))
+        return replace(self, structure=structure)
+
+    def with_penalty(self, penalty: float) -> "Model":
+        """Return a copy with another contact stiffness on all interfaces (``inf`` is hard)."""
+        return self.with_interfaces(
+            {name: interface.with_penalty(penalty) for name, interface in self.interfaces.items()}
+        )
+
+    def with_initial_gap(self, name: str, initial_gap: Vector) -> "Model":
+        """Return a copy with other initial gaps (n_point,) on one interface."""
+        return self.with_interfaces({name: self._interface(name).with_initial_gap(initial_gap)})
+
+    def with_interfaces(self, interfaces: Mapping[str, Interface]) -> "Model":
+        """Return a copy with interfaces of the same geometry but another law or gap."""
+        for name in interfaces:
+            self._interface(name)
+        return replace(self, interfaces={**self.interfaces, **interfaces})
+
+    def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "Model":
+        """Return a copy with bolts locked at other initial forces N₀."""
+        unknown = set(initial_forces) - set(self.bolts)
+        if unknown:
+            message = (
+                f"the model has no bolt '{min(unknown)}'; its bolts are "
+                f"{', '.join(self.bolts) or 'none'}"
+            )
+            raise ModelError(message)
+        locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
+        return replace(self, bolts={**self.bolts, **locked})
+
+    def with_deck_loads(self, *names: str) -> "Model":
+        """Return a copy that takes loads of its deck, by their names in ``assembly.loads``.
+
+        Raises
+        ------
+        ModelError
+            If the deck has no such load, or as :meth:`with_load_patterns`.
+        """
+        known = self.assembly.loads
+        for name in names:
+            if name not in known:
+                message = (
+                    f"the deck has no load '{name}'; its loads are {', '.join(known) or 'none'}"
+                )
+                raise ModelError(message)
+        return self.with_load_patterns({name: known[name] for name in names})
+
+    def with_load_patterns(self, loads: Mapping[str, NodalLoads]) -> "Model":
+        """Return a copy that takes distributed loads, each by one amplitude; see :class:`Load`.
+
+        Raises
+        ------
+        ModelError
+            If a load acts where nothing is, moves nothing, or has the name of another.
+
+        Notes
+        -----
+        One back-substitution for each load when it is first used, and again in copies.
+        """
+        for name in loads:
+            check_pattern_name(name, self.boundaries)
+        made = {
+            name: load_pattern(name, load, self.assembly, self.dofs) for name, load in loads.items()
+        }
+        return replace(self, load_patterns={**self.load_patterns, **made})
+
+    def with_stiffness(self, added: SparseMatrix, stuck: Mapping[str, Mask]) -> "Model":
+        """Return a copy with springs (n_dof, n_dof) added to K for the pairs that stick."""
+        K = read_only((self.K + added).tocsr())
+        C = read_only((self.C + self.damping.beta * added).tocsr())
+        structure = replace(self.structure, K=K, C=C)
+        return replace(self, structure=structure, stuck={**self.stuck, **stuck})
+
+    def _interface(self, name: str) -> Interface:
+        if name not in self.interfaces:
+            message = (
+                f"the model has no interface '{name}'; its interfaces are "
+                f"{', '.join(self.interfaces) or 'none'}"
+            )
+            raise ModelError(message)
+        return self.interfaces[name]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _StaticFactorization:
+    """K of a structure, through its interior factorization and constraint modes."""
+
+    structure: Structure
+
+    @property
+    def backend(self) -> str:
+        """Backend of the interior factorization."""
+        return self.structure.interior_factor.backend
+
+    def solve(self, right_hand_side: Matrix) -> Matrix:
+        """Return K⁻¹ B."""
+        return self.structure.solve(right_hand_side)

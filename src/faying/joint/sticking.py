@@ -1,0 +1,89 @@
+"""Sticking friction: pairs under enough pressure are held tangentially by penalty springs."""
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Mask, SparseMatrix, Vector
+from faying.exceptions import ModelError
+from faying.interface.interface import Interface
+from faying.interface.relative import relative_motion
+from faying.model.dofs import DofMap
+
+
+def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mask:
+    """Select the node pairs that stick, §15.4.2 of the paper.
+
+    Parameters
+    ----------
+    pressure : (n_point,) [force/length²]
+        Contact pressure of the preloaded state; compression is positive.
+    threshold
+        Fraction of the largest nodal average above which a pair sticks, from 0 (every pair with
+        pressure) up to but not including 1.
+
+    Returns
+    -------
+    ndarray (n_pair,) of bool
+        No pair where the interface is open everywhere.
+
+    Raises
+    ------
+    ModelError
+        If the threshold is not in [0, 1).
+    """
+    if not 0 <= threshold < 1:
+        message = (
+            f"interface '{interface.name}': the sticking threshold is {threshold:g}; give a "
+            "fraction of the largest preload pressure, at least 0 and below 1"
+        )
+        raise ModelError(message)
+    average = interface.nodal_average(pressure)
+    stuck: Mask = average > threshold * max(float(average.max()), 0.0)
+    return stuck
+
+
+def sticking_stiffness(
+    interface: Interface, dofs: DofMap, pairs: Mask, stiffness: float
+) -> SparseMatrix:
+    """Return the stiffness of tangential springs at stuck pairs, §15.4.2 of the paper.
+
+    Each pair carries k (I − n nᵀ) between its two nodes: k in both tangential directions, nothing
+    along the normal. Between meshes that do not match it holds the projected relative
+    displacement, and k is multiplied by the share of the facets around the node that is covered.
+
+    Parameters
+    ----------
+    pairs : (n_pair,)
+        From :func:`stuck_pairs`.
+    stiffness : [force/length]
+        k per pair.
+
+    Returns
+    -------
+    csr_array (n_dof, n_dof)
+        To be added to K; symmetric and positive semidefinite.
+
+    Raises
+    ------
+    ModelError
+        If the stiffness is not a positive number.
+    """
+    if not 0 < stiffness < np.inf:
+        message = (
+            f"interface '{interface.name}': the sticking stiffness is {stiffness:g}; give a "
+            "positive number [force/length]"
+        )
+        raise ModelError(message)
+    difference = relative_motion(interface, dofs, pairs)
+    normals = interface.pair_normals[pairs]
+    tangential = stiffness * (np.eye(3) - normals[:, :, None] * normals[:, None, :])
+    if interface.coupling is not None:
+        # A node that touches with a corner of its facets alone has nothing to hold with.
+        tangential *= interface.coupling.coverage[pairs][:, None, None]
+    blocks = np.arange(len(normals))
+    springs = sp.bsr_array(
+        (tangential, blocks, np.arange(len(normals) + 1)), shape=(3 * len(normals),) * 2
+    )
+    matrix = (difference.T @ springs @ difference).tocsr()
+    matrix.eliminate_zeros()
+    return matrix

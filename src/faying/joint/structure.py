@@ -1,0 +1,228 @@
+"""The linear part of a model, and the one factorization everything else is computed from."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.joint.system import PortCompliance
+from faying.linalg.budget import default_budget, pairs_fit
+from faying.linalg.compressed import Compliance, plus, symmetrized
+from faying.linalg.estimate import estimate_memory
+from faying.linalg.factorization import (
+    Factorization,
+    MatrixFactorization,
+    SingularMatrixError,
+    factorize,
+    factorize_condensed,
+)
+from faying.linalg.memory import FactorMemory
+from faying.linalg.partial import compressed_port_compliance, port_compliance
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Structure:
+    """Mass, damping and stiffness with ports; everything that contact does not touch.
+
+    The interior (all but the boundary) is factorized once. With the constraint modes Ψ of Craig &
+    Bampton that factorization also gives the structure with a free boundary,
+
+        K⁻¹ = [K_ii⁻¹ 0; 0 0] + Ψ (ΨᵀKΨ)⁻¹ Ψᵀ,
+
+    so bases, compliances and static solutions share it.
+
+    Attributes
+    ----------
+    M, C, K : (n_dof, n_dof) sparse
+    relative_operator : (n_relative, n_dof) sparse
+        P of all interfaces.
+    boundary : (n_boundary,)
+        Indices of the boundary degrees of freedom, boundary by boundary, none twice.
+    elongations : (n_bolt, n_dof)
+    diagnose
+        Says what moves freely, given a motion (n_dof,) that K does not resist.
+    places : (n_relative, 3) or None
+        Where the relative displacements are [length]; without them nothing is compressed.
+    dense_budget
+        Memory that dense matrices between pairs or contact points may take [bytes].
+    """
+
+    M: SparseMatrix
+    C: SparseMatrix
+    K: SparseMatrix
+    relative_operator: SparseMatrix
+    boundary: Indices
+    elongations: Matrix
+    diagnose: Callable[[SparseMatrix, Vector], str] | None = None
+    places: Matrix | None = None
+    dense_budget: int = field(default_factory=default_budget)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "boundary", frozen(self.boundary, np.int64))
+        object.__setattr__(self, "elongations", frozen(self.elongations))
+
+    @property
+    def n_dof(self) -> int:
+        """Number of degrees of freedom."""
+        return int(self.K.shape[0])
+
+    @property
+    def has_mass(self) -> bool:
+        """Whether anything has mass; statics do not need it."""
+        return bool(self.M.diagonal().any())
+
+    @cached_property
+    def interior(self) -> Indices:
+        """Indices of the degrees of freedom off the boundary, u_i of Eq. (15.17)."""
+        inner = np.ones(self.n_dof, dtype=bool)
+        inner[self.boundary] = False
+        return np.flatnonzero(inner)
+
+    @cached_property
+    def interior_factor(self) -> MatrixFactorization:
+        """Factorization of K_ii."""
+        try:
+            return factorize(self._interior_stiffness, ports=self._told_ports)
+        except SingularMatrixError as error:
+            motion = np.zeros(self.n_dof)
+            motion[self.interior] = error.motion
+            raise self.unconstrained(motion) from None
+
+    @property
+    def factor_memory(self) -> FactorMemory:
+        """What the factorization of K_ii takes, by its pattern alone."""
+        return estimate_memory(self._interior_stiffness, ports=self._told_ports)
+
+    @property
+    def _interior_stiffness(self) -> SparseMatrix:
+        """K_ii."""
+        return self.K[self.interior][:, self.interior]
+
+    @property
+    def _told_ports(self) -> SparseMatrix | None:
+        """Rows between which the whole inverse of K_ii will be wanted, where it is."""
+        return self._held_ports if self._is_kept_whole else None
+
+    def unconstrained(self, motion: Vector) -> SingularMatrixError:
+        """Return the error that says what moves freely in a motion (n_dof,)."""
+        message = self.diagnose(self.K, motion) if self.diagnose else ""
+        return SingularMatrixError(motion, message)
+
+    @cached_property
+    def constraint_modes(self) -> Matrix:
+        """Ψ_c (n_dof, n_boundary): unit displacement of one boundary dof, the others held."""
+        modes = np.zeros((self.n_dof, len(self.boundary)))
+        coupling = self.K[self.interior][:, self.boundary].toarray()
+        modes[self.interior] = -self.interior_factor.solve(coupling)
+        modes[self.boundary] = np.eye(len(self.boundary))
+        return modes
+
+    @cached_property
+    def boundary_stiffness(self) -> Matrix:
+        """ΨᵀKΨ (n_boundary, n_boundary): stiffness condensed to the boundary."""
+        condensed: Matrix = self.K[self.boundary] @ self.constraint_modes
+        return (condensed + condensed.T) / 2
+
+    @cached_property
+    def boundary_factor(self) -> Factorization:
+        """Factorization of the condensed stiffness."""
+        singly = self.K.diagonal() @ self.constraint_modes**2
+        try:
+            return factorize_condensed(self.boundary_stiffness, singly)
+        except SingularMatrixError as error:
+            raise self.unconstrained(self.constraint_modes @ error.motion) from None
+
+    def solve_held(self, forces: Matrix) -> Matrix:
+        """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary held."""
+        displacement = np.zeros(np.shape(forces))
+        displacement[self.interior] = self.interior_factor.solve(forces[self.interior])
+        return displacement
+
+    def solve(self, forces: Matrix) -> Matrix:
+        """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary free.
+
+        Raises
+        ------
+        SingularMatrixError
+            If the structure is not held without its boundary.
+        """
+        at_boundary = self.constraint_modes.T @ forces
+        return self.solve_held(forces) + self.constraint_modes @ self.boundary_factor.solve(
+            at_boundary
+        )
+
+    @cached_property
+    def held_compliance(self) -> Compliance:
+        """P K_ii⁻¹ Pᵀ (n_relative, n_relative) of relative displacements, boundary held.
+
+        Compressed where dense matrices of its size exceed the dense budget.
+
+        Notes
+        -----
+        One back-substitution per pair (three where curved), in blocks.
+        """
+        if self.places is None or self._is_kept_whole:
+            return port_compliance(self._held_ports, self.interior_factor)
+        return compressed_port_compliance(self._held_ports, self.interior_factor, self.places)
+
+    @cached_property
+    def _held_ports(self) -> SparseMatrix:
+        """P at the interior (n_relative, n_interior)."""
+        return self.relative_operator[:, self.interior].tocsr()
+
+    @property
+    def _is_kept_whole(self) -> bool:
+        """Whether the compliance between all pairs is kept entry by entry."""
+        return self.places is None or pairs_fit(self.relative_operator.shape[0], self.dense_budget)
+
+    @cached_property
+    def bolt_shapes(self) -> Matrix:
+        """Displacements (n_dof, n_bolt) under a unit initial force of each bolt, boundary held."""
+        return self.solve_held(-self.elongations.T)
+
+    def loaded_ports(self, patterns: Matrix) -> PortCompliance:
+        """Return the port compliance with the forces (n_pattern, n_dof) of patterns as more ports.
+
+        Raises
+        ------
+        SingularMatrixError
+            As :attr:`port_compliance`.
+
+        Notes
+        -----
+        One back-substitution for each pattern.
+        """
+        ports, shapes = self.port_compliance, self.solve(patterns.T)
+        columns = np.vstack([shapes[self.boundary], self.elongations @ shapes])
+        own = symmetrized(patterns @ shapes)
+        return replace(
+            ports,
+            contact_columns=np.vstack([ports.contact_columns, (self.relative_operator @ shapes).T]),
+            input_rows=np.block([[ports.input_rows, columns], [columns.T, own]]),
+            n_pattern=len(patterns),
+        )
+
+    @cached_property
+    def port_compliance(self) -> PortCompliance:
+        """Compliance between relative displacements, boundary and bolts, boundary free.
+
+        Raises
+        ------
+        SingularMatrixError
+            If the structure is not held without its boundary.
+        """
+        seen = self.relative_operator @ self.constraint_modes
+        outer = np.vstack([np.eye(len(self.boundary)), self.elongations @ self.constraint_modes])
+        condensed = self.boundary_factor.solve(np.eye(len(self.boundary)))
+        columns, inputs = outer @ condensed @ seen.T, outer @ condensed @ outer.T
+        bolts = slice(len(self.boundary), len(outer))
+        columns[bolts] -= (self.relative_operator @ self.bolt_shapes).T
+        inputs[bolts, bolts] -= self.elongations @ self.bolt_shapes
+        return PortCompliance(
+            relative=plus(self.held_compliance, seen, condensed),
+            contact_columns=columns,
+            input_rows=symmetrized(inputs),
+            n_boundary=len(self.boundary),
+        )

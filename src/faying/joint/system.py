@@ -1,0 +1,194 @@
+"""What full and reduced models have in common; every solver is written against this.
+
+A system obeys M ü + C u̇ + K u = f + Pᵀ Nᵀ λ (15.13, 15.16). Forces enter and quantities of interest
+leave through its *ports*: relative displacements of the contact pairs, boundary displacements, bolt
+elongations, and what load patterns do work on. All static contact problems live in the compliance
+between ports.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.condensed import ContactSolver
+from faying.contact.contact import Contact
+from faying.joint.load_pattern import LoadPattern, pattern_forces
+from faying.linalg.compressed import Compliance
+from faying.linalg.factorization import Factorization
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PortCompliance:
+    """Displacement at the ports per force at the ports, Q K⁻¹ Qᵀ, symmetric.
+
+    Ports come in the order relative displacements, boundary, bolts, load patterns.
+
+    Attributes
+    ----------
+    relative : (n_relative, n_relative)
+        Relative displacement per contact force, dense or compressed.
+    contact_columns : (n_input, n_relative)
+        All other ports per contact force.
+    input_rows : (n_input, n_input)
+        All other ports per force at them.
+    n_boundary
+        Number of boundary degrees of freedom.
+    n_pattern
+        Number of load patterns.
+    """
+
+    relative: Compliance
+    contact_columns: Matrix
+    input_rows: Matrix
+    n_boundary: int
+    n_pattern: int = 0
+
+    @property
+    def bolts(self) -> slice:
+        """Place of the bolts among the inputs."""
+        return slice(self.n_boundary, len(self.input_rows) - self.n_pattern)
+
+    @property
+    def n_relative(self) -> int:
+        """Number of relative displacements."""
+        return int(self.contact_columns.shape[1])
+
+    def per_contact(self, forces: Matrix) -> Matrix:
+        """Return the displacements of all ports (..., n_port) under forces (..., n_relative)."""
+        inner = (self.relative @ np.asarray(forces).T).T
+        return np.concatenate([inner, forces @ self.contact_columns.T], axis=-1)
+
+    def per_input(self, forces: Matrix) -> Matrix:
+        """Return the displacements of all ports (..., n_port) under forces at the other ports."""
+        return np.concatenate([forces @ self.contact_columns, forces @ self.input_rows], axis=-1)
+
+
+def port_compliance_of(
+    matrix: Matrix, n_relative: int, n_boundary: int, n_pattern: int = 0
+) -> PortCompliance:
+    """Return the port compliance of one symmetric matrix (n_port, n_port)."""
+    return PortCompliance(
+        relative=matrix[:n_relative, :n_relative],
+        contact_columns=matrix[n_relative:, :n_relative],
+        input_rows=matrix[n_relative:, n_relative:],
+        n_boundary=n_boundary,
+        n_pattern=n_pattern,
+    )
+
+
+class Joint(Protocol):
+    """What is known at the ports of a system: enough for static contact problems and recovery."""
+
+    @property
+    def contact(self) -> Contact:
+        """All contact points."""
+        ...
+
+    @property
+    def boundaries(self) -> Mapping[str, Boundary]:
+        """Where loads enter."""
+        ...
+
+    @property
+    def bolts(self) -> Mapping[str, Bolt]:
+        """Bolts, with the initial forces they are locked at."""
+        ...
+
+    @property
+    def load_patterns(self) -> Mapping[str, LoadPattern]:
+        """Distributed loads that may be scaled."""
+        ...
+
+    @property
+    def port_compliance(self) -> PortCompliance:
+        """Static compliance between the ports, without any residual compliance."""
+        ...
+
+    @property
+    def static_contact(self) -> ContactSolver:
+        """The static contact problem, its flexibility formed once."""
+        ...
+
+
+class System(Joint, Protocol):
+    """A full or reduced model, as solvers see it."""
+
+    @property
+    def M(self) -> SparseMatrix | Matrix:
+        """Mass matrix (n_dof, n_dof) [mass]."""
+        ...
+
+    @property
+    def C(self) -> SparseMatrix | Matrix:
+        """Damping matrix (n_dof, n_dof) [force·time/length]."""
+        ...
+
+    @property
+    def K(self) -> SparseMatrix | Matrix:
+        """Stiffness matrix (n_dof, n_dof) [force/length]."""
+        ...
+
+    def factorize_static(self) -> Factorization:
+        """Return a factorization of K."""
+        ...
+
+    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:
+        """Return displacements (..., n_dof) at the free degrees of freedom of the full model.
+
+        Contact forces (..., n_point) are those that belong to the states (..., n_mode).
+        """
+        ...
+
+
+def boundary_dofs(boundaries: Mapping[str, Boundary]) -> Indices:
+    """Return the indices of all boundary degrees of freedom, boundary by boundary."""
+    empty = np.empty(0, dtype=np.int64)
+    return np.concatenate([empty, *(boundary.dofs for boundary in boundaries.values())])
+
+
+def boundary_slices(boundaries: Mapping[str, Boundary]) -> dict[str, slice]:
+    """Return the place of each boundary among all boundary degrees of freedom."""
+    slices, start = {}, 0
+    for name, boundary in boundaries.items():
+        slices[name] = slice(start, start + len(boundary.dofs))
+        start += len(boundary.dofs)
+    return slices
+
+
+def elongations(bolts: Mapping[str, Bolt], n_dof: int) -> Matrix:
+    """Return the elongation rows of all bolts (n_bolt, n_dof)."""
+    rows = [bolt.elongation for bolt in bolts.values()]
+    return np.array(rows, dtype=float).reshape(len(rows), n_dof)
+
+
+def input_forces(system: System, inputs: Matrix) -> Matrix:
+    """Return external forces f_e (..., n_dof) of inputs (..., n_input).
+
+    Inputs are boundary forces, then initial bolt forces N₀, which pull head and nut together by
+    −elongationᵀ N₀, then amplitudes of load patterns.
+    """
+    inputs = np.asarray(inputs, dtype=float)
+    dofs = boundary_dofs(system.boundaries)
+    n_dof, first = system.K.shape[0], len(dofs) + len(system.bolts)
+    forces = -(inputs[..., len(dofs) : first] @ elongations(system.bolts, n_dof))
+    forces[..., dofs] += inputs[..., : len(dofs)]
+    if system.load_patterns:
+        forces += inputs[..., first:] @ pattern_forces(system.load_patterns, n_dof)
+    result: Matrix = forces
+    return result
+
+
+def bolt_input(system: Joint, bolt: str) -> int:
+    """Return the place of a bolt's initial force among the inputs."""
+    n_boundary = sum(len(boundary.dofs) for boundary in system.boundaries.values())
+    return n_boundary + list(system.bolts).index(bolt)
+
+
+def initial_bolt_forces(system: Joint) -> Vector:
+    """Return the initial forces the bolts are locked at (n_bolt,) [force]."""
+    return np.array([bolt.initial_force for bolt in system.bolts.values()], dtype=float)

@@ -1,0 +1,119 @@
+"""Run a study: every method on every load case, next to the full model."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from faying.execution.executor import Executor
+from faying.files.atomic import write_text
+from faying.study.cases import CaseRunner, case_groups
+from faying.study.checkpoint import open_checkpoint
+from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
+from faying.study.pieces import compute_pieces
+from faying.study.progress import ProgressBar, Stages
+from faying.study.record import record
+from faying.study.results import Results
+from faying.study.store import write_results
+from faying.study.summary import summarize
+from faying.study.tables import Study
+from faying.study.validation import validate
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RunSummary:
+    """Outcome of a run.
+
+    Attributes
+    ----------
+    converged
+        Whether every solution was found.
+    summary
+        Contents of ``summary.json``.
+    """
+
+    converged: bool
+    summary: Mapping[str, Any]
+
+
+def run(
+    study: Study,
+    out: Path,
+    *,
+    resume: bool = False,
+    progress: ProgressBar | None = None,
+    executor: Executor | None = None,
+    since: float | None = None,
+) -> RunSummary:
+    """Compute a study and leave its results in a folder.
+
+    Parameters
+    ----------
+    out
+        Receives ``results.h5``, ``summary.json``, ``study.toml``, interface and report files.
+    resume
+        Take over what an interrupted run of the same study has finished.
+    executor
+        Computes transients of the full model beforehand, where there are some.
+    since
+        Instant of ``time.perf_counter`` at which the program started, from which the run is timed.
+
+    Raises
+    ------
+    FayingError
+        If the study, its model or its loads do not fit together. Solutions that do not converge
+        are recorded instead.
+    """
+    stages = Stages(progress, since)
+    out.mkdir(parents=True, exist_ok=True)
+    checkpoint = open_checkpoint(out, study.text, resume=resume)
+    if executor is not None:
+        compute_pieces(study, executor, checkpoint, stages)
+    joint = prepare_joint(study, stages)
+    trained = build_bases(study, joint, stages, checkpoint)
+    choices = choose_counts(study, joint.model, trained, stages)
+    models = reduced_models(study, joint.model, trained, choices, stages)
+    runner = CaseRunner(
+        joint=joint,
+        models=models,
+        classic=trained.bases["classic"],
+        stages=stages,
+        checkpoint=checkpoint,
+        groups=case_groups(study.load_cases),
+    )
+    solved = {case.name: runner.solve(case) for case in study.load_cases}
+    cases = {name: result for name, (result, _) in solved.items()}
+    failures = [failure for _, failed in solved.values() for failure in failed]
+    validation = validate(study, joint, models, trained, choices, stages)
+    with stages.stage("records"):
+        found = record(study, joint, models, trained, cases, validation, stages, failures)
+    results = replace(found, timings=stages.account())
+    _write_files(study, results, out, stages)
+    checkpoint.discard()
+    # Once more, for what the report took is known only now.
+    summary = _write_summary(replace(results, timings=stages.account()), out)
+    return RunSummary(converged=not failures, summary=summary)
+
+
+def _write_files(study: Study, results: Results, out: Path, stages: Stages) -> None:
+    """Write results, summary and pictures, the report last."""
+    from faying.export.vtu import write_interface_vtu
+
+    with stages.stage("files"):
+        write_results(results, out / "results.h5")
+        _write_summary(results, out)
+        write_text(out / "study.toml", study.text)
+        write_interface_vtu(results, out)
+    if study.output.report:
+        with stages.stage("report"):
+            from faying.report.html import write_report
+
+            write_report(results, out)
+
+
+def _write_summary(results: Results, out: Path) -> Mapping[str, Any]:
+    """Write and return the summary."""
+    summary = summarize(results)
+    write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
+    return summary
