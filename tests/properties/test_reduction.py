@@ -209,7 +209,7 @@ def test_more_modes_never_raise_the_energy_error(name, bases, joint, values, few
     inputs = drawn_load(values, joint).inputs(joint, np.zeros(1))[0]
     contact = fy.solve_static(joint).contact_forces * (1 + np.arange(joint.contact.n_points) % 3)
     force = joint.contact.gap_operator.T @ contact
-    force += fy.model.system.input_forces(joint, inputs)
+    force += fy.joint.system.input_forces(joint, inputs)
     exact = joint.factorize_static().solve(force)
     errors = [
         energy_error(joint, bases[name].with_joint_modes(n), force, exact)
@@ -239,7 +239,7 @@ def test_reduced_static_energy_is_never_below_the_full_one(bases, joint):
 
 def potential_energy(solution):
     system, u = solution.system, solution.states
-    external = fy.model.system.input_forces(system, solution.inputs)
+    external = fy.joint.system.input_forces(system, solution.inputs)
     contact = 0.5 * solution.contact_forces**2 @ system.contact.flexibility
     return 0.5 * u @ (system.K @ u) - external @ u + contact
 
