@@ -487,6 +487,8 @@ def test_pieces_are_the_transients_of_the_full_model(study):
     assert [list(group) for group in pieces(study)] == [
         ["jump full 1"],
         ["twist full 1", "turn full 1"],
+        ["jump full 2"],
+        ["twist full 2", "turn full 2"],
         ["training step 0", "training step 1"],
     ]
 
@@ -508,7 +510,7 @@ def test_an_interrupted_study_resumes_with_what_workers_have_finished(study, tmp
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path, executor=Stopping())
     assert run(study, tmp_path, executor=Counting(), resume=True).converged
-    assert counts == [1]  # of three groups
+    assert counts == [3]  # of five groups
 
 
 def test_another_version_on_a_worker_is_refused(study):

@@ -30,9 +30,10 @@ from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import pressure_figure
 from faying.report.figures.response import response_figure
 from faying.report.figures.surface_map import outline, subdivision
-from faying.report.figures.time_step import step_check, time_step_figure
+from faying.report.figures.time_step import time_step_figure
 from faying.report.quantities import number, percent, place, seconds
 from faying.report.style import METHOD_COLOURS, house_style, new_figure
+from faying.study.step_check import step_check
 from faying.units import units_of
 
 RESULTS = fake_results()
@@ -156,13 +157,27 @@ def test_exaggeration_is_round():
 def test_step_check_sees_a_difference_the_peak_hides():
     case = RESULTS.cases["LC2-step"]
     half = replace(case.half_step, pressure=case.half_step.pressure.copy())
-    peak = case.reference.pressure.max()
-    half.pressure[:] = 0.0
-    half.pressure[4, 0] = peak
+    half.pressure[::2] = case.reference.pressure
+    half.pressure[4] = np.roll(case.reference.pressure[2], 3)
     check = step_check(replace(case, half_step=half))
-    assert check.change == pytest.approx(0.0, abs=1e-15)
-    assert check.difference > 0.5
+    assert half.pressure[4].max() == case.reference.pressure[2].max()
+    assert check.largest > 0.3
+    assert check.instant == case.times[2]
+    assert check.moved[[0, 1, 3]].max() == 0
+    assert check.change.displacement_error == pytest.approx(0.005, rel=1e-9)  # 0.05 / 10
     assert step_check(RESULTS.cases["LC1"]) is None
+
+
+def test_step_check_bears_half_a_step_more_or_less():
+    case = RESULTS.cases["LC2-step"]
+    for ends in (-1, -2, -3):
+        half = replace(
+            case.half_step,
+            pressure=case.half_step.pressure[:ends],
+            displacements={n: u[:ends] for n, u in case.half_step.displacements.items()},
+        )
+        check = step_check(replace(case, half_step=half))
+        assert len(check.times) == len(case.half_step.pressure[:ends:2])
 
 
 def test_smooth_maps_interpolate_like_the_facets():

@@ -9,7 +9,9 @@ import pytest
 
 from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
+from faying.simulation.transient import solve_transient
 from faying.study import cases, offline, progress, record
+from faying.study.loads import case_load
 from faying.study.schema import read_study
 from faying.study.store import read_results
 from faying.workflow import run as runs
@@ -172,6 +174,52 @@ def test_results_hold_what_the_run_validated(finished):
     assert validation.worst_cases["jim-a"].joint_modes == 4
     assert validation.penalty.recommended > 0
     assert np.all(np.diff(validation.penalty.sweep.penalties) > 0)
+
+
+def test_the_time_step_check_compares_fields_of_the_full_model(study, finished):
+    results = read_results(finished / "results.h5")
+    jump = results.cases["jump"]
+    joint = offline.prepare_joint(study, progress.Stages(None))
+    load = next(case_load(case) for case in study.load_cases if case.name == "jump")
+    coarse, fine = (
+        solve_transient(joint.model, load, step=step, duration=jump.times[-1])
+        for step in (jump.times[1], jump.half_step_times[1])
+    )
+    assert jump.half_step_times[1] == pytest.approx(jump.times[1] / 2, rel=1e-12)
+    # Round-off of other starting points of the contact problems.
+    np.testing.assert_allclose(jump.half_step.pressure, fine.pressure, atol=1e-8)
+    moved = np.abs(fine.pressure[::2] - coarse.pressure).max() / coarse.pressure.max()
+    said = json.loads((finished / "summary.json").read_text())["load_cases"]["jump"]
+    assert said["half_step"]["max_relative_change"] == pytest.approx(moved, rel=1e-6)
+    assert said["half_step_max_pressure"] == pytest.approx(fine.pressure.max(), rel=1e-9)
+
+
+def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
+    path = tmp_path / "tiny.toml"
+    path.write_text(
+        STUDY.replace("[validation]", "[validation]\nhalf_step = false").replace(
+            '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"', '"compliance"'
+        )
+    )
+    assert run(read_study(path), tmp_path / "out").converged
+    jump = read_results(tmp_path / "out" / "results.h5").cases["jump"]
+    assert jump.half_step is None
+    assert jump.half_step_times is None
+
+
+def test_a_time_step_check_that_fails_costs_no_result(study, tmp_path, monkeypatch):
+    original = cases.full_transients
+
+    def fragile(joint, runs, progress=None):
+        if runs[0].refinement == 2:
+            message = "did not settle"
+            raise ConvergenceError(message)
+        return original(joint, runs, progress)
+
+    monkeypatch.setattr(cases, "full_transients", fragile)
+    outcome = run(study, tmp_path)
+    assert outcome.summary["not_converged"] == ["jump, half the time step: did not settle"]
+    assert outcome.summary["load_cases"]["jump"]["methods"]["compliance"]["0"]
 
 
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):

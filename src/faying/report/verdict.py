@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from faying.reduction.rivals import RIVALS
-from faying.report.figures.time_step import step_check
 from faying.report.quantities import number, percent
 from faying.report.style import label
 from faying.study.results import CaseResult, MethodResult, Results
+from faying.study.step_check import step_check
 
 GOOD = 0.05
 """Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
@@ -158,9 +158,9 @@ def headline(found: list[MethodVerdict], results: Results) -> str:
 
 
 def _changes(case: CaseResult) -> float:
-    """Return how much of the peak pressure half the time step changes at most."""
+    """Return how far half the time step moves a pressure of the full model, over the peak."""
     check = step_check(case)
-    return max(abs(check.change), check.difference) if check else 0.0
+    return check.largest if check else 0.0
 
 
 def _answer(found: list[MethodVerdict]) -> str:
@@ -195,10 +195,10 @@ def reservations(results: Results) -> list[str]:
         check = step_check(case)
         if check is not None and _changes(case) > STEP_MATTERS:
             said.append(
-                f"{name}: the time step is not fine enough for the pressure: with half of it the "
-                f"peak changes by {percent(check.change)} and the pressure at one instant by up to "
-                f"{percent(check.difference)} of the peak. This affects the full model as well and "
-                "is not part of the errors."
+                f"{name}: the time step is not fine enough for the pressure: with half of it "
+                f"pressures of the full model change by up to {percent(check.largest)} of the peak "
+                f"({percent(check.change.rms_relative_error)} root mean square), the peak itself "
+                f"by {percent(check.peak_change)}. This is not part of the errors."
             )
         if case.times is not None and check is None:
             said.append(f"{name}: no time-step check was run, so convergence in time is open.")

@@ -17,8 +17,7 @@ from faying.execution.transients import step_responses
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.reduction.basis import Basis
-from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.rivals import RIVALS
 from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler, Integrator
 from faying.simulation.solution import Solution
@@ -35,16 +34,23 @@ from faying.study.timing import instants, time_span, time_step
 Models = Mapping[str, Mapping[int, System]]
 
 
+@dataclass(frozen=True)
+class FullTransient:
+    """A load case over time that the full model solves, its time step divided by ``refinement``."""
+
+    case: LoadCaseSection
+    refinement: int = 1
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CaseRunner:
     """What all load cases of a run share."""
 
     joint: PreparedJoint
     models: Models
-    classic: Basis
     stages: Stages
     checkpoint: Checkpoint
-    groups: Sequence[Mapping[str, LoadCaseSection]]
+    groups: Sequence[Mapping[str, FullTransient]]
 
     def solve(self, case: LoadCaseSection) -> tuple[CaseResult, list[str]]:
         """Solve one load case with every model; also say what did not converge.
@@ -79,6 +85,11 @@ class CaseRunner:
                     recovered_error=recovered,
                     certified_bound=self._certified(case, response),
                 )
+        half_step = None
+        try:
+            half_step = self._half_step(case)
+        except ConvergenceError as error:
+            failures.append(f"{case.name}, half the time step: {error}")
         result = CaseResult(
             name=case.name,
             kind=case.kind,
@@ -89,8 +100,8 @@ class CaseRunner:
             },
             reference=reference,
             methods=methods,
-            half_step=None if case.kind == "static" else self._half_step(case),
-            half_step_times=self._times(case, 2),
+            half_step=half_step,
+            half_step_times=None if half_step is None else self._times(case, 2),
         )
         return result, failures
 
@@ -101,7 +112,7 @@ class CaseRunner:
         times: Matrix = step * np.arange(self._steps(case, refinement) + 1, dtype=float)
         return times
 
-    def _steps(self, case: LoadCaseSection, refinement: int) -> int:
+    def _steps(self, case: LoadCaseSection, refinement: int = 1) -> int:
         step = time_step(case, self.joint.period) / refinement
         return round(time_span(case, self.joint.period) / step)
 
@@ -122,44 +133,45 @@ class CaseRunner:
         """Solve with the full model; a transient with those that are stepped beside it."""
         if case.kind == "static":
             return self._response(case, self.joint.model, "full")
-        key = response_key(case)
+        return self._full_transient(response_key(case))
+
+    def _half_step(self, case: LoadCaseSection) -> Response | None:
+        """Repeat a transient of the full model with half the time step, where the study does."""
+        key = response_key(case, refinement=2)
+        return self._full_transient(key) if any(key in group for group in self.groups) else None
+
+    def _full_transient(self, key: str) -> Response:
+        """Solve a transient with the full model, and those that are stepped beside it."""
         group = next(group for group in self.groups if key in group)
-        cases = list(group.values())
-        more = f" and {len(cases) - 1} more" if len(cases) > 1 else ""
+        runs = list(group.values())
+        first, more = runs[0], f" and {len(runs) - 1} more" if len(runs) > 1 else ""
+        label = "full" if first.refinement == 1 else "half step"
 
         def compute() -> list[dict[str, Matrix]]:
-            total = self._steps(case, 1) * len(cases)
-            with self.stages.stage(f"{cases[0].name}{more} full", total) as advance:
-                return list(map(packed, transient_references(self.joint, cases, advance)))
+            total = self._steps(first.case, first.refinement) * len(runs)
+            with self.stages.stage(f"{first.case.name}{more} {label}", total) as advance:
+                return list(map(packed, full_transients(self.joint, runs, advance)))
 
         with self.stages.timed("checkpoint"):
             self.checkpoint.fill(list(group), compute)
             return _unpacked(self.checkpoint.get(key))
 
-    def _half_step(self, case: LoadCaseSection) -> Response:
-        """Repeat a transient with half the time step, on a reduced model with exact compliance."""
-        rom = reduce(self.joint.model, self.classic, compliance=True)
-        return self._response(case, rom, "half step", refinement=2)
-
-    def _response(
-        self, case: LoadCaseSection, system: System, label: str, refinement: int = 1
-    ) -> Response:
+    def _response(self, case: LoadCaseSection, system: System, label: str) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
-        total = 1 if case.kind == "static" else self._steps(case, refinement)
+        total = 1 if case.kind == "static" else self._steps(case)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
-                solution, seconds = solve_case(self.joint, case, system, refinement, advance)
+                solution, seconds = solve_case(self.joint, case, system, advance)
             response = respond(solution, self.joint.model, seconds)
-            if refinement == 1 and case.kind != "static" and isinstance(system, ReducedModel):
+            if case.kind != "static" and isinstance(system, ReducedModel):
                 with self.stages.stage("recovery"):
                     recovered = recover_pressure(self.joint.model, solution).pressure
                 response = replace(response, recovered_pressure=recovered)
             return packed(response)
 
         with self.stages.timed("checkpoint"):
-            key = response_key(case, label, refinement)
-            return _unpacked(self.checkpoint.bundle(key, compute))
+            return _unpacked(self.checkpoint.bundle(response_key(case, label), compute))
 
 
 def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
@@ -171,7 +183,6 @@ def solve_case(
     joint: PreparedJoint,
     case: LoadCaseSection,
     system: System,
-    refinement: int = 1,
     progress: Callable[[int], object] | None = None,
 ) -> tuple[Solution, float]:
     """Solve a load case with one model; return how many seconds that took as well."""
@@ -182,7 +193,7 @@ def solve_case(
         solution = solve_transient(
             system,
             case_load(case),
-            step=time_step(case, joint.period) / refinement,
+            step=time_step(case, joint.period),
             duration=time_span(case, joint.period),
             integrator=integrator_of(case),
             progress=progress,
@@ -190,39 +201,47 @@ def solve_case(
     return solution, time.perf_counter() - start
 
 
-def case_groups(cases: Sequence[LoadCaseSection]) -> list[dict[str, LoadCaseSection]]:
-    """Return which transients the full model computes together: their keys and load cases.
+def case_groups(
+    cases: Sequence[LoadCaseSection], *, half_step: bool
+) -> list[dict[str, FullTransient]]:
+    """Return which transients the full model computes together, by the keys they are kept under.
 
-    Their steps, their lengths and their integrators are the same.
+    Their steps, their lengths and their integrators are the same. With half the step last, where a
+    study asks for it.
     """
-    alike: dict[object, dict[str, LoadCaseSection]] = {}
-    for case in cases:
-        if case.kind != "static":
-            some = alike.setdefault((instants(case), integrator_of(case)), {})
-            some[response_key(case)] = case
+    alike: dict[object, dict[str, FullTransient]] = {}
+    for refinement in (1, 2) if half_step else (1,):
+        for case in cases:
+            if case.kind != "static":
+                kind = (refinement, instants(case), integrator_of(case))
+                run = FullTransient(case=case, refinement=refinement)
+                key = response_key(case, refinement=refinement)
+                alike.setdefault(kind, {})[key] = run
     return [group for some in alike.values() for group in grouped(some)]
 
 
-def transient_references(
+def full_transients(
     joint: PreparedJoint,
-    cases: Sequence[LoadCaseSection],
+    runs: Sequence[FullTransient],
     progress: Callable[[int], object] | None = None,
 ) -> list[Response]:
     """Solve transients with the full model, side by side; each has its share of the time."""
-    first, start = cases[0], time.perf_counter()
+    first, start = runs[0], time.perf_counter()
     solver = transient_solver(
-        joint.model, step=time_step(first, joint.period), integrator=integrator_of(first)
+        joint.model,
+        step=time_step(first.case, joint.period) / first.refinement,
+        integrator=integrator_of(first.case),
     )
     found = step_responses(
         solver,
-        [case_load(case) for case in cases],
-        duration=time_span(first, joint.period),
+        [case_load(run.case) for run in runs],
+        duration=time_span(first.case, joint.period),
         # Solved anew it would depend, in the last digits, on what was solved before.
         initial=joint.rest,
         progress=progress,
     )
     responses = list(map(partial(respond, model=joint.model, seconds=0.0), found))
-    seconds = (time.perf_counter() - start) / len(cases)
+    seconds = (time.perf_counter() - start) / len(runs)
     return [replace(response, seconds=seconds) for response in responses]
 
 

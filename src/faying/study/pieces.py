@@ -1,9 +1,9 @@
 """The expensive pieces of a run, computed by workers before it and found finished by it.
 
-These are integrations of the full model: reference responses of transient load cases, and the
-training steps of method B, in the groups that a run without workers computes side by side too.
-Static solutions take milliseconds once the joint is condensed, and reduced models need bases, which
-would cost every worker more than they give.
+These are integrations of the full model: transient load cases, with their step and with half of it,
+and the training steps of method B, in the groups that a run without workers computes side by side
+too. Static solutions take milliseconds once the joint is condensed, and reduced models need bases,
+which would cost every worker more than they give.
 """
 
 from collections.abc import Sequence
@@ -15,21 +15,22 @@ from faying.exceptions import StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
-from faying.study.cases import case_groups, packed, transient_references
+from faying.study.cases import FullTransient, case_groups, full_transients, packed
 from faying.study.loads import is_trained
 from faying.study.offline import PreparedJoint, prepare_joint, step_training
 from faying.study.progress import Stages
 from faying.study.schema import parse_study
-from faying.study.tables import LoadCaseSection, Study
+from faying.study.tables import Study
 from faying.study.training import StepTraining, step_groups
 
-Piece = int | LoadCaseSection
-"""A training step by its number, or a load case."""
+Piece = int | FullTransient
+"""A training step by its number, or a transient of a load case."""
 
 
 def pieces(study: Study) -> list[dict[str, Piece]]:
     """Return the pieces that are worth a worker, in groups, by the keys the run knows them by."""
-    found: list[dict[str, Piece]] = [{**group} for group in case_groups(study.load_cases)]
+    groups = case_groups(study.load_cases, half_step=study.validation.half_step)
+    found: list[dict[str, Piece]] = [{**group} for group in groups]
     training = study.reduction.training
     if is_trained(study) and training.system == "full":
         found += [{**group} for group in step_groups(training)]
@@ -75,7 +76,7 @@ def prepare_pieces(text: str, path: Path, version: str) -> Function:
 
 def _computed(joint: PreparedJoint, steps: StepTraining, group: Sequence[Piece]) -> list[Arrays]:
     numbers = [piece for piece in group if isinstance(piece, int)]
-    cases = [piece for piece in group if not isinstance(piece, int)]
+    transients = [piece for piece in group if not isinstance(piece, int)]
     if numbers:
         return list(steps.forces(numbers))
-    return list(map(packed, transient_references(joint, cases)))
+    return list(map(packed, full_transients(joint, transients)))

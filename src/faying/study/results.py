@@ -89,8 +89,7 @@ class CaseResult:
     methods
         Method name to joint mode count to result.
     half_step : Response or None
-        Half the time step, by the reduced model with exact compliance: the time-step check of
-        transients.
+        The full model with half the time step: the time-step check of transients.
     """
 
     name: str

@@ -214,7 +214,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "components": Meaning("displacement components by boundary: ux uy uz rx ry rz"),
         "reference": Meaning("solution of the full model"),
         "methods": Meaning("method name, then number of joint modes"),
-        "half_step": Meaning("half the time step, by the reduced model with exact compliance"),
+        "half_step": Meaning("the full model with half the time step"),
         "half_step_times": Meaning("instants of half_step", "time", "(n_half_time,)"),
     },
     MethodResult: {

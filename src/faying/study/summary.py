@@ -17,6 +17,7 @@ from faying.study.results import (
     Results,
     ValidationRecord,
 )
+from faying.study.step_check import step_check
 
 TRAINING = ["static training", "step training"]
 """Stages in which methods learn."""
@@ -157,8 +158,15 @@ def _case(case: CaseResult) -> dict[str, Any]:
             for name, sizes in case.methods.items()
         },
     }
-    if case.half_step is not None:
-        summary["half_step_max_pressure"] = float(case.half_step.pressure.max(initial=0.0))
+    check = step_check(case)
+    if check is not None:
+        summary["half_step_max_pressure"] = check.half_peak
+        summary["half_step"] = {
+            "max_relative_change": check.change.max_relative_error,
+            "rms_relative_change": check.change.rms_relative_error,
+            "p999_relative_change": check.change.p999_relative_error,
+            "displacement_change": check.change.displacement_error,
+        }
     return summary
 
 

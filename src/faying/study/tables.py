@@ -247,12 +247,15 @@ class ValidationSection(Section):
         twice as many more make the floor under all linear bases. 0 is none.
     penalty_sweep
         Whether the static load cases are repeated over the contact stiffness.
+    half_step
+        Whether the full model repeats transient load cases with half the time step.
     """
 
     box: tuple[BoxSide, ...] = ()
     preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (1.0,)
     unseen_loads: Annotated[int, Field(ge=0, strict=True)] = 100
     penalty_sweep: Switch = True
+    half_step: Switch = True
 
 
 def _units(label: str) -> str:

@@ -77,10 +77,9 @@ def run(
     runner = CaseRunner(
         joint=joint,
         models=models,
-        classic=trained.bases["classic"],
         stages=stages,
         checkpoint=checkpoint,
-        groups=case_groups(study.load_cases),
+        groups=case_groups(study.load_cases, half_step=study.validation.half_step),
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     cases = {name: result for name, (result, _) in solved.items()}
