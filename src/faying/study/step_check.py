@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.assessment.accuracy import Accuracy, measure
-from faying.joint.boundary import DISPLACEMENT_NAMES
+from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.study.results import CaseResult
 
 
