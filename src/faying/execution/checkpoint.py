@@ -13,6 +13,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
+from faying.files.numpy_archive import read_arrays
 
 Arrays = Mapping[str, Matrix]
 
@@ -53,9 +54,8 @@ class Checkpoint:
         """
         path = self._path(key)
         try:
-            with np.load(path) as kept:
-                return {name: kept[name] for name in kept.files}
-        except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+            return read_arrays(path)
+        except Exception as error:  # whatever a damaged archive meets
             message = f"{path}, the result of '{key}', is damaged ({error}); delete it"
             raise FormatError(message) from None
 

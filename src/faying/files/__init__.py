@@ -1,1 +1,1 @@
-"""Files that are complete or absent, and their names."""
+"""Files: written complete or not at all, read where they fit in memory, and their names."""

@@ -21,6 +21,7 @@ from scipy.spatial import QhullError
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError, ModelError
+from faying.files.contents import file_text
 from faying.interface.interface import Interface
 from faying.interface.relative import sides
 
@@ -231,7 +232,7 @@ def read_gap_table(path: Path) -> tuple[list[str], Matrix]:
         If the file is missing, has other columns, or holds something that is no finite number.
     """
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = file_text(path).splitlines()
     except (OSError, UnicodeDecodeError) as error:
         message = f"{path}: the gap field cannot be read ({error})"
         raise FormatError(message) from None

@@ -5,11 +5,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
+from pathlib import Path
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.files.contents import check_room, file_bytes
 
 _PLACED = re.compile(r"^\S.*:\d+: ")
+MOST_FILES = 1000
+"""Files of one deck, each counted as often as it is included: of twenty files that each include the
+next one twice there are a million."""
+
 _UTF8_MARK, _UTF16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -51,6 +57,48 @@ def naming(path: str | PathLike[str]) -> Iterator[None]:
             raise
         message = f"{fspath(path)}: {text}"
         raise FormatError(message) from error
+
+
+class DeckFiles:
+    """The files of a deck as they are read, the deck itself first.
+
+    Attributes
+    ----------
+    names
+        As messages show them.
+    """
+
+    def __init__(self, kind: str, include: str) -> None:
+        self.names: list[str] = []
+        self._kind, self._include, self._size = kind, include, 0
+
+    def read(self, path: Path, included_from: str) -> bytes:
+        """Return the text of the next file, included from a place unless that is empty.
+
+        Raises
+        ------
+        FormatError
+            If it cannot be read, or the deck grows beyond the memory or :data:`MOST_FILES`.
+        """
+        try:
+            data = deck_text(file_bytes(path), path)
+            self._size += len(data)
+            check_room(self._size, path)
+        except ValueError as error:  # a path with a NUL character
+            message = f"{included_from}: {self._include} names an impossible path; correct it"
+            raise FormatError(message) from error
+        except OSError as error:
+            origin = f"{included_from}: {self._include}: " if included_from else ""
+            reason = f"cannot be read ({error.strerror})"
+            if isinstance(error, FileNotFoundError):
+                reason = "is not there"
+            message = f"{origin}{self._kind} '{path}' {reason}; check the path"
+            raise FormatError(message) from error
+        self.names.append(path.name if self.names else str(path))
+        if len(self.names) > MOST_FILES:
+            message = f"{included_from}: {self._include}: more than {MOST_FILES} files; merge them"
+            raise FormatError(message)
+        return data
 
 
 def deck_text(data: bytes, path: str | PathLike[str]) -> bytes:

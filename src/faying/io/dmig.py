@@ -15,6 +15,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Vector
 from faying.exceptions import FormatError
+from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
 from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.named_matrices import DamageError, chosen_name
@@ -82,7 +83,7 @@ def read_dmig(path: Path, name: str) -> LabelledMatrix:
 def _cards(path: Path) -> tuple[Cards, dict[str, int]]:
     """Return the DMIG cards of a file and the header of each matrix."""
     try:
-        text = path.read_bytes().upper().splitlines()
+        text = file_bytes(path).upper().splitlines()
     except OSError as error:
         message = f"DMIG file '{path}' cannot be read ({error.strerror}); check the path"
         raise FormatError(message) from error

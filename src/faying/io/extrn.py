@@ -6,6 +6,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
 from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import integer
@@ -26,7 +27,7 @@ def read_extrn(path: Path) -> Indices:
     FormatError
         With file and line: no EXTRN card, several, a malformed one, or a row named twice.
     """
-    text = path.read_bytes().upper().splitlines()
+    text = file_bytes(path).upper().splitlines()
     lines = Lines(
         text=text,
         number=np.arange(1, len(text) + 1, dtype=np.int64),

@@ -13,8 +13,12 @@ import scipy.io
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
-from faying.exceptions import FormatError
+from faying.exceptions import FayingError, FormatError
+from faying.files.contents import check_rows
+from faying.files.numpy_archive import read_arrays
 from faying.io.labelled_matrix import LabelledMatrix
+from faying.io.matlab5 import HEADER, read_matlab5
+from faying.io.matrix_market import HEADING, read_market_matrix
 
 READERS: Mapping[str, str] = {
     ".npz": "faying.io.matrix_files:read_npz",
@@ -28,9 +32,6 @@ READERS: Mapping[str, str] = {
     ".mas": "faying.io.abaqus.matrices:read_calculix_matrix",
 }
 """Suffix to module:function (path, name) → labelled matrix; imported when needed."""
-
-
-_MARKET = b"%%MatrixMarket"
 
 
 def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
@@ -59,22 +60,26 @@ def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
         )
         raise FormatError(message)
     module, _, function = place.partition(":")
-    found: LabelledMatrix = _guarded(getattr(import_module(module), function), path, name)
-    return replace(found, matrix=_real(found.matrix, path, name))
+    return _read(getattr(import_module(module), function), path, name)
 
 
-def _guarded(reader: Callable[[Path, str], Any], path: Path, name: str) -> Any:
-    damage = (OSError, ValueError, KeyError, TypeError, EOFError, IndexError, OverflowError)
+def _read(reader: Callable[[Path, str], Any], path: Path, name: str) -> LabelledMatrix:
     try:
-        return reader(path, name)
-    except (*damage, zipfile.BadZipFile, MemoryError, scipy.io.matlab.MatReadError) as error:
-        message = f"matrix {name}: '{path}' cannot be read ({error}); write it again"
+        found: LabelledMatrix = reader(path, name)
+        return replace(found, matrix=_real(found.matrix, path, name))
+    except FayingError:
+        raise
+    except Exception as error:  # readers raise whatever a damaged file meets
+        reason = " ".join((str(error) or type(error).__name__).split())[:200]
+        message = f"matrix {name}: '{path}' cannot be read ({reason}); write it again"
         raise FormatError(message) from error
 
 
 def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
     if not sp.issparse(matrix):
         matrix = np.atleast_2d(np.asarray(matrix))
+    else:
+        _check_indices(matrix)
     if matrix.ndim != 2 or matrix.dtype.kind not in "fiub":
         message = (
             f"matrix {name}: '{path}' holds an array of shape {matrix.shape} and type "
@@ -84,24 +89,30 @@ def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
     return sp.csr_array(matrix, dtype=np.float64)
 
 
+def _check_indices(matrix: Any) -> None:
+    """Refuse indices that are out of range, which compiled code follows wherever they point."""
+    check_rows(matrix.shape)
+    if matrix.format in ("csr", "csc", "bsr"):
+        matrix.check_format(full_check=True)
+
+
 def read_npz(path: Path, name: str) -> LabelledMatrix:
     """Read a matrix from ``scipy.sparse.save_npz`` or ``numpy.savez``."""
     if not zipfile.is_zipfile(path):
         message = "it is no .npz file"
         raise ValueError(message)
-    with np.load(path, allow_pickle=False) as file:
-        if "format" in file.files and "data" in file.files:
-            return LabelledMatrix(matrix=sp.load_npz(path))
-        arrays = {key: file[key] for key in file.files}
-        return LabelledMatrix(matrix=_chosen(arrays, path, name))
+    arrays = read_arrays(path)
+    if "format" in arrays and "data" in arrays:
+        return LabelledMatrix(matrix=sp.load_npz(path))
+    return LabelledMatrix(matrix=_chosen(arrays, path, name))
 
 
 def read_market(path: Path, name: str) -> LabelledMatrix:
     """Read a Matrix Market file, or one of Abaqus, which has the same suffix but no heading."""
     with path.open("rb") as file:
-        heading = file.read(len(_MARKET))
-    if heading == _MARKET:
-        return LabelledMatrix(matrix=scipy.io.mmread(path))
+        heading = file.read(len(HEADING))
+    if heading == HEADING:
+        return LabelledMatrix(matrix=read_market_matrix(path))
     from faying.io.abaqus.matrices import read_abaqus_matrix
 
     return read_abaqus_matrix(path, name)
@@ -109,13 +120,16 @@ def read_market(path: Path, name: str) -> LabelledMatrix:
 
 def read_matlab(path: Path, name: str) -> LabelledMatrix:
     """Read a MATLAB file up to version 7; from 7.3 on it is HDF5 and refused."""
-    try:
-        found = scipy.io.loadmat(path, spmatrix=False)
-    except NotImplementedError as error:
+    with path.open("rb") as file:
+        heading = file.read(HEADER)
+    version = heading[124:126] if heading[126:] in (b"IM", b"MI") else b""
+    if b"\2" in version:
         message = (
             f"matrix {name}: '{path}' is a MATLAB 7.3 file; save it in MATLAB with save(..., '-v7')"
         )
-        raise FormatError(message) from error
+        raise FormatError(message)
+    # What has no such version is of MATLAB 4, which SciPy reads without compiled code.
+    found = read_matlab5(path) if version else scipy.io.loadmat(path, spmatrix=False)
     matrices = {
         key: value
         for key, value in found.items()

@@ -1,6 +1,5 @@
 """Tables that go with matrices: nodes, degrees of freedom, faces, node sets."""
 
-import zipfile
 from os import PathLike
 from pathlib import Path
 
@@ -8,6 +7,8 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.files.contents import file_text
+from faying.files.numpy_archive import read_arrays
 from faying.io.extrn import read_extrn
 
 _Rows = list[tuple[int, list[str]]]
@@ -74,9 +75,8 @@ def read_id_sets(path: str | PathLike[str], what: str) -> dict[str, list[Indices
 def _arrays(path: Path, what: str) -> dict[str, Matrix]:
     _check_there(path, what)
     try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: np.asarray(file[name]) for name in file.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as error:
+        return read_arrays(path)
+    except Exception as error:  # whatever a damaged archive meets
         message = f"{what} '{path}' cannot be read ({error}); write it again by numpy.savez"
         raise FormatError(message) from error
 
@@ -93,7 +93,7 @@ def _check_there(path: Path, what: str) -> None:
 def _rows(path: Path, what: str) -> _Rows:
     _check_there(path, what)
     try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
+        text = file_text(path, errors="replace")
     except OSError as error:
         message = f"{what} '{path}' cannot be read: {error.strerror}"
         raise FormatError(message) from error

@@ -17,6 +17,7 @@ import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
 from faying.exceptions import FormatError
+from faying.files.contents import file_bytes
 from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.named_matrices import DamageError, chosen_name
 from faying.io.op4_binary import BinaryFile, looks_binary
@@ -67,7 +68,7 @@ def read_op4(path: Path, name: str) -> LabelledMatrix:
 
 def _read(path: Path, wanted: str | None) -> dict[str, SparseMatrix]:
     try:
-        content = path.read_bytes()
+        content = file_bytes(path)
     except OSError as error:
         message = f"OP4 file '{path}' cannot be read ({error.strerror}); check the path"
         raise FormatError(message) from error

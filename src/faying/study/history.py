@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import StudyError
+from faying.files.contents import file_text
 from faying.simulation.load import History
 
 
@@ -38,7 +39,7 @@ def read_history(path: Path) -> History:
 
 def _text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return file_text(path)
     except UnicodeDecodeError:
         reason = "it is no UTF-8 text"
     except OSError as error:

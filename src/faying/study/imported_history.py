@@ -21,6 +21,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import FormatError
+from faying.files.contents import file_text
 from faying.joint.system import boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.reduction.portable import PortableJoint
@@ -139,7 +140,7 @@ def _frame(values: Matrix) -> FrameMotion:
 def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """Read the column names, and the cells below them with the lines they stand in."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = file_text(path)
     except (OSError, UnicodeDecodeError):
         message = f"{path} cannot be read as UTF-8 text; save it as CSV"
         raise FormatError(message) from None

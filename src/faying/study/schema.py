@@ -7,6 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from faying.exceptions import StudyError
+from faying.files.contents import file_text
 from faying.study.consistency import inconsistencies
 from faying.study.errors import Problem, StudySource, reject, translated
 from faying.study.positions import line_numbers
@@ -75,7 +76,7 @@ def _remedy(text: str, error: str) -> str:
 def _text(path: Path) -> str:
     """Read a file as UTF-8 text."""
     try:
-        return path.read_text(encoding="utf-8-sig")
+        return file_text(path)
     except UnicodeDecodeError as error:
         message = f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8"
     except OSError as error:

@@ -56,8 +56,13 @@ class Section(BaseModel):
 def _existing_file(path: Path, info: ValidationInfo) -> Path:
     """Resolve against the folder of the study file."""
     folder = info.context.path.parent if info.context else Path()
-    resolved = (folder / path.expanduser()).resolve()
-    if not resolved.is_file():
+    try:
+        resolved = (folder / path.expanduser()).resolve()
+        usable = resolved.is_file()
+    except (OSError, RuntimeError, ValueError) as error:  # too long, a circle of links, a NUL
+        message = f"file {shown(str(path))} is no possible path ({error}); correct it"
+        raise refusal(message) from None
+    if not usable:
         what = "is a folder" if resolved.is_dir() else "does not exist"
         message = f"file '{path}' {what} ({resolved}); paths are relative to the study file"
         if "\\" in str(path) and os.sep != "\\":

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError
+from faying.files.contents import file_bytes
 from faying.io.labelled_matrix import LabelledMatrix
 
 _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")
@@ -84,7 +85,7 @@ def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
 def _labels(path: Path) -> Indices:
     """Node and component (n, 2) of each row."""
     found = []
-    for number, line in enumerate(path.read_bytes().splitlines(), start=1):
+    for number, line in enumerate(file_bytes(path).splitlines(), start=1):
         match = _DOF.fullmatch(line)
         if match:
             found.append((int(match.group(1)), int(match.group(2))))
@@ -97,7 +98,7 @@ def _labels(path: Path) -> Indices:
 
 def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
     """Table of a file whose lines all have one of these numbers of fields."""
-    data = path.read_bytes()
+    data = file_bytes(path)
     if b"*" in data:
         lines = data.splitlines()
         for number, line in enumerate(lines, start=1):

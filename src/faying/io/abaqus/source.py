@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.deck_lines import Lines, deck_text
+from faying.io.deck_lines import DeckFiles, Lines
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
@@ -32,7 +32,7 @@ def read_lines(path: Path) -> Lines:
     FormatError
         If a file is missing or includes itself.
     """
-    files: list[str] = []
+    files = DeckFiles("input deck", "*INCLUDE")
     pieces = _expand(path, path.parent, files, (), "")
     return Lines(
         text=[line for piece in pieces for line in piece.text],
@@ -40,25 +40,23 @@ def read_lines(path: Path) -> Lines:
             [np.arange(p.first, p.first + len(p.text), dtype=np.int64) for p in pieces]
         ),
         file=np.repeat([p.file for p in pieces], [len(p.text) for p in pieces]).astype(np.int64),
-        files=tuple(files),
+        files=tuple(files.names),
     )
 
 
 def _expand(
-    path: Path, home: Path, files: list[str], parents: tuple[Path, ...], included_from: str
+    path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
 ) -> list[_Piece]:
-    data = _read(path, included_from)
+    index = len(files.names)
+    text = files.read(path, included_from).splitlines()
     here = path.resolve()
     if here in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: *INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
-    index = len(files)
-    files.append(str(path) if not parents else path.name)
-    text = data.splitlines()
     pieces, start = [], 0
     for line in [i for i, t in enumerate(text) if b"*" in t[:8] and _INCLUDE.match(t)]:
         pieces.append(_Piece(text=text[start:line], first=start + 1, file=index))
-        origin = f"{files[index]}:{line + 1}"
+        origin = f"{files.names[index]}:{line + 1}"
         name = _file_name(text[line], origin)
         places = (home / name, path.parent / name)
         found = next((place for place in places if _is_file(place, origin)), places[0])
@@ -71,20 +69,11 @@ def _expand(
 def _is_file(path: Path, origin: str) -> bool:
     try:
         return path.is_file()
+    except OSError:  # a name too long for any file
+        return False
     except ValueError as error:  # a path with a NUL character
         message = f"{origin}: *INCLUDE names an impossible path; correct it"
         raise FormatError(message) from error
-
-
-def _read(path: Path, included_from: str) -> bytes:
-    try:
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:
-        origin = f"{included_from}: *INCLUDE: " if included_from else ""
-        reason = "is not there" if isinstance(error, FileNotFoundError) else "cannot be read"
-        message = f"{origin}input deck '{path}' {reason}; check the path"
-        raise FormatError(message) from error
-    return deck_text(data, path)
 
 
 def _file_name(line: bytes, origin: str) -> str:

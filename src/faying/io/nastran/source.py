@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.deck_lines import Lines, deck_text
+from faying.io.deck_lines import DeckFiles, Lines
 
 _INCLUDE = re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?", re.IGNORECASE)
 _BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
@@ -34,7 +34,7 @@ def read_source(path: Path) -> Source:
     FormatError
         If a file is missing, includes itself, or BEGIN BULK is missing or names a superelement.
     """
-    files: list[str] = []
+    files = DeckFiles("Nastran deck", "INCLUDE")
     parts = _expand(path, files, ())
     lines = Lines(
         text=[line for text, _, _ in parts for line in text],
@@ -42,7 +42,7 @@ def read_source(path: Path) -> Source:
             [np.arange(first, first + len(t), dtype=np.int64) for t, first, _ in parts]
         ),
         file=np.repeat([f for _, _, f in parts], [len(t) for t, _, _ in parts]).astype(np.int64),
-        files=tuple(files),
+        files=tuple(files.names),
     )
     return _sections(lines, path)
 
@@ -76,31 +76,16 @@ def _shown(line: bytes) -> str:
     return line.decode("latin-1").strip()[:60]
 
 
-def _read(path: Path, included_from: str) -> bytes:
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        origin = f"{included_from}: INCLUDE: " if included_from else ""
-        reason = "is not there" if isinstance(error, FileNotFoundError) else "cannot be read"
-        message = f"{origin}Nastran deck '{path}' {reason}; check the path"
-        raise FormatError(message) from error
-    except ValueError as error:  # a path with a NUL character
-        message = f"{included_from}: INCLUDE names an impossible path; correct it"
-        raise FormatError(message) from error
-    return deck_text(data, path)
-
-
 def _expand(
-    path: Path, files: list[str], parents: tuple[Path, ...], included_from: str = ""
+    path: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str = ""
 ) -> list[tuple[list[bytes], int, int]]:
     """Pieces (lines, number of the first, index of the file) of a file and what it includes."""
-    data = _read(path, included_from)
+    index = len(files.names)
+    data = files.read(path, included_from)
     here = path.resolve()
     if here in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
-    index = len(files)
-    files.append(str(path) if not parents else path.name)
     upper = data.upper().splitlines()
     if b"INCLUDE" not in data.upper():
         return [(upper, 1, index)]
@@ -113,7 +98,7 @@ def _expand(
             line += 1
             continue
         parts.append((upper[start:line], start + 1, index))
-        origin = f"{files[index]}:{line + 1}"
+        origin = f"{files.names[index]}:{line + 1}"
         name, line = _file_name(original, line, match.end(), origin)
         parts += _expand(path.parent / name, files, (*parents, here), origin)
         start = line

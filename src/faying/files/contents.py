@@ -1,0 +1,72 @@
+"""What files of others hold, taken into memory only where it is a file and fits.
+
+A deck may include a device or a pipe, which never end; a file may be larger than the memory. Both
+are known before the first byte is read.
+"""
+
+import errno
+import stat
+from pathlib import Path
+
+from faying.linalg.machine_memory import free_memory
+from faying.linalg.memory import gigabytes
+
+MOST_ROWS = 100_000_000
+"""Rows of a matrix from which its size is taken for damage: its factors would take terabytes."""
+
+
+def file_bytes(path: Path) -> bytes:
+    """Return what a file holds.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read, is no regular file, or is larger than the memory that is free.
+    ValueError
+        If the path has a NUL character.
+    """
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "it is a folder, device or pipe and no file", str(path))
+    check_room(found.st_size, path)
+    return path.read_bytes()
+
+
+def file_text(path: Path, errors: str = "strict") -> str:
+    """Return the text of a UTF-8 file, without a byte order mark.
+
+    Raises
+    ------
+    OSError
+        As :func:`file_bytes`.
+    UnicodeDecodeError
+        If it is no UTF-8, unless ``errors`` says otherwise.
+    """
+    return file_bytes(path).decode("utf-8-sig", errors)
+
+
+def check_room(n_bytes: int, path: Path) -> None:
+    """Refuse what is larger than the memory that is free.
+
+    Raises
+    ------
+    OSError
+        With both figures.
+    """
+    free = free_memory()
+    if free is not None and n_bytes > free:
+        reason = f"it holds {gigabytes(n_bytes)}, and {gigabytes(free)} of memory are free"
+        raise OSError(errno.ENOMEM, reason, str(path))
+
+
+def check_rows(shape: tuple[int, ...]) -> None:
+    """Refuse a matrix with more rows or columns than any structure has.
+
+    Raises
+    ------
+    ValueError
+        With both figures.
+    """
+    if max(shape, default=0) > MOST_ROWS:
+        message = f"it says {max(shape)} rows or columns, and {MOST_ROWS} are the most"
+        raise ValueError(message)

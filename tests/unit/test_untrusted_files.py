@@ -1,0 +1,162 @@
+"""Files from strangers: sizes known before there is memory for them, nothing run or endless."""
+
+import io
+import os
+import pickle
+import struct
+import zipfile
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+import faying as fy
+from faying.exceptions import FormatError, StudyError
+from faying.io.abaqus.source import read_lines
+from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_node_table
+from faying.io.nastran.source import read_source
+from faying.study.schema import read_study
+
+
+def refused(read, *arguments):
+    with pytest.raises((FormatError, StudyError)) as caught:
+        read(*arguments)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+class Planted:
+    """Leaves a trace where it is unpickled."""
+
+    def __reduce__(self):
+        return (Path.mkdir, (Path("run-by-a-pickle"),))
+
+
+@pytest.mark.parametrize("read", [lambda path: read_matrix(path, "K"), read_node_table])
+def test_pickles_are_not_run(tmp_path, monkeypatch, read):
+    monkeypatch.chdir(tmp_path)
+    np.savez("K.npz", K=np.array([Planted()], dtype=object))
+    assert "pickled objects, which may run code" in refused(read, Path("K.npz"))
+    Path("K.mat").write_bytes(pickle.dumps(Planted()))
+    refused(read_matrix, Path("K.mat"), "K")
+    assert not Path("run-by-a-pickle").exists()
+
+
+def archive(path, shape, held=b"\0" * 64):
+    header = io.BytesIO()
+    text = {"descr": "<f8", "fortran_order": False, "shape": shape}
+    np.lib.format.write_array_header_1_0(header, text)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("K.npy", header.getvalue() + held)
+
+
+@pytest.mark.parametrize("read", [lambda path: read_matrix(path, "K"), read_node_table])
+def test_bombs_of_numpy(tmp_path, monkeypatch, read):
+    archive(tmp_path / "a.npz", (10**6, 10**6))
+    assert "says shape (1000000, 1000000)" in refused(read, tmp_path / "a.npz")
+    archive(tmp_path / "b.npz", (1000, 1000), bytes(8_000_000))
+    assert (tmp_path / "b.npz").stat().st_size < 10_000
+    monkeypatch.setenv("FAYING_MEMORY", "1e6")
+    assert "holds 0.008 GB, and 0.001 GB of memory are free" in refused(read, tmp_path / "b.npz")
+
+
+def matlab(path, size, packed):
+    path.write_bytes(
+        b" " * 124 + struct.pack("<H", 0x100) + b"IM" + struct.pack("<2I", 15, len(packed)) + packed
+    )
+    return size
+
+
+def test_bombs_of_matlab(tmp_path, monkeypatch):
+    monkeypatch.setenv("FAYING_MEMORY", "1e6")
+    path = tmp_path / "K.mat"
+    scipy.io.savemat(path, {"K": np.zeros((1000, 1000))}, do_compression=True)
+    assert path.stat().st_size < 10_000
+    assert "of memory are free" in refused(read_matrix, path, "K")
+    # One that says less than it holds, and one that says 4 GB.
+    matlab(path, 8, zlib.compress(struct.pack("<2I", 14, 1000) + bytes(9_000_000)))
+    assert "announces 1000 bytes and holds 1001" in refused(read_matrix, path, "K")
+    matlab(path, 8, zlib.compress(struct.pack("<2I", 14, 2**32 - 1)))
+    assert "8.6 GB" in refused(read_matrix, path, "K")
+
+
+def test_sizes_of_matrix_market(tmp_path):
+    path, heading = tmp_path / "K.mtx", "%%MatrixMarket matrix coordinate real symmetric\n"
+    path.write_text(heading + "1000000000000 1000000000000 1\n1 1 2.0\n")
+    assert "1000000000000 rows" in refused(read_matrix, path, "K")
+    path.write_text(heading + "3 3 100000000000\n1 1 2.0\n")
+    assert "announces 100000000000 entries and holds 1" in refused(read_matrix, path, "K")
+    path.write_text(heading + "3 3 1\n4 1 2.0\n")
+    assert "row 4, column 1 of a matrix of 3 rows" in refused(read_matrix, path, "K")
+    path.write_text(heading + "3 3 1\n1 1 x\n")
+    assert "K.mtx' cannot be read" in refused(read_matrix, path, "K")
+
+
+DECKS = {
+    "deck.bdf": (read_source, "BEGIN BULK\nINCLUDE '{}'\n"),
+    "deck.inp": (read_lines, "*INCLUDE, INPUT={}\n"),
+}
+
+
+@pytest.fixture(params=DECKS)
+def deck(request, tmp_path):
+    """A function that includes a file in a deck and returns what the reader says."""
+    read, text = DECKS[request.param]
+
+    def including(name):
+        (tmp_path / request.param).write_text(text.format(name))
+        return refused(read, tmp_path / request.param)
+
+    return including
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="a device of Unix")
+def test_devices_and_pipes_are_not_read(deck, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("/dev/zero", "pipe", "/dev/stdin", "."):
+        assert "no file" in deck(name)
+    for path in (Path("/dev/zero"), tmp_path / "pipe"):
+        assert "no file" in refused(read_study, path)
+        assert "no file" in refused(fy.read_nastran, path)
+
+
+def test_includes_of_themselves_and_of_nothing(deck, tmp_path):
+    for name in ("deck.bdf", "deck.inp"):
+        (tmp_path / name).write_text("")
+    assert "not there" in deck("other")
+    assert "cannot be read" in deck("x" * 5000)
+    (tmp_path / "link").symlink_to("link")
+    assert "cannot be read" in deck("link")
+
+
+def test_includes_that_multiply(tmp_path, monkeypatch):
+    """Eleven files of two lines each stand for two thousand."""
+    for suffix, (read, text) in {Path(name).suffix: deck for name, deck in DECKS.items()}.items():
+        for number in range(11):
+            line = text.splitlines()[-1].format(f"{number + 1}{suffix}") + "\n"
+            (tmp_path / f"{number}{suffix}").write_text(2 * line)
+        (tmp_path / f"11{suffix}").write_text("$ or * the end\n")
+        assert "more than 1000 files" in refused(read, tmp_path / f"0{suffix}")
+        monkeypatch.setenv("FAYING_MEMORY", "1000")
+        assert "of memory are free" in refused(read, tmp_path / f"0{suffix}")
+        monkeypatch.delenv("FAYING_MEMORY")
+
+
+def test_files_larger_than_the_memory(tmp_path, monkeypatch):
+    """Files with holes: a terabyte that takes no room."""
+    monkeypatch.setenv("FAYING_MEMORY", "16e9")
+    for name in ("K.mtx", "K.op4", "K.mat", "K.dmig", "K.sti", "study.toml", "nodes.csv"):
+        with (tmp_path / name).open("wb") as file:
+            if name == "K.mtx":
+                file.write(b"%%MatrixMarket matrix array real general\n")
+            elif name == "K.mat":
+                file.write(b" " * 124 + struct.pack("<H", 0x100) + b"IM")
+            file.truncate(10**12)
+        read = {"study.toml": read_study, "nodes.csv": read_node_table}.get(
+            name, lambda path: read_matrix(path, "K")
+        )
+        assert "1000 GB" in refused(read, tmp_path / name)
+    monkeypatch.delenv("FAYING_MEMORY")
