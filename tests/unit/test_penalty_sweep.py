@@ -61,6 +61,31 @@ def test_yardstick_is_hard_contact_at_the_pairs(nodal, nodal_sweep):
     np.testing.assert_allclose(nodal_sweep.hard_max_average, peaks, rtol=1e-8)
 
 
+@pytest.mark.parametrize("shape", ["tet10", "hex20"])
+def test_quadratic_elements_converge_to_hard_contact(shape):
+    model = tightened(shape=shape, penalty="hard")
+    sweep = penalty_sweep(model, LOADS)
+    worst = sweep.deviation.max(axis=1)
+    # As above; eight-node facets have a stiff penalty for hard, a tenth of which is left.
+    assert worst[-4] / worst[-2] == pytest.approx(10.0, rel=0.1)
+    assert worst[-1] < 1e-3
+    near = int(np.abs(sweep.penalties - sweep.automatic).argmin())
+    # D over H of one facet: 10 E/h gives up a tenth of the element below it, at most.
+    assert worst[near] < 0.1
+    peaks = [fy.solve_static(model, load).max_pressure for load in LOADS]
+    if shape == "tet10":  # its nodal points are determined, and carry what is averaged
+        np.testing.assert_allclose(sweep.hard_max_average, peaks, rtol=1e-8)
+
+
+def test_gauss_points_are_compared_with_hard_contact_at_the_same_points(gauss):
+    sweep = penalty_sweep(gauss, LOADS)
+    worst = sweep.deviation.max(axis=1)
+    assert (np.diff(worst) < 0).all()
+    # Nothing but the penalty is left to differ, and a hundred times 10 E/h hardly does.
+    assert worst[-1] < 0.01
+    assert recommend_penalty(sweep).reached
+
+
 def test_an_initial_gap_reaches_the_yardstick(nodal):
     x, y = nodal.interfaces["joint"].points.T[:2]
     shape = 1e-5 * (x**2 + y**2)
@@ -122,6 +147,13 @@ def test_the_closest_is_recommended_where_none_is_within():
     advice = recommend_penalty(made_up([0.5, 0.2, 0.3]), tolerance=0.05)
     assert (advice.penalty, advice.reached) == (1e4, False)
     assert "none stays within 5%" in advice.text
+
+
+def test_a_penalty_that_roughens_the_pressure_is_not_recommended():
+    sweep = made_up([0.2, 0.1, 0.01], max_pressure=[1.0, 1.1, 2.5])
+    advice = recommend_penalty(sweep, tolerance=0.05)
+    assert (advice.penalty, advice.reached) == (1e4, False)
+    assert "whose peaks at single points are smooth" in advice.text
 
 
 def test_advice_has_units_and_does_not_call_round_off_zero():

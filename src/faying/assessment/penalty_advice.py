@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from faying._typing import Vector
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.penalty import PENALTY_FACTOR
 
 ROUND_OFF = 1e-7
 """Relative errors below this are not told apart."""
 ROUGHER = 1.2
-"""Growth of peak over nodal average, to the stiff end of a sweep, that is worth a warning."""
+"""Growth of peak over nodal average that is no physics: beyond the automatic penalty's it is not
+recommended, and from the recommended one to the stiff end of a sweep it is worth a warning."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,8 +50,9 @@ def recommend_penalty(
     """Recommend the softest penalty whose pressures are those of hard contact.
 
     Softer is easier for every displacement basis, whose pressure error grows with c_n; stiffer
-    than needed buys nothing and at Gauss points costs smoothness. Where no penalty of the sweep
-    keeps the tolerance, the closest is recommended and said to be so.
+    than needed buys nothing and at Gauss points costs smoothness: a penalty that lets peaks at
+    single points outgrow their nodal averages is not recommended. Where no other penalty of the
+    sweep keeps the tolerance, the closest is recommended and said to be so.
 
     Parameters
     ----------
@@ -61,8 +64,10 @@ def recommend_penalty(
     """
     units = units or UnitNames()
     worst = sweep.deviation.max(axis=1)
-    within = np.flatnonzero(worst <= tolerance)
-    row = int(within[0]) if len(within) else int(worst.argmin())
+    rough = _roughness(sweep)
+    smooth = np.flatnonzero(rough <= ROUGHER * rough[_nearest_automatic(sweep)])
+    within = smooth[worst[smooth] <= tolerance]
+    row = int(within[0]) if len(within) else int(smooth[worst[smooth].argmin()])
     penalty = float(sweep.penalties[row])
     texts = [_choice(sweep, row, tolerance, units, reached=bool(len(within)))]
     texts += [_automatic_text(sweep, units), *_roughness_text(sweep, row, units)]
@@ -73,6 +78,15 @@ def recommend_penalty(
         reached=bool(len(within)),
         text="\n".join(texts),
     )
+
+
+def _roughness(sweep: PenaltySweep) -> Vector:
+    """Peak at points over nodal average, of the load where it is largest (n_penalty,)."""
+    return np.asarray((sweep.max_pressure / sweep.max_average).max(axis=1))
+
+
+def _nearest_automatic(sweep: PenaltySweep) -> int:
+    return int(np.abs(np.log(sweep.penalties / sweep.automatic)).argmin())
 
 
 def _stiffness(value: float, units: UnitNames) -> str:
@@ -96,7 +110,8 @@ def _choice(
     why = (
         f"the softest of the sweep with nodal pressures within {tolerance:.0%} of hard contact"
         if reached
-        else f"the closest of the sweep to hard contact; none stays within {tolerance:.0%}"
+        else "the closest of the sweep to hard contact whose peaks at single points are smooth; "
+        f"none stays within {tolerance:.0%}"
     )
     return (
         f"Recommended contact stiffness: {_stiffness(sweep.penalties[row], units)}, {why} "
@@ -106,7 +121,7 @@ def _choice(
 
 
 def _automatic_text(sweep: PenaltySweep, units: UnitNames) -> str:
-    near = int(np.abs(np.log(sweep.penalties / sweep.automatic)).argmin())
+    near = _nearest_automatic(sweep)
     return (
         f"The automatic value {PENALTY_FACTOR:g} E/h is {_stiffness(sweep.automatic, units)}; at "
         f"{_stiffness(sweep.penalties[near], units)} pressures are off hard contact by "
@@ -117,7 +132,7 @@ def _automatic_text(sweep: PenaltySweep, units: UnitNames) -> str:
 
 def _roughness_text(sweep: PenaltySweep, row: int, units: UnitNames) -> list[str]:
     """Warn where peaks at points outgrow their nodal averages: too many points for the mesh."""
-    rough = (sweep.max_pressure / sweep.max_average).max(axis=1)
+    rough = _roughness(sweep)
     if rough[-1] < ROUGHER * rough[row]:
         return []
     return [

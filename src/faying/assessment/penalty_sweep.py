@@ -1,27 +1,26 @@
 """What the contact stiffness c_n of Eq. (15.12) means for a joint: a sweep.
 
 A penalty is right when it no longer shows: pressures are those of hard contact, Eq. (15.7), as far
-as the mesh can resolve them. The yardstick is hard contact at the node pairs, whose contact forces
-are unique; pressures are compared as nodal averages. Hard contact at Gauss points is no yardstick:
-there are more points than normal displacements, so that a very stiff penalty makes single points
-carry what their neighbours should (pressures alternate from point to point and the peak grows).
+as the mesh can resolve them. The yardstick is hard contact at the joint's own contact points, so
+that nothing but the penalty differs; pressures are compared as nodal averages. Where there are more
+points than node pairs (Gauss points, and eight-node facets under any rule) hard contact leaves
+pressures undetermined, and a very stiff penalty makes single points carry what their neighbours
+should: pressures alternate from point to point and the peak grows. A stiffer penalty than any of
+the sweep then serves as hard, and what gives no nodal force is left out before averaging.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.sparse as sp
 
 from faying._typing import Matrix, Vector, frozen
 from faying.assessment.accuracy import relative_error
 from faying.exceptions import ModelError
-from faying.interface.interface import Interface
-from faying.interface.renewal import automatic_penalty_of, rebuilt
+from faying.interface.pair_fit import PairFit
+from faying.interface.penalty import automatic_penalty_of
 from faying.joint.model import Model
 from faying.joint.system import System
-from faying.linalg.factorization import factorize
-from faying.model.specs import InterfaceSpec
 from faying.simulation.load import Load
 from faying.simulation.preload import tighten
 from faying.simulation.solution import Solution
@@ -29,6 +28,16 @@ from faying.simulation.static import AT_REST, solve_static, solve_static_cases
 
 DECADES = np.arange(-2.0, 2.25, 0.5)
 """Default penalties are these powers of ten times the automatic one."""
+
+
+HARD = 10.0
+"""Penalty that stands for hard contact, over the stiffest of a sweep and the automatic one.
+
+What a penalty shows is of first order in its inverse: the default sweep ends at a hundredth of what
+the automatic one shows, and a thousandth is left of it here.
+"""
+ROUND_OFF = 1e-9
+"""Pressures below this fraction of the largest are none: what the fit leaves of zeros."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,14 +55,14 @@ class PenaltySweep:
     max_pressure : (n_penalty, n_load) [force/length²]
         Largest pressure at the contact points.
     max_average : (n_penalty, n_load) [force/length²]
-        Largest nodal average of the pressure.
+        Largest nodal average of the pressure that displacements feel.
     penetration : (n_penalty, n_load) [length]
         Largest one.
     deviation, rms_deviation : (n_penalty, n_load)
         Largest and root mean square difference of nodal averages to hard contact, over the
         largest nodal average of hard contact (where that has pressure, for the latter).
     hard_max_average : (n_load,) [force/length²]
-        Largest pressure of hard contact at the node pairs.
+        Largest nodal average of hard contact.
     element_size : [length]
         Root of the mean facet area.
     deflection : (n_load,) [length]
@@ -144,15 +153,16 @@ def penalty_sweep(
         message = "penalties of a sweep must be positive and finite; hard contact is the yardstick"
         raise ModelError(message)
     final = _final_forces(model)
-    hard = _hard_nodal(model)
-    yardstick = solve_static_cases(_tightened(hard, final), loads)
-    averages = _nodal_averages(hard, yardstick)
+    hard = _tightened(_hard(model, HARD * max(centre, float(values.max()))), final)
+    yardstick = solve_static_cases(hard, loads)
+    fits = {name: PairFit.of(interface) for name, interface in model.interfaces.items()}
+    averages = _nodal_averages(hard, yardstick, fits)
     rows: list[list[Vector]] = []
     errors: dict[str, list[Vector]] = {name: [] for name in methods or {}}
     for penalty in values:
         swept = _tightened(model.with_penalty(float(penalty)), final)
         full = solve_static_cases(swept, loads)
-        rows.append(_row(full, _nodal_averages(swept, full), averages))
+        rows.append(_row(full, _nodal_averages(swept, full, fits), averages))
         for name, build in (methods or {}).items():
             cases = solve_static_cases(build(swept), loads)
             errors[name].append(_max_errors(cases, full))
@@ -195,27 +205,23 @@ def _tightened(model: Model, final: Mapping[str, float]) -> Model:
     return model.with_bolt_forces(tighten(model, final).initial_forces) if final else model
 
 
-def _hard_nodal(model: Model) -> Model:
-    """Return the model with hard contact at its node pairs and the same initial gap."""
+def _hard(model: Model, stiff: float) -> Model:
+    """Return the model with hard contact, of a stiff penalty where pairs do not determine it."""
     return model.with_interfaces(
-        {name: _nodal(model, interface) for name, interface in model.interfaces.items()}
+        {
+            name: interface.with_penalty(
+                np.inf if interface.n_points <= len(interface.pairs) else stiff
+            )
+            for name, interface in model.interfaces.items()
+        }
     )
 
 
-def _nodal(model: Model, interface: Interface) -> Interface:
-    spec = InterfaceSpec(name=interface.name, quadrature="nodal", penalty="hard")
-    nodal = rebuilt(model.assembly, model.dofs, spec, interface, np.inf)
-    shape = interface.point_shape
-    # The gap field of the pairs that fits the given points best, exactly where it is theirs.
-    gap = factorize(sp.csr_array(shape.T @ shape)).solve(shape.T @ interface.initial_gap)
-    return nodal.with_initial_gap(nodal.point_shape @ gap)
-
-
-def _nodal_averages(model: Model, solution: Solution) -> Matrix:
-    """Nodal averages (n_load, n_pair of all interfaces)."""
+def _nodal_averages(model: Model, solution: Solution, fits: Mapping[str, PairFit]) -> Matrix:
+    """Nodal averages (n_load, n_pair of all interfaces) of what displacements feel."""
     slices = model.contact.slices
     parts = [
-        model.interfaces[name].nodal_average(solution.pressure[:, points])
+        model.interfaces[name].nodal_average(fits[name].felt(solution.pressure[:, points]))
         for name, points in slices.items()
     ]
     return np.concatenate(parts, axis=1)
@@ -224,7 +230,7 @@ def _nodal_averages(model: Model, solution: Solution) -> Matrix:
 def _row(solution: Solution, averages: Matrix, hard: Matrix) -> list[Vector]:
     """One line of the sweep, each entry (n_load,)."""
     off = np.array([relative_error(a, h) for a, h in zip(averages, hard, strict=True)])
-    pressed = hard > 0
+    pressed = hard > ROUND_OFF * hard.max(axis=1, keepdims=True)
     rms = np.sqrt((off**2 * pressed).sum(axis=1) / pressed.sum(axis=1))
     return [
         solution.max_pressure,

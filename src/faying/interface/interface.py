@@ -14,6 +14,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
 from faying.exceptions import ModelError
+from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
 
 
@@ -143,10 +144,16 @@ class Interface:
             return np.asarray(nodes[self.pairs[:, 0]])
         return np.asarray(nodes[self.pairs].mean(axis=1))
 
-    def nodal_average(self, values: Matrix) -> Matrix:
-        """Average a quantity at the contact points to the node pairs.
+    @cached_property
+    def averaging(self) -> SparseMatrix:
+        """Takes values at the contact points to the node pairs (n_pair, n_point); see there."""
+        facets = [(f.kind, facet_columns(self.pairs, f.minus, f.plus)) for f in self.faces]
+        return averaging_operator(self.point_shape, self.weights, facets)
 
-        Weights are w N², which stay positive for quadratic facets where ∫N may not.
+    def nodal_average(self, values: Matrix) -> Matrix:
+        """Average a quantity at the contact points to the node pairs, by positive weights.
+
+        A constant stays what it is; :mod:`faying.interface.averaging` says which points count.
 
         Parameters
         ----------
@@ -156,10 +163,8 @@ class Interface:
         -------
         ndarray (..., n_pair)
         """
-        weight = self.point_shape.power(2).multiply(self.weights[:, None]).tocsr()
-        total = np.asarray(weight.sum(axis=0)).ravel()
-        weighted: Matrix = (weight.T @ np.asarray(values).T).T
-        return weighted / np.where(total > 0, total, 1.0)
+        average: Matrix = (self.averaging @ np.asarray(values).T).T
+        return average
 
     def with_penalty(self, penalty: float) -> "Interface":
         """Return a copy with another contact stiffness (``inf`` for hard contact)."""

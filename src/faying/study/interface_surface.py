@@ -3,6 +3,7 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.interface.averaging import facet_columns
 from faying.study.results import InterfaceRecord
 
 
@@ -16,12 +17,8 @@ def pair_facets(record: InterfaceRecord) -> tuple[tuple[str, Indices], ...]:
     """
     if not len(record.pairs):
         return ()
-    width = int(record.pairs.max()) + 1
-    keys = record.pairs[:, 0] * width + record.pairs[:, 1]
-    order = np.argsort(keys, kind="stable")
     return tuple(
-        (faces.kind, order[np.searchsorted(keys[order], faces.minus * width + faces.plus)])
-        for faces in record.faces
+        (faces.kind, facet_columns(record.pairs, faces.minus, faces.plus)) for faces in record.faces
     )
 
 

@@ -87,7 +87,7 @@ def _interface(model: Model, name: str, preload_pressure: Vector) -> InterfaceRe
         slice=(points.start, points.stop),
         pairs=interface.pairs,
         pair_points=interface.pair_points(model.assembly.mesh.nodes),
-        averaging=interface.nodal_average(np.eye(interface.n_points)).T,
+        averaging=interface.averaging.toarray(),
         faces=interface.faces,
         penalty=interface.penalty,
         quadrature=interface.quadrature,

@@ -1,0 +1,91 @@
+"""From values at contact points to values at node pairs, by positive weights.
+
+A pair takes the mean of the points near it, weighted with w φ²: w the area of a point, φ the
+pair's shape function there where that is positive. Shape functions of quadratic facets are negative
+near the far corners, which must not count. A corner that no point sees in this way (under nodal
+quadrature six-node triangles have points at their mid-sides alone) takes for φ the linear function
+that is one there and zero at its neighbours: of triangles the mean of the mid-sides next to it.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, SparseMatrix, Vector, read_only
+from faying.interface.facets import reference_nodes, shape_functions
+from faying.interface.segment_points import LINEAR
+
+
+def averaging_operator(
+    shape: SparseMatrix, weights: Vector, facets: Sequence[tuple[str, Indices]]
+) -> SparseMatrix:
+    """Return the operator that averages values at contact points to the pairs.
+
+    Parameters
+    ----------
+    shape : (n_point, n_pair)
+        Shape functions of the pairs at the contact points.
+    weights : (n_point,) [length²]
+    facets
+        Kind and pairs (n_face, n_node_per_face) of the facets.
+
+    Returns
+    -------
+    csr_array (n_pair, n_point)
+        No entry is negative and every row adds up to one.
+    """
+    values = shape.maximum(0.0)
+    unseen = np.asarray(values.sum(axis=0)).ravel() == 0
+    if unseen.any():
+        columns = np.flatnonzero(unseen)
+        ones = np.ones(len(columns))
+        place = (np.arange(len(columns)), columns)
+        into = sp.csr_array((ones, place), shape=(len(columns), shape.shape[1]))
+        values = values + shape @ corner_functions(facets, shape.shape[1])[:, columns] @ into
+    share = values.power(2).multiply(weights[:, None]).T.tocsr()
+    total = np.asarray(share.sum(axis=1)).ravel()
+    share.data /= np.repeat(total, np.diff(share.indptr))
+    return read_only(share)
+
+
+def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> SparseMatrix:
+    """Return the linear functions of all corners at the pairs.
+
+    They are shape functions of the facets without their mid-sides, and sums of those with them.
+
+    Returns
+    -------
+    csc_array (n_pair, n_pair)
+        Column of a corner: one at itself, 1/2 at the mid-sides next to it. Columns of mid-sides
+        are empty.
+    """
+    rows, columns, values = [], [], []
+    for kind, pairs in facets:
+        linear = shape_functions(LINEAR[kind], reference_nodes(kind))
+        node, corner = np.nonzero(linear)
+        rows.append(pairs[:, node].ravel())
+        columns.append(pairs[:, corner].ravel())
+        values.append(np.tile(linear[node, corner], len(pairs)))
+    place = np.concatenate(rows) * n_pair + np.concatenate(columns)
+    # Facets that share an edge give the same values there.
+    unique, first = np.unique(place, return_index=True)
+    entries = np.concatenate(values)[first]
+    return sp.csc_array((entries, np.divmod(unique, n_pair)), shape=(n_pair, n_pair))
+
+
+def facet_columns(pairs: Indices, minus: Indices, plus: Indices) -> Indices:
+    """Return which pairs (…) the nodes of facets are, in the shape of ``minus`` and ``plus``.
+
+    Parameters
+    ----------
+    pairs : (n_pair, 2)
+        Nodes of the minus and the plus side.
+    minus, plus : (…)
+        Nodes of the facets on both sides.
+    """
+    width = int(pairs.max()) + 1
+    keys = pairs[:, 0] * width + pairs[:, 1]
+    order = np.argsort(keys, kind="stable")
+    columns: Indices = order[np.searchsorted(keys[order], minus * width + plus)]
+    return columns
