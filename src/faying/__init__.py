@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
     from faying.simulation.compiled import compile_steps
     from faying.simulation.frame_motion import FrameMotion
-    from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
+    from faying.simulation.integrators import EnergyDecaying, GeneralizedAlpha, ImplicitEuler
     from faying.simulation.load import History, Load
     from faying.simulation.newton import solve_static_newton
     from faying.simulation.preload import Sticking, preload, tighten
@@ -102,6 +102,7 @@ _HOMES = {
     "solve_transient_cases": "faying.simulation.transient",
     "stream_transient": "faying.export.transient_stream",
     "ImplicitEuler": "faying.simulation.integrators",
+    "EnergyDecaying": "faying.simulation.integrators",
     "GeneralizedAlpha": "faying.simulation.integrators",
     "Solution": "faying.simulation.solution",
     "count_modes_below": "faying.reduction.mode_count",
@@ -131,6 +132,7 @@ __all__ = [
     "Basis",
     "BoltSpec",
     "BoundarySpec",
+    "EnergyDecaying",
     "FrameMotion",
     "GeneralizedAlpha",
     "History",

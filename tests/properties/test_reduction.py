@@ -72,7 +72,9 @@ def test_identity_basis_is_the_full_model_in_statics(small, everything, complian
 
 
 @pytest.mark.parametrize("compliance", [False, True])
-@pytest.mark.parametrize("scheme", [fy.ImplicitEuler(), fy.GeneralizedAlpha(0.8)])
+@pytest.mark.parametrize(
+    "scheme", [fy.ImplicitEuler(), fy.GeneralizedAlpha(0.8), fy.EnergyDecaying()]
+)
 def test_identity_basis_is_the_full_model_in_time(small, everything, scheme, compliance):
     rom = fy.reduce(small, everything, compliance=compliance)
     expected, found = (

@@ -57,7 +57,7 @@ def compare(path, solution, n_step):
         )
 
 
-@pytest.mark.parametrize("integrator", [None, fy.GeneralizedAlpha(0.8)])
+@pytest.mark.parametrize("integrator", [None, fy.GeneralizedAlpha(0.8), fy.EnergyDecaying()])
 def test_streamed_is_solved(rom, load, integrator, tmp_path):
     solution = fy.solve_transient(rom, load, step=STEP, duration=100 * STEP, integrator=integrator)
     path = fy.stream_transient(

@@ -19,6 +19,9 @@ SCHEMES = {
     "trapezoidal": fy.GeneralizedAlpha(1.0),
     "alpha": fy.GeneralizedAlpha(0.8),
     "annihilating": fy.GeneralizedAlpha(0.0),
+    "decaying": fy.EnergyDecaying(0.8),
+    "midpoint": fy.EnergyDecaying(1.0),
+    "decaying-fast": fy.EnergyDecaying(0.0),
 }
 
 
@@ -44,7 +47,8 @@ def largest_error(system, scheme, step, exact, duration=6.0, **options):
 
 
 @pytest.mark.parametrize(
-    ("scheme", "order"), [("euler", 1), ("trapezoidal", 2), ("alpha", 2), ("annihilating", 2)]
+    ("scheme", "order"),
+    [("euler", 1), *((name, 2) for name in SCHEMES if name != "euler")],
 )
 def test_order_on_a_step_without_contact(scheme, order):
     system = free_oscillator()
@@ -75,7 +79,10 @@ def free_vibration_beside_a_stop(scheme, step):
     )
 
 
-@pytest.mark.parametrize(("scheme", "order"), [("euler", 1), ("trapezoidal", 2), ("alpha", 2)])
+@pytest.mark.parametrize(
+    ("scheme", "order"),
+    [("euler", 1), ("trapezoidal", 2), ("alpha", 2), ("decaying", 2), ("midpoint", 2)],
+)
 def test_order_when_contact_opens_and_closes(scheme, order):
     """The vibration of a mass that meets an elastic stop three times."""
     errors = [free_vibration_beside_a_stop(SCHEMES[scheme], h) for h in (0.01, 0.005, 0.0025)]
@@ -137,7 +144,7 @@ def test_prestressed_joint_stays_at_rest(scheme, joint):
     assert drift < 1e-6  # the same, times penalty over stiffness
 
 
-@pytest.mark.parametrize("scheme", ["euler", "alpha", "trapezoidal"])
+@pytest.mark.parametrize("scheme", ["euler", "alpha", "trapezoidal", "decaying", "decaying-fast"])
 def test_massless_degrees_of_freedom(scheme):
     """A spring in front of the mass: its end has no mass and follows at once."""
     K = np.array([[5.0, -2.0], [-2.0, 2.0]])
@@ -204,7 +211,7 @@ def test_midpoint_rule_keeps_the_balance_to_round_off():
 
 
 @pytest.mark.parametrize("residual", [None, np.array([[0.07]])])
-@pytest.mark.parametrize("scheme", ["trapezoidal", "alpha"])
+@pytest.mark.parametrize("scheme", ["trapezoidal", "alpha", "decaying", "midpoint"])
 def test_imbalance_with_contact_falls_with_the_square_of_the_step(scheme, residual):
     system = two_masses(residual=residual)
     motion = run(system, scheme, load=APART)

@@ -13,7 +13,11 @@ from faying.simulation.transient import transient_solver
 from small_system import small_system
 
 STEP = 1e-5
-SCHEMES = {"euler": fy.ImplicitEuler(), "alpha": fy.GeneralizedAlpha(0.8)}
+SCHEMES = {
+    "euler": fy.ImplicitEuler(),
+    "alpha": fy.GeneralizedAlpha(0.8),
+    "decaying": fy.EnergyDecaying(),
+}
 FIELDS = ("states", "velocities", "accelerations", "contact_forces", "gap", "inputs", "times")
 
 

@@ -58,7 +58,8 @@ def reintegrate(
     force = input_forces(system, solution.inputs) + relative_forces(system, contact_forces)
     effective = factorize(scheme.effective_matrix(system, step))
     start = system.factorize_static().solve(force[0])
-    motion = Motion(start, np.zeros_like(start), np.zeros_like(start), force[0])
+    rest = np.zeros_like(start)
+    motion = Motion(start, rest, rest, force[0], rest, contact_forces[0])
     motions = [motion]
     for new in force[1:]:
         right = scheme.right_hand_side(system, motion, step) + scheme.force_weight * new

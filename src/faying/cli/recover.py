@@ -44,7 +44,7 @@ def recover(
         ),
     ] = None,
     integrator: Annotated[
-        Literal["implicit-euler", "generalized-alpha"] | None,
+        Literal["implicit-euler", "energy-decaying", "generalized-alpha"] | None,
         typer.Option(
             help="Integrator under boundary forces.  [default: implicit-euler]", show_default=False
         ),
@@ -69,9 +69,9 @@ def recover(
 
 
 def _integrator(name: str | None) -> "Integrator | None":
-    from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler
+    from faying.simulation.integrators import named_integrator
 
-    return None if name is None else {"implicit-euler": ImplicitEuler}.get(name, GeneralizedAlpha)()
+    return None if name is None else named_integrator(name)
 
 
 def _tell(results: "Results", recovered: "RecoveredRecord") -> None:

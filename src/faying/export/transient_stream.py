@@ -1,6 +1,7 @@
 """Long transients, written to HDF5 as they are computed: memory is that of one piece."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from os import PathLike
 from pathlib import Path
 
@@ -167,7 +168,7 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
     done = int(place.attrs["done"])
     for data in _datasets(file):
         data.resize(done + 1, axis=0)  # rows of a piece that was cut short
-    motion = Motion(**{name: place[name][()] for name in ("u", "v", "a", "force")})
+    motion = Motion(**{field.name: place[field.name][()] for field in fields(Motion)})
     file.attrs["complete"] = False
     return Restart(done=done, motion=motion, active=place["active"][()])
 

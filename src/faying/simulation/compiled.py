@@ -19,6 +19,7 @@ from faying.joint.system import System
 from faying.linalg.factorization import Factorization
 from faying.simulation.history import History, Trend
 from faying.simulation.integrators import Integrator, Motion
+from faying.simulation.step_contact import EndContact
 
 PAYING_STEPS = 20_000
 """Steps from which the loop is compiled unasked.
@@ -161,11 +162,13 @@ def compiled_steps(
 ) -> CompiledSteps | None:
     """Return what the loop needs; None where it has nothing to offer.
 
-    It has not for full models, where contact is hard, and where the compliance between pairs is
-    compressed or singular.
+    It has not for full models, for mean contact forces, where contact is hard, and where the
+    compliance between pairs is compressed or singular.
     """
     P, contact, S = system.contact.relative_operator, system.contact, condensed.total
     if not (isinstance(P, np.ndarray) and isinstance(S, np.ndarray)):
+        return None
+    if not isinstance(scheme.step_contact(condensed), EndContact):
         return None
     if not (contact.flexibility > 0).all():
         return None
@@ -177,8 +180,7 @@ def compiled_steps(
         return None
     n = P.shape[1]
     inverse = effective.solve(np.eye(n))
-    motions = np.split(np.eye(4 * n), 4)
-    right = scheme.right_hand_side(system, Motion(*motions), step)
+    right = scheme.right_hand_side(system, unstacked(np.eye(4 * n)), step)
     arrays = {
         "start": effective.solve(right),
         "applied_to_free": scheme.force_weight * inverse,
@@ -200,7 +202,8 @@ def _newmark(scheme: Integrator, step: float) -> Matrix:
     Integrators treat all degrees of freedom alike here.
     """
     u0, v0, a0, f0, u1, f1 = np.eye(6)
-    end = scheme.advance(Motion(u0, v0, a0, f0), u1, f1, step)
+    motion = Motion(u0, v0, a0, f0, lagging=np.zeros(6), contact=np.zeros(0))
+    end = scheme.advance(motion, u1, f1, step)
     return np.array([end.v, end.a])
 
 
@@ -210,6 +213,7 @@ def stacked(motion: Motion) -> Vector:
     return np.concatenate([np.ravel(part) for part in parts])
 
 
-def unstacked(vector: Vector) -> Motion:
-    """Return u, v, a and f of one case, each as a column."""
-    return Motion(*(part[:, None] for part in np.split(vector, 4)))
+def unstacked(vectors: Matrix) -> Motion:
+    """Return u, v, a and f, stacked, of several cases, one a column."""
+    u, v, a, force = np.split(vectors, 4)
+    return Motion(u, v, a, force, lagging=np.zeros_like(u), contact=np.zeros((0, u.shape[1])))

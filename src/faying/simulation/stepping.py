@@ -1,7 +1,7 @@
 """Steps of transients side by side: one factorization, and what is linear done for all at once."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -27,6 +27,7 @@ from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import relative_forces, solve_static
+from faying.simulation.step_contact import StepContact
 
 INITIAL_FRACTION = 1e-3
 """Part of a step over which the initial acceleration is averaged.
@@ -213,11 +214,13 @@ class TransientSolver:
         inputs = np.concatenate([load.inputs(system, now) for load in loads])
         forces = np.array([start.contact_forces for start in starts])
         u = np.array([start.states for start in starts]).T
-        force = (input_forces(system, inputs) + relative_forces(system, forces)).T
-        motion = Motion(u, np.zeros_like(u), np.zeros_like(u), force)
+        applied, contact = input_forces(system, inputs).T, relative_forces(system, forces).T
+        a = np.zeros_like(u)
         if self.scheme.needs_acceleration:
             averaging = system.M + (INITIAL_FRACTION * self.step) ** 2 * system.K
-            motion = replace(motion, a=factorize(averaging).solve(force - system.K @ u))
+            a = factorize(averaging).solve(applied + contact - system.K @ u)
+        kept = self.scheme.kept_force(applied, contact)
+        motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), forces.T)
         return _each(0, motion, forces > 0)
 
     def _advanced(
@@ -294,7 +297,7 @@ class TransientSolver:
 
     def _step(
         self, motion: Motion, guess: Mask, trend: Trend, applied: Matrix
-    ) -> tuple[Motion, Mask, list[ContactForces]]:
+    ) -> tuple[Motion, Mask, Sequence[ContactForces]]:
         """Return the motion one step on, the points expected in contact after it, and contact.
 
         What is linear is done for all cases at once, with one case a column.
@@ -303,13 +306,18 @@ class TransientSolver:
         right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
         free = system.contact.relative_operator @ self.effective.solve(right)
         gaps = condensed.free_gap(free.T)
-        contacts = list(map(condensed.solve_gap, gaps, guess))
+        acting, contacts = self._step_contact.solve(gaps, guess, motion.contact.T)
         forces = np.array([contact.forces for contact in contacts])
         slack = np.array([contact.slack for contact in contacts])
-        from_contact = relative_forces(system, forces).T
+        from_contact = relative_forces(system, acting).T
         u = self.effective.solve(right + scheme.force_weight * from_contact)
-        motion = scheme.advance(motion, u, applied + from_contact, self.step)
+        kept = scheme.kept_force(applied, from_contact)
+        motion = replace(scheme.advance(motion, u, kept, self.step), contact=forces.T)
         return motion, trend.next(forces, slack), contacts
+
+    @cached_property
+    def _step_contact(self) -> StepContact:
+        return self.scheme.step_contact(self.condensed)
 
     @cached_property
     def _compiled(self) -> CompiledSteps | None:
@@ -335,32 +343,31 @@ class TransientSolver:
             failures = 0 if done else failures + 1
             if done < len(some):
                 moved, expected, contacts = self._step(
-                    unstacked(motion), guess[None], trend, some[done][:, None]
+                    unstacked(motion[:, None]), guess[None], trend, some[done][:, None]
                 )
                 history.note(first + n + done, moved, contacts)
                 motion, guess, done = stacked(moved), expected[0], done + 1
             n += done
             if progress is not None:
                 progress(done)
-        end = Motion(*np.split(motion, 4))
-        return Restart(done=here.done + n, motion=end, active=history.forces[0, first + n - 1] > 0)
+        forces = history.forces[0, first + n - 1]
+        u, v, a, force = np.split(motion, 4)
+        end = Motion(u, v, a, force, here.motion.lagging, forces)
+        return Restart(done=here.done + n, motion=end, active=forces > 0)
 
 
 def _side_by_side(motions: Sequence[Motion]) -> Motion:
     """Return the motions of all cases as one, with one case a column."""
-    u, v, a, force = (
-        np.array([getattr(motion, name) for motion in motions]).T
-        for name in ("u", "v", "a", "force")
-    )
-    return Motion(u, v, a, force)
+    names = [field.name for field in fields(Motion)]
+    return Motion(*(np.array([getattr(motion, name) for motion in motions]).T for name in names))
 
 
 def _each(done: int, motion: Motion, active: Iterable[Mask]) -> list[Restart]:
     """Return where each of the transients side by side stands."""
-    columns = zip(motion.u.T, motion.v.T, motion.a.T, motion.force.T, active, strict=True)
+    columns = zip(*(values.T for values in vars(motion).values()), strict=True)
     return [
-        Restart(done=done, motion=Motion(u, v, a, force), active=points)
-        for u, v, a, force, points in columns
+        Restart(done=done, motion=Motion(*parts), active=points)
+        for parts, points in zip(columns, active, strict=True)
     ]
 
 

@@ -19,7 +19,7 @@ from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.rivals import RIVALS
-from faying.simulation.integrators import GeneralizedAlpha, ImplicitEuler, Integrator
+from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.transient import solve_transient, transient_solver
@@ -247,9 +247,7 @@ def full_transients(
 
 def integrator_of(case: LoadCaseSection) -> Integrator:
     """Return the integrator of a transient load case; the seed's implicit Euler by default."""
-    if case.integrator != "generalized-alpha":
-        return ImplicitEuler()
-    return GeneralizedAlpha() if case.rho_infinity is None else GeneralizedAlpha(case.rho_infinity)
+    return named_integrator(case.integrator or "implicit-euler", case.rho_infinity)
 
 
 def respond(solution: Solution, model: Model, seconds: float) -> Response:

@@ -273,8 +273,11 @@ def _load_cases(study: Study) -> Iterator[Problem]:
         yield from _not_both(study, location, case)
         yield from _timing(study, location, case)
         yield from _forces(study, location, case)
-        if case.rho_infinity is not None and case.integrator != "generalized-alpha":
-            text = 'only integrator = "generalized-alpha" has it; remove it or add the integrator'
+        if case.rho_infinity is not None and case.integrator in (None, "implicit-euler"):
+            text = (
+                'only integrator = "energy-decaying" and "generalized-alpha" have it; remove it or '
+                "add the integrator"
+            )
             yield _problem(study, (*location, "rho_infinity"), text)
 
 

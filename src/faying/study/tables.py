@@ -204,13 +204,14 @@ class LoadCaseSection(Timed):
     integrator
         None is ``"implicit-euler"``.
     rho_infinity
-        Spectral radius of the generalized-alpha method at infinite frequency.
+        Spectral radius at infinite frequency of the energy-decaying and the generalized-alpha
+        method.
     """
 
     name: Name
     kind: Literal["static", "step", "history"]
     forces: Annotated[tuple[ForceSection, ...], Field(min_length=1)]
-    integrator: Literal["implicit-euler", "generalized-alpha"] | None = None
+    integrator: Literal["implicit-euler", "energy-decaying", "generalized-alpha"] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
 
 

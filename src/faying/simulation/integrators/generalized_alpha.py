@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.condensed import CondensedContact
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
+from faying.simulation.step_contact import EndContact
 
 
 @final
@@ -84,9 +86,17 @@ class GeneralizedAlpha:
         old: Vector = self.alpha_f * (motion.force - system.K @ u)
         return system.M @ inertia + system.C @ drag + old
 
+    def step_contact(self, condensed: CondensedContact) -> EndContact:
+        """Return the contact law at the end of a step."""
+        return EndContact(condensed)
+
+    def kept_force(self, applied: Vector, contact: Vector) -> Vector:
+        """Return their sum."""
+        return applied + contact
+
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
         """Return the motion at the end of the step by Newmark's formulas."""
         change = (u - motion.u - step * motion.v) / (self.beta * step**2)
         a = change - (0.5 / self.beta - 1) * motion.a
         v = motion.v + step * ((1 - self.gamma) * motion.a + self.gamma * a)
-        return Motion(u, v, a, force)
+        return Motion(u, v, a, force, motion.lagging, motion.contact)

@@ -4,8 +4,10 @@ from dataclasses import dataclass
 from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.condensed import CondensedContact
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
+from faying.simulation.step_contact import EndContact
 
 
 @final
@@ -43,7 +45,16 @@ class ImplicitEuler:
         right: Vector = inertia + system.C @ (motion.u / step)
         return right
 
+    def step_contact(self, condensed: CondensedContact) -> EndContact:
+        """Return the contact law at the end of a step."""
+        return EndContact(condensed)
+
+    def kept_force(self, applied: Vector, contact: Vector) -> Vector:
+        """Return their sum."""
+        return applied + contact
+
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
         """Return the motion at the end of the step."""
         v = (u - motion.u) / step
-        return Motion(u, v, (v - motion.v) / step, force)
+        a = (v - motion.v) / step
+        return Motion(u, v, a, force, motion.lagging, motion.contact)

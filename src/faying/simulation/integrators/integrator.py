@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.condensed import CondensedContact
 from faying.joint.system import System
+from faying.simulation.step_contact import StepContact
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,13 +18,20 @@ class Motion:
     u, v, a : (n_dof,) or (n_dof, n_case)
         Displacement, velocity, acceleration.
     force : (n_dof,) or (n_dof, n_case)
-        External and contact forces at that instant, f_e + Gᵀλ.
+        Forces at that instant that the scheme keeps: external and contact forces, f_e + Gᵀλ, or
+        external ones alone.
+    lagging : (n_dof,) or (n_dof, n_case)
+        Velocity that lags behind, of schemes that damp by it.
+    contact : (n_point,) or (n_point, n_case)
+        Contact forces λ at that instant.
     """
 
     u: Vector
     v: Vector
     a: Vector
     force: Vector
+    lagging: Vector
+    contact: Vector
 
 
 class Integrator(Protocol):
@@ -51,6 +60,17 @@ class Integrator(Protocol):
         """Return b without the new forces."""
         ...
 
+    def step_contact(self, condensed: CondensedContact) -> StepContact:
+        """Return how contact, condensed with the compliance of a step, enters its balance."""
+        ...
+
+    def kept_force(self, applied: Vector, contact: Vector) -> Vector:
+        """Return what of the external forces and those of contact the next step asks for."""
+        ...
+
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
-        """Return the motion at the end of a step that ends at displacement ``u``."""
+        """Return the motion at the end of a step that ends at displacement ``u``.
+
+        The contact forces λ are left to be set.
+        """
         ...

@@ -1,0 +1,101 @@
+"""A second-order scheme whose energy cannot grow, whatever the contact does."""
+
+from dataclasses import dataclass
+from typing import final
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.condensed import CondensedContact
+from faying.exceptions import ModelError
+from faying.joint.system import System
+from faying.simulation.integrators.integrator import Motion
+from faying.simulation.step_contact import MeanContact
+
+
+@final
+@dataclass(frozen=True)
+class EnergyDecaying:
+    """Second order, a chosen damping of what the step cannot resolve, and no growth of energy.
+
+    The midpoint rule with a term of second order that damps. With Δ and a bar for the change and
+    the mean over a step, and w and a for velocity and acceleration that follow their motion with
+    a lag of 2 d h,
+
+        M Δv/h + C Δu/h + K (ū + d² h Δw) = f̄ + Gᵀλ̄,     Δu/h = v̄ + d² h Δa,
+        Δu/h = w̄ + 2 d Δw,                                Δv/h = ā + 2 d Δa,
+
+    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds: it
+    never works more than the contact's stored energy gives. The proof is in
+    ``docs/theory/time_integration.md``.
+
+    Attributes
+    ----------
+    rho_infinity
+        Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the midpoint rule).
+    """
+
+    rho_infinity: float = 0.8
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.rho_infinity <= 1.0:
+            message = f"rho_infinity is {self.rho_infinity:g}; it must lie between 0 and 1"
+            raise ModelError(message)
+
+    @property
+    def name(self) -> str:
+        """Name in reports and studies."""
+        return "energy-decaying"
+
+    @property
+    def lag(self) -> float:
+        """The number d, in steps."""
+        return 0.5 * (1 - self.rho_infinity) / (1 + self.rho_infinity)
+
+    @property
+    def lead(self) -> float:
+        """Weight d²/(½ + 2 d) of what the lag adds to the midpoint rule."""
+        return self.lag**2 / (0.5 + 2 * self.lag)
+
+    @property
+    def force_weight(self) -> float:
+        """Forces at both ends count alike."""
+        return 0.5
+
+    @property
+    def needs_acceleration(self) -> bool:
+        """The acceleration at the start enters."""
+        return True
+
+    def step_contact(self, condensed: CondensedContact) -> MeanContact:
+        """Return the law of the mean contact force of a step."""
+        return MeanContact(condensed)
+
+    def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
+        """Return M/(κ h²) + C/h + κ K with κ = ½ + d²/(½ + 2 d)."""
+        new = 0.5 + self.lead
+        return system.M / (new * step**2) + system.C / step + new * system.K
+
+    def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
+        """Return what the start of the step contributes, the contact force there excepted."""
+        u, v, a, new = motion.u, motion.v, motion.a, 0.5 + self.lead
+        inertia = system.M @ (u / step**2 + (v - self.lead * step * a) / step) / new
+        elastic = system.K @ ((1 - new) * u - self.lead * step * motion.lagging)
+        right: Vector = inertia + system.C @ (u / step) - elastic + 0.5 * motion.force
+        return right
+
+    def kept_force(self, applied: Vector, contact: Vector) -> Vector:  # noqa: ARG002
+        """Return the external forces; of contact its mean over the step is in the balance."""
+        return applied
+
+    def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
+        """Return the motion at the end of the step."""
+        follow = 0.5 + 2 * self.lag
+        speed = (u - motion.u) / step
+        change = (speed - motion.v + self.lead * step * motion.a) / (0.5 + self.lead)
+        return Motion(
+            u=u,
+            v=motion.v + change,
+            a=motion.a + (change / step - motion.a) / follow,
+            force=force,
+            lagging=motion.lagging + (speed - motion.lagging) / follow,
+            contact=motion.contact,
+        )

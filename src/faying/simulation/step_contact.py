@@ -1,0 +1,129 @@
+"""The contact forces of a step: those at its end, or their mean over it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol, final
+
+import numpy as np
+
+from faying._typing import Mask, Matrix, Vector
+from faying.contact.condensed import CondensedContact
+from faying.contact.pivoting import ContactForces
+from faying.linalg.compressed import Compliance
+
+ROUND_OFF = 1e-9
+"""Residual compliance below this share of the compliance of a step is round-off of the basis."""
+
+
+class StepContact(Protocol):
+    """How contact enters the balance of a step."""
+
+    def solve(
+        self, gaps: Matrix, guess: Mask, last: Matrix
+    ) -> tuple[Matrix, Sequence[ContactForces]]:
+        """Return the new forces of the balance, and contact at the end of the step, of all cases.
+
+        Parameters
+        ----------
+        gaps, guess : (n_case, n_point)
+            Gaps without the new contact forces; points expected in contact.
+        last : (n_case, n_point)
+            Contact forces at the start of the step.
+        """
+        ...
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class EndContact:
+    """The contact law holds at the end of the step, and the force there enters the balance."""
+
+    condensed: CondensedContact
+
+    def solve(
+        self,
+        gaps: Matrix,
+        guess: Mask,
+        last: Matrix,  # noqa: ARG002
+    ) -> tuple[Matrix, Sequence[ContactForces]]:
+        """Solve one contact problem for each case."""
+        contacts = list(map(self.condensed.solve_gap, gaps, guess))
+        return np.array([contact.forces for contact in contacts]), contacts
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MeanContact:
+    """The mean contact force of a step is no tension, and works no more than contact had stored.
+
+    With W = D + N R Nᵀ, by which penalty and residual compliance give way, and γ the gap without
+    that, the mean λ̄ ≥ 0 obeys
+
+        s = γ₁ + W (2 λ̄ − λ₀) ≥ 0,     λ̄ᵀ s = 0:
+
+    a contact problem for 2 λ̄, with the compliance of half the force. Where a point stays closed,
+    λ̄ is the mean of its forces at both ends; where it opens, the force half way; where it closes,
+    half the force at the end. λ₁ then follows from the contact law at γ₁.
+    """
+
+    condensed: CondensedContact
+
+    def solve(
+        self, gaps: Matrix, guess: Mask, last: Matrix
+    ) -> tuple[Matrix, Sequence[ContactForces]]:
+        """Solve one contact problem for each case, and the law at the end where forces would pull.
+
+        Hard contact without residual compliance has no force that belongs to an instant: the mean
+        over the step stands for that at its end.
+        """
+        means = list(map(self.condensed.solve_gap, gaps - self._given_way(last), guess))
+        ends = [self._at_end(mean, forces) for mean, forces in zip(means, last, strict=True)]
+        return np.array([mean.forces for mean in means]), ends
+
+    def _at_end(self, mean: ContactForces, last: Vector) -> ContactForces:
+        D = self.condensed.contact.flexibility
+        forces = mean.forces - last
+        wrong = (forces < 0) | ((mean.slack > 0) & (forces > 0))
+        if self._law is None:
+            stiff = D == 0
+            overlap = D * forces - mean.slack
+            elastic = np.maximum(overlap, 0.0) / np.where(stiff, 1.0, D)
+            forces = np.where(stiff, 0.5 * mean.forces, np.where(wrong, elastic, forces))
+            slack = np.where(wrong & ~stiff, np.maximum(-overlap, 0.0), mean.slack)
+            return replace(mean, forces=forces, slack=slack, active=forces > 0)
+        if not wrong.any():
+            return replace(mean, forces=forces, active=forces > 0)
+        gap = mean.slack - self._given_way(forces[None])[0]
+        end = self._law.solve_gap(gap, forces > 0)
+        return replace(
+            end,
+            iterations=mean.iterations + end.iterations,
+            error=max(mean.error, end.error),
+        )
+
+    def _given_way(self, forces: Matrix) -> Matrix:
+        """W λ of each case (n_case, n_point)."""
+        contact = self.condensed.contact
+        way: Matrix = contact.flexibility * forces
+        if self._residual is not None:
+            to_pairs, _ = contact.transposed
+            way = way + (contact.interpolation @ (self._residual @ (to_pairs @ forces.T))).T
+        return way
+
+    @cached_property
+    def _residual(self) -> Compliance | None:
+        """R, unless contact is hard and R no more than what round-off leaves."""
+        R, contact = self.condensed.contact.residual_compliance, self.condensed.contact
+        if not isinstance(R, np.ndarray) or (contact.flexibility > 0).all():
+            return R
+        whole = np.diagonal(np.asarray(self.condensed.total))
+        return R if np.diagonal(R).max() > ROUND_OFF * whole.max() else None
+
+    @cached_property
+    def _law(self) -> CondensedContact | None:
+        """The contact law where it couples points: gaps of W alone."""
+        if self._residual is None:
+            return None
+        alone = replace(self.condensed.contact, residual_compliance=None)
+        return CondensedContact(contact=alone, compliance=self._residual)
