@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
-from faying.simulation.integrators import Motion
+from faying.simulation.integrators import Motion, named_integrator
 from faying.simulation.transient import transient_pieces
 from small_system import small_system
 
@@ -108,6 +109,15 @@ def test_rigid_stops_are_not_passed():
     motion = run(two_masses(np.inf), 0.8, 0.05)
     assert motion.contact_forces.max() > 0.1
     assert motion.gap.min() > -1e-13  # round-off
+
+
+def test_studies_know_it_by_name():
+    assert named_integrator("energy-decaying", 0.5) == fy.EnergyDecaying(0.5)
+    assert named_integrator("energy-decaying") == fy.EnergyDecaying()
+    assert named_integrator("generalized-alpha") == fy.GeneralizedAlpha()
+    assert named_integrator("implicit-euler", None) == fy.ImplicitEuler()
+    with pytest.raises(ModelError, match="between 0 and 1"):
+        fy.EnergyDecaying(1.1)
 
 
 def amplification(rho, frequency):
