@@ -125,6 +125,7 @@ def _of_deck(
 ) -> Model:
     """Build what a deck describes; what is given replaces what the deck says."""
     from faying.interface.gap_field import with_gap_offset
+    from faying.interface.gap_rule import with_gap_rule
 
     model = build_model(
         described.assembly,
@@ -132,6 +133,14 @@ def _of_deck(
         bolts=described.bolts if bolts is None else bolts,
         boundaries=[*described.boundaries, *boundaries],
         damping=damping,
+    )
+    mesh = model.assembly.mesh
+    model = model.with_interfaces(
+        {
+            name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
+            for name, rule in described.gap_rules.items()
+            if name in model.interfaces
+        }
     )
     return model.with_interfaces(
         {

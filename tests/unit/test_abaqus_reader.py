@@ -53,7 +53,9 @@ def test_the_small_deck_becomes_a_joint(small):
     assert len(assembly.mesh.node_sets["BOTH"]) == 8
     assert list(assembly.mesh.element_sets["BRICKS"]) == [1, 2]
     (interface,) = small.interfaces
-    assert interface == fy.InterfaceSpec(name="Joint", minus="SLAVE", plus="MASTER", penalty=1e6)
+    assert interface == fy.InterfaceSpec(
+        name="Joint", minus="SLAVE", plus="MASTER", penalty=1e6, search_distance=np.inf
+    )
     (bolt,) = small.bolts
     assert bolt.elements == (3,)
     assert small.preloads == {bolt.name: 400.0}

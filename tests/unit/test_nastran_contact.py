@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import faying as fy
 from faying.exceptions import FormatError
 from faying.io.nastran import read_joint
 from faying.model.description import JointDescription
@@ -56,8 +57,10 @@ def test_simcenter_pair_of_faces(read: Read) -> None:
     assert joint.assembly.face_sets["bsurfs:6"].nodes.tolist() == [[8, 11, 10, 9]]
     notes = joint.assembly.ignored
     assert "BCTPARM PENN, PENT, CTOL, MAXF (the study's penalty and tolerance count)" in notes
-    assert any("MIND, MAXD" in note for note in notes)
-    assert joint.initial_gaps == {}
+    assert joint.initial_gaps == joint.gap_rules == {}
+    # MAXD is the search distance; without it any gap is searched.
+    assert joint.interfaces[0].search_distance == 2.0
+    assert read(FACES, "BCTSET,4,5,6").interfaces[0].search_distance == np.inf
 
 
 def test_simcenter_selection_follows_case_control(read: Read) -> None:
@@ -187,14 +190,44 @@ def test_contact_of_all_bodies_finds_what_touches(read: Read) -> None:
         read(BODIES.replace("DEFORM,31", "SYMM,31"), control="BCONTACT = ALLBODY")
 
 
-def test_closing_of_gaps_is_harmless_where_nodes_coincide(read: Read, tmp_path: Path) -> None:
-    cards = (SIMCENTER, "BCTPARM,4,INIPENE,3")
-    assert len(read(*cards).interfaces) == 1
+LIFTED = MODEL.replace("GRID,11,,0,0,1.0", "GRID,11,,0,0,1.001")
+
+
+@pytest.mark.parametrize(
+    ("cards", "lowest"),
+    [
+        ((SIMCENTER,), 0.001),
+        ((SIMCENTER, "BCTPARM,4,INIPENE,1"), 0.001),
+        ((SIMCENTER, "BCTPARM,4,INIPENE,2"), 0.001),
+        ((SIMCENTER, "BCTPARM,4,INIPENE,3"), 0.0),
+        ((BODIES, "BCTABL1,9,3\nBCONECT,3,1,,7,8\nBCONPRG,1,,ICOORD,1"), 0.0),
+        ((BODIES, "BCTABL1,9,3\nBCONECT,3,1,,7,8\nBCONPRG,1,,ICOORD,1,ERROR,1.-4"), 0.001),
+        ((BODIES, "BCTABL1,9,3\nBCONECT,3,1,,7,8\nBCONPRG,1,,ICOORD,2"), 0.001),
+        ((BODIES, "BCPARA,0,ERROR,1.-4\nBCTABLE,2,,,1\n,SLAVE,7,,,0.\n,,0,1,0\n,MASTERS,8"), 0.001),
+        ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,.01,,0.\n,,0,1,0\n,MASTERS,8"), 0.0),
+    ],
+)
+def test_gaps_are_closed_as_the_deck_says(tmp_path: Path, cards, lowest) -> None:
+    """One node of four stands 0.001 off; INIPENE resets gaps, ICOORD those within ERROR."""
+    assert LIFTED != MODEL
     path = tmp_path / "apart.bdf"
-    lifted = MODEL.replace("GRID,11,,0,0,1.0", "GRID,11,,0,0,1.001")
-    assert lifted != MODEL
-    path.write_text(lifted + "\n".join(cards))
-    with pytest.raises(FormatError, match=r"BCTPARM: INIPENE = 3 closes gaps .* a gap of 0\.001"):
+    path.write_text(LIFTED + "\n".join(cards))
+    (interface,) = fy.read_nastran(path).interfaces.values()
+    assert interface.area == pytest.approx(1.0, rel=1e-6)  # the tilt of one corner
+    at_corner = interface.point_shape[:, interface.pairs[:, 0] == 4].toarray()[:, 0]
+    np.testing.assert_allclose(interface.initial_gap, lowest * at_corner, atol=1e-9)
+
+
+def test_penetrations_are_reset(tmp_path: Path) -> None:
+    sunk = MODEL.replace("GRID,11,,0,0,1.0", "GRID,11,,0,0,0.999")
+    path = tmp_path / "sunk.bdf"
+    for value, lowest in ((1, -0.001), (2, 0.0)):
+        path.write_text(sunk + SIMCENTER + f"BCTPARM,4,INIPENE,{value}\n")
+        (interface,) = fy.read_nastran(path).interfaces.values()
+        at_corner = interface.point_shape[:, interface.pairs[:, 0] == 4].toarray()[:, 0]
+        np.testing.assert_allclose(interface.initial_gap, lowest * at_corner, atol=1e-9)
+    path.write_text(sunk + SIMCENTER + "BCTPARM,4,INIPENE,7\n")
+    with pytest.raises(FormatError, match="INIPENE = 7 is not supported; give one of 0, 1, 2, 3"):
         read_joint(path)
 
 

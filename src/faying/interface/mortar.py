@@ -4,6 +4,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import ModelError, naming
+from faying.interface.across import reach_of
 from faying.interface.coupling import Coupling, by_kind, couple
 from faying.interface.facets import area_vectors, reference_nodes
 from faying.interface.interface import FacePairs, Interface
@@ -61,7 +62,8 @@ def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Couplin
         for own in np.unique(side)[:-1]:  # bodies, of which there are few
             others = np.flatnonzero(side > own)
             minus, plus = facets.taken(side == own), facets.taken(others)
-            segments = find_segments(assembly.mesh.nodes, minus, plus, tolerance)
+            reach = reach_of(assembly, spec, minus, plus)
+            segments = find_segments(assembly.mesh.nodes, minus, plus, tolerance, reach)
             found += _by_body(segments, facets, side)
     if not found:
         raise_no_contact(assembly, spec, facets, side, tolerance)

@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix
 from faying.exceptions import ModelError
+from faying.interface.across import pairs_across
 from faying.interface.interface import FacePairs
 from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
 from faying.interface.selection import select_facets
@@ -82,15 +83,29 @@ def find_interfaces(assembly: Assembly, spec: InterfaceSpec) -> dict[str, tuple[
     Returns
     -------
     dict
-        Name to matched facets: the name of the spec, or ``name-1``, ``name-2``, … for several
-        pairs of bodies, in the order of their smallest node ids.
+        Name to matched facets, across gaps where the spec has a search distance: the name of the
+        spec, or ``name-1``, ``name-2``, … for several pairs of bodies, in the order of their
+        smallest node ids.
     """
+    if spec.search_distance is not None:
+        faces = pairs_across(assembly, spec)
+        if not faces:
+            raise ModelError(_mismatched(spec))
+        return {spec.name: faces}
     matches = _matches(assembly, spec)
     if spec.minus != "auto" or spec.plus != "auto":
         return {spec.name: _face_pairs(matches)}
     _, group, counts = unique_rows(matches.sides)
     names = [f"{spec.name}-{i + 1}" for i in range(len(counts))] if len(counts) > 1 else [spec.name]
     return {name: _face_pairs(matches.taken(group == i)) for i, name in enumerate(names)}
+
+
+def _mismatched(spec: InterfaceSpec) -> str:
+    return (
+        f"interface '{spec.name}': the facets of minus={spec.minus!r} and plus={spec.plus!r} do "
+        f"not lie node on node within the search distance {spec.search_distance:g}; give it "
+        'meshes = "non-matching" (mortar projection), or a larger search_distance'
+    )
 
 
 def _matches(assembly: Assembly, spec: InterfaceSpec) -> _Matches:

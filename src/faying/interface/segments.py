@@ -16,7 +16,8 @@ from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.interface.cells import Cells, divided
 from faying.interface.clipping import areas, clip, fans
 from faying.interface.mismatch import FACING
-from faying.model.surface import Facets, facet_centres, facet_normals
+from faying.interface.reach import Reach, facing_cells, hidden
+from faying.model.surface import Facets, facet_area_vectors, facet_centres, facet_normals
 
 NEGLIGIBLE = 1e-6
 """Share of a minus facet below which it does not count as covered: digits of coordinates."""
@@ -105,7 +106,9 @@ class Segments:
         )
 
 
-def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) -> Segments:
+def find_segments(
+    nodes: Matrix, minus: Facets, plus: Facets, tolerance: float, reach: Reach | None = None
+) -> Segments:
     """Clip the facets of two sides against each other where they touch.
 
     Parameters
@@ -116,6 +119,9 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
     tolerance : [length]
         Largest distance between the two surfaces along the normal of the minus facet, to which
         the heights of the arcs over both facets are added where the surfaces are curved.
+    reach
+        In place of the tolerance, for surfaces declared to be in contact: facets that see each
+        other are then paired across gaps, the nearest ones where several lie behind each other.
 
     Returns
     -------
@@ -128,9 +134,12 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
     proportional to the number of pairs whose boxes overlap.
     """
     centres = facet_centres(nodes, minus)
-    frames = _frames(nodes[minus.corners], facet_normals(nodes, minus))
+    frames = _frames(nodes, minus)
     below, above = divided(nodes, minus), divided(nodes, plus)
-    one, other = _near(below, above, tolerance)
+    if reach is None:
+        one, other = _near(below, above, tolerance)
+    else:
+        one, other = facing_cells(below, above, reach)
     first, second = below.parents[one], above.parents[other]
     own = _in_planes(below.corners, centres[below.parents], frames[below.parents])
     size = areas(own, np.full(len(own), 4))
@@ -146,8 +155,18 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
     kept = common > _SLIVER * smaller
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
     points = centres[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
-    height = np.abs(_height(points, frames[first, 2], below, one, above, other))
-    kept &= height <= tolerance + below.arcs[one] + above.arcs[other] + 1e-9 * np.sqrt(size[one])
+    height = _height(points, frames[first, 2], below, one, above, other)
+    slack = below.arcs[one] + above.arcs[other] + 1e-9 * np.sqrt(size[one])
+    if reach is None:
+        kept &= np.abs(height) <= tolerance + slack
+    else:
+        deepest = np.minimum(reach.minus[first], reach.plus[second])
+        kept &= (height <= reach.gap + slack) & (height >= -deepest - slack)
+        rows = np.flatnonzero(kept)
+        facets = first[rows], second[rows]
+        seen = polygons[rows], counts[rows], np.abs(height[rows])
+        lifted = _lifted(seen[0], centres[facets[0]], frames[facets[0]], above, other[rows])
+        kept[rows] = ~_hidden(nodes, (minus, plus), facets, seen, lifted)
     covered = np.bincount(first[kept], common[kept], len(minus)) / full
     kept &= covered[first] >= NEGLIGIBLE
     triangles, owners = fans(polygons[kept], counts[kept])
@@ -164,8 +183,38 @@ def find_segments(nodes: Matrix, minus: Facets, plus: Facets, tolerance: float) 
     return found.touched(found.areas > _SLIVER * full[found.minus_of])
 
 
-def _frames(corners: Matrix, normals: Matrix) -> Matrix:
+def _hidden(
+    nodes: Matrix,
+    sides: tuple[Facets, Facets],
+    rows: tuple[Indices, Indices],
+    polygons: tuple[Matrix, Indices, Vector],
+    lifted: Matrix,
+) -> Mask:
+    """Tell which polygons lie behind a nearer one, seen from their minus or their plus facet.
+
+    Parameters
+    ----------
+    rows
+        Minus and plus facet of each polygon.
+    polygons
+        Corners in the plane of the minus facet, their numbers, and the distance of both facets.
+    lifted : (n, n_corner, 3) [length]
+        The same corners on the plus facet.
+    """
+    flat, counts, distances = polygons
+    plus = sides[1]
+    above = _in_planes(lifted, facet_centres(nodes, plus)[rows[1]], _frames(nodes, plus)[rows[1]])
+    above[np.arange(above.shape[1]) >= counts[:, None]] = 0.0
+    behind = np.zeros(len(counts), dtype=bool)
+    for facets, owner, corners in zip(sides, rows, (flat, above), strict=True):
+        size = np.sqrt(np.linalg.norm(facet_area_vectors(nodes, facets), axis=1))
+        behind |= hidden(corners, counts, owner, distances, size[owner])
+    return behind
+
+
+def _frames(nodes: Matrix, facets: Facets) -> Matrix:
     """Two tangents and the normal of each facet (n, 3, 3)."""
+    corners, normals = nodes[facets.corners], facet_normals(nodes, facets)
     edges = np.roll(corners, -1, axis=1) - corners
     longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
     first = edges[np.arange(len(edges)), longest]
@@ -184,6 +233,18 @@ def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
     """Reverse the corners of facets (n, 4, 2); triangles still repeat their last one."""
     square, triangle = [3, 2, 1, 0], [2, 1, 0, 0]
     return np.where(triangular[:, None, None], corners[:, triangle], corners[:, square])
+
+
+def _lifted(
+    polygons: Matrix, origins: Matrix, frames: Matrix, above: Cells, other: Indices
+) -> Matrix:
+    """Move polygons (n, n_corner, 2) along the minus normals onto the planes of plus cells."""
+    points = origins[:, None] + np.einsum("nca,nad->ncd", polygons, frames[:, :2])
+    upwards, normals = frames[:, 2], above.normals[other]
+    offset = np.einsum("ncd,nd->nc", above.centres[other][:, None] - points, normals)
+    height = offset / np.einsum("nd,nd->n", upwards, normals)[:, None]
+    lifted: Matrix = points + height[..., None] * upwards[:, None]
+    return lifted
 
 
 def _height(

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from faying.model.assembly import Assembly
+from faying.model.gap_rule import GapRule
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
 
 
@@ -19,6 +20,8 @@ class JointDescription:
         Bolt name to the final force the source asks for.
     initial_gaps : [length]
         Interface name to an offset added to the gap of the geometry.
+    gap_rules
+        Interface name to what the source makes of the gap of the geometry.
     selected_load
         Which of the assembly's loads the source applies, in the subcase or step that counts.
     """
@@ -29,4 +32,5 @@ class JointDescription:
     boundaries: tuple[BoundarySpec, ...] = ()
     preloads: Mapping[str, float] = field(default_factory=dict)
     initial_gaps: Mapping[str, float] = field(default_factory=dict)
+    gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     selected_load: str | None = None

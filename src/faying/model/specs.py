@@ -30,6 +30,9 @@ class InterfaceSpec:
     tolerance
         Largest distance [length] between nodes that touch, of non-matching meshes between the
         surfaces; None is 1 % of the smallest facet edge.
+    search_distance
+        Largest gap [length] across which facets that see each other are paired, ``inf`` for any;
+        None pairs only those that touch. Surfaces that a deck declares to be in contact have one.
     """
 
     name: str
@@ -40,6 +43,7 @@ class InterfaceSpec:
     order: int | None = None
     penalty: float | Literal["auto", "hard"] = "auto"
     tolerance: float | None = None
+    search_distance: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from faying.exceptions import StudyError
 from faying.interface.gap_field import read_gap_field, with_gap_offset
+from faying.interface.gap_rule import with_gap_rule
 from faying.interface.interface import Interface
 from faying.joint.build import build_model
 from faying.joint.diagnosis import check_held
@@ -16,6 +17,7 @@ from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.joint.model import Model
 from faying.model.assembly import Assembly, Material
 from faying.model.description import JointDescription
+from faying.model.gap_rule import GapRule
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.study.bolts import (
     bolt_entries,
@@ -49,6 +51,8 @@ class LoadedModel:
         Bolt name to the initial force it is locked at, of those that have no final one.
     gap_offsets : [length]
         Interface name to what is added to its gap: a number, or a file.
+    gap_rules
+        Interface name to what the source makes of the gap of its mesh.
     deck_loads
         Loads of the source that the study applies.
     selected_load
@@ -64,6 +68,7 @@ class LoadedModel:
     preloads: Mapping[str, float]
     initial_forces: Mapping[str, float] = field(default_factory=dict)
     gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
+    gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     deck_loads: tuple[str, ...] = ()
     selected_load: str | None = None
 
@@ -107,6 +112,7 @@ def load_model(study: Study) -> LoadedModel:
         preloads=forces,
         initial_forces=initial_forces(study),
         gap_offsets=_gap_offsets(study, described),
+        gap_rules=_gap_rules(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),
         selected_load=described.selected_load,
     )
@@ -128,6 +134,13 @@ def build_loaded(loaded: LoadedModel) -> Model:
         boundaries=loaded.boundaries,
         damping=loaded.damping,
         units=loaded.units,
+    )
+    mesh = model.assembly.mesh
+    model = model.with_interfaces(
+        {
+            name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
+            for name, rule in loaded.gap_rules.items()
+        }
     )
     return model.with_interfaces(
         {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
@@ -326,6 +339,16 @@ def _refused_overrides(
                 + BOLTS_OF_SOURCES[study.model.source]
             )
             yield Problem(location, f"{study.source.place(location)}: {text}")
+
+
+def _gap_rules(study: Study, described: JointDescription) -> dict[str, GapRule]:
+    """Return the rules of the source; a gap that the study gives counts instead of its value."""
+    wished = {one.name for one in study.interfaces if one.initial_gap is not None}
+    return {
+        name: rule
+        for name, rule in described.gap_rules.items()
+        if rule.value is None or name not in wished
+    }
 
 
 def _gap_offsets(study: Study, described: JointDescription) -> dict[str, float | Path]:

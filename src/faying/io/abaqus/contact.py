@@ -1,20 +1,21 @@
 """``*CONTACT PAIR`` with its ``*SURFACE INTERACTION``: interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Matrix
-from faying.exceptions import ModelError
-from faying.interface.pairing import find_interfaces
+from faying.interface.across import declared
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import Assembly
+from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import exterior_facets
@@ -32,11 +33,11 @@ class Pair:
     slave: DeckSurface
     master: DeckSurface
     penalty: float | Literal["hard"]
-    adjusted: bool
+    adjusted: GapRule | None
     interaction: str
 
 
-def read_pairs(deck: Deck, surfaces: Surfaces, ignored: list[str]) -> list[Pair]:
+def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[str]) -> list[Pair]:
     """Read all *CONTACT PAIR.
 
     Raises
@@ -52,13 +53,14 @@ def read_pairs(deck: Deck, surfaces: Surfaces, ignored: list[str]) -> list[Pair]
         behaviours[name.upper()] = name, _behaviour(head, members, ignored)
     pairs = []
     for keyword in deck.of("CONTACT PAIR"):
-        pairs += _pairs(keyword, surfaces, behaviours, ignored)
+        pairs += _pairs(keyword, surfaces, _adjust(keyword, sets), behaviours, ignored)
     return pairs
 
 
 def _pairs(
     keyword: Keyword,
     surfaces: Surfaces,
+    adjusted: GapRule | None,
     behaviours: Mapping[str, tuple[str, float | Literal["hard"]]],
     ignored: list[str],
 ) -> list[Pair]:
@@ -94,11 +96,23 @@ def _pairs(
                 slave=slave,
                 master=master,
                 penalty=penalty,
-                adjusted=keyword.has("ADJUST"),
+                adjusted=adjusted,
                 interaction=interaction,
             )
         )
     return pairs
+
+
+def _adjust(keyword: Keyword, sets: NamedSets) -> GapRule | None:
+    """Which slave nodes start in contact: those up to a gap, or those of a set."""
+    if not keyword.has("ADJUST"):
+        return None
+    text = keyword.value("ADJUST")
+    try:
+        return GapRule(closed_up_to=float(text or 0.0))
+    except ValueError:
+        members = sets.members(keyword, text)
+        return GapRule(closed_nodes=tuple(members.tolist()))
 
 
 def _behaviour(
@@ -211,56 +225,71 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
     """Return the pairs as interfaces; those whose meshes do not match are so marked."""
     found = []
     for name, pair in zip(interface_names(pairs), pairs, strict=True):
-        spec = InterfaceSpec(
-            name=name, minus=pair.slave.name, plus=pair.master.name, penalty=pair.penalty
+        spec = declared(
+            assembly,
+            InterfaceSpec(
+                name=name,
+                minus=pair.slave.name,
+                plus=pair.master.name,
+                penalty=pair.penalty,
+                search_distance=np.inf,
+            ),
         )
-        if pair.adjusted:
-            ignored.append(f"ADJUST of contact pair {name}: no node is moved, gaps are as meshed")
-        try:
-            find_interfaces(assembly, spec)
-        except ModelError:
+        if spec.meshes == "non-matching":
             # Whatever else is wrong, the mortar interface will say when the model is built.
-            spec = replace(spec, meshes="non-matching")
             ignored.append(f"meshes of contact pair {name} do not match: coupled by projection")
+        if pair.adjusted is not None:
+            ignored.append(
+                f"ADJUST of contact pair {name}: gaps start closed there, the mesh stays as it is"
+            )
         found.append(spec)
     return tuple(found)
 
 
-def clearances(
+def gap_rules(
     deck: Deck, assembly: Assembly, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
-) -> dict[str, float]:
-    """Read *CLEARANCE with one VALUE: name of the interface to the gap it starts with.
+) -> tuple[dict[str, float], dict[str, GapRule]]:
+    """Read *CLEARANCE and ADJUST: the gaps that interfaces start with, by name.
+
+    Returns
+    -------
+    offsets
+        Of surfaces that coincide, what is added to their gap.
+    rules
+        What is made of the gap of the mesh elsewhere.
 
     Raises
     ------
     FormatError
-        If the sides belong to no pair, do not coincide, or the clearance is not one value.
+        If the sides of a clearance belong to no pair, or it is not one value.
     """
-    found = {}
+    named = zip(interfaces, pairs, strict=True)
+    rules = {spec.name: pair.adjusted for spec, pair in named if pair.adjusted is not None}
+    offsets = {}
     for keyword in deck.of("CLEARANCE"):
-        keyword.allow("MASTER", "SLAVE", "VALUE")
-        if keyword.data:
-            message = "it must be one VALUE; give other gaps as initial_gap in the study"
-            raise keyword.error(message)
-        value = real(keyword, None, keyword.required("VALUE"), "VALUE")
-        wanted = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
-        matching = [
-            (pair, spec)
-            for pair, spec in zip(pairs, interfaces, strict=True)
-            if [pair.slave.name.upper(), pair.master.name.upper()] == wanted
-        ]
-        if not matching:
-            message = "no *CONTACT PAIR has these surfaces as slave and master"
-            raise keyword.error(message)
-        pair, spec = matching[0]
-        if spec.meshes != "matching" or not _coincide(assembly.mesh.nodes, pair):
-            message = (
-                "a clearance replaces the gap of the geometry, and this pair has one; remove it "
-                "and give the study's interface an initial_gap"
-            )
-            raise keyword.error(message)
-        found[spec.name] = value
-    return found
+        pair, spec, value = _clearance(keyword, pairs, interfaces)
+        if spec.meshes == "matching" and _coincide(assembly.mesh.nodes, pair):
+            offsets[spec.name] = value
+        else:
+            rules[spec.name] = GapRule(value=value)
+    return offsets, rules
+
+
+def _clearance(
+    keyword: Keyword, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
+) -> tuple[Pair, InterfaceSpec, float]:
+    """Return the pair a *CLEARANCE is of, its interface, and the gap it starts with."""
+    keyword.allow("MASTER", "SLAVE", "VALUE")
+    if keyword.data:
+        message = "it must be one VALUE; give other gaps as initial_gap in the study"
+        raise keyword.error(message)
+    value = real(keyword, None, keyword.required("VALUE"), "VALUE")
+    wanted = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
+    for pair, spec in zip(pairs, interfaces, strict=True):
+        if [pair.slave.name.upper(), pair.master.name.upper()] == wanted:
+            return pair, spec, value
+    message = "no *CONTACT PAIR has these surfaces as slave and master"
+    raise keyword.error(message)
 
 
 def _coincide(nodes: Matrix, pair: Pair) -> bool:

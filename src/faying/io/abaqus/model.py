@@ -58,7 +58,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, ignored)
     surfaces = read_surfaces(deck, mesh, by_element, by_node)
     forces = list(read_concentrated(deck, dofs, ignored))
-    pairs = contact.read_pairs(deck, surfaces, ignored)
+    pairs = contact.read_pairs(deck, surfaces, by_node, ignored)
     assembly = Assembly(
         mesh=mesh,
         materials=used,
@@ -87,12 +87,14 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         loads=loads,
     )
     specs = contact.specs(assembly, pairs, ignored)
+    offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
     return JointDescription(
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
         bolts=bolts,
         preloads=pretension.preloads(sections, last_given(deck, dofs)),
-        initial_gaps=contact.clearances(deck, assembly, pairs, specs),
+        initial_gaps=offsets,
+        gap_rules=rules,
         selected_load=_name(deck.n_step) if _name(deck.n_step) in loads else None,
     )
 

@@ -5,7 +5,7 @@ MASTERS in earlier versions.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, refuse_friction, refuse_glue, region_of, rows
-from faying.io.nastran.contact_parameters import by_id, read_parameters
+from faying.io.nastran.contact_parameters import ICOORD, Parameters, by_id, read_parameters
 from faying.io.nastran.couplings import id_list
 from faying.io.nastran.regions import Region
 
@@ -25,12 +25,12 @@ _SECTIONS = frozenset(("FBSH", "BKGL", "SEGS", "SEGTOSEG", "HHHB"))
 
 @dataclass(kw_only=True)
 class _Group:
-    """Touching bodies, the bodies they touch, and a parameter that closes gaps."""
+    """Touching bodies, the bodies they touch, and their parameters."""
 
     card: Card
     secondary: list[int] = field(default_factory=list)
     primary: list[int] = field(default_factory=list)
-    closing: str = ""
+    parameters: Parameters = field(default_factory=Parameters)
 
 
 def read_msc_pairs(
@@ -52,9 +52,10 @@ def read_msc_pairs(
     groups = _selected_groups(cards, control, ignored)
     if not groups:
         return []
+    error = 0.0
     for card in cards.get("BCPARA", ()):
         card.integer(0, 0)
-        read_parameters(card, 1, ignored)
+        error = read_parameters(card, 1, ignored).error or error
     bodies = _bodies(cards)
     pairs: dict[tuple[int, int], Pair] = {}
     for group in groups:
@@ -74,7 +75,7 @@ def read_msc_pairs(
                     minus=_region(cards, bodies, regions, group.card, minus, ignored),
                     plus=_region(cards, bodies, regions, group.card, plus, ignored),
                     where=group.card.where(),
-                    closing=group.closing,
+                    parameters=replace(group.parameters, error=group.parameters.error or error),
                 )
     return list(pairs.values())
 
@@ -171,7 +172,9 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
         word = texts[0]
         if word in _SECONDARY:
             section = "secondary"
-            groups.append(_Group(card=card, secondary=[card.integer(first + 1)]))
+            tolerance = Parameters(error=card.real(first + 2, 0.0))
+            own = [card.integer(first + 1)]
+            groups.append(_Group(card=card, secondary=own, parameters=tolerance))
             refuse_friction(card, first + 4)
             if card.real(first + 5, 0.0):
                 text = "CINTERF (interference) is not supported; give 'initial_gap' in the study"
@@ -188,8 +191,11 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
         elif not word and section == "secondary":
             # ISEARCH, ICOORD, JGLUE
             flags = [card.integer(first + j, 0) for j in (1, 2, 3)]
-            if flags[1]:
-                groups[-1].closing = f"{card.where()}: ICOORD = {texts[2]}"
+            closes = ICOORD.get(str(flags[1]))
+            if closes is None:
+                text = f"ICOORD = {flags[1]} is not supported; give 0, 1, 2 or 3"
+                raise card.error(text, first + 2)
+            groups[-1].parameters = replace(groups[-1].parameters, within_error=closes)
         elif not word and section == "parameters" and not texts[1]:
             pass
         elif any(texts):
@@ -213,7 +219,11 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
         if number not in found:
             text = f"{name} {number} is not in the deck; define it"
             raise card.error(text, at)
-        group.closing = read_parameters(found[number], 1, ignored).closing or group.closing
+        read = read_parameters(found[number], 1, ignored)
+        group.parameters = Parameters(
+            within_error=read.within_error or group.parameters.within_error,
+            error=read.error or group.parameters.error,
+        )
     members = {"secondary": group.secondary, "primary": group.primary}
     for name, at in (("secondary", 3), ("primary", 4)):
         if card.text(at):

@@ -1,21 +1,25 @@
 """Contact pairs of a deck, in whichever dialect they are written."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import cKDTree
 
-from faying._typing import Indices
+from faying._typing import Indices, Vector
 from faying.exceptions import FormatError
+from faying.interface.across import declared
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card
-from faying.io.nastran.contact_parameters import FRICTION_REMEDY, GLUE_REMEDY
+from faying.io.nastran.contact_parameters import FRICTION_REMEDY, GLUE_REMEDY, Parameters
 from faying.io.nastran.regions import Region
+from faying.model.assembly import Assembly
+from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import exterior_facets
 
-# Coordinates written with eight digits agree to 1e-7 of their size.
-_COINCIDENT = 1e-7
+DEFAULT_ERROR = 1 / 20
+"""MSC's contact tolerance over the smallest edge of solids, where none is given."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -26,15 +30,18 @@ class Pair:
     ----------
     where
         Place of the card that makes the pair.
-    closing
-        Parameter that closes gaps before the analysis, with its place; empty if there is none.
+    parameters
+        Those of its contact set, table or pair.
+    search_distance : [length]
+        Largest gap across which its faces are paired.
     """
 
     name: str
     minus: Region
     plus: Region
     where: str
-    closing: str = ""
+    parameters: Parameters = field(default_factory=Parameters)
+    search_distance: float = np.inf
 
 
 def refuse_friction(card: Card, field: int, name: str = "FRIC") -> None:
@@ -100,38 +107,54 @@ def check_distinct(pairs: list[Pair]) -> None:
         seen[key] = pair
 
 
-def check_closed(pair: Pair, mesh: Mesh) -> None:
-    """Refuse a parameter that closes gaps where there may be any.
+def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> InterfaceSpec:
+    """Return a pair as an interface, its faces paired across the gaps between them.
 
-    Where touching nodes coincide there is nothing to close. Nodes farther apart than a tenth of
-    the distance between the nodes of a side are off the overlap.
-
-    Raises
-    ------
-    FormatError
-        If nodes of the two sides are close but do not coincide, or none coincide.
+    Bodies declare no faces, only that they may touch. Those of their faces that lie farther apart
+    than the size of a face cannot meet at small displacements and are left out.
     """
-    if not pair.closing:
-        return
-    minus, plus = (_nodes(mesh, region) for region in (pair.minus, pair.plus))
-    points, others = mesh.nodes[minus], mesh.nodes[plus]
-    if len(minus) < 2 or not len(plus):
-        return
-    distance = cKDTree(others).query(points)[0]
-    spacing = cKDTree(points).query(points, k=2)[0][:, 1].min()
-    zero = _COINCIDENT * float(np.abs(points).max())
-    apart = (distance > zero) & (distance < 0.1 * spacing)
-    if apart.any() or not (distance <= zero).any():
-        shown = f"a gap of {distance[apart].min():.3g}" if apart.any() else "no coincident nodes"
-        message = (
-            f"{pair.closing} closes gaps and penetrations of the mesh, which is not supported, and "
-            f"contact {pair.name} has {shown}; remove it, or move the nodes together"
-        )
-        raise FormatError(message)
+    distance = pair.search_distance
+    if pair.minus.facets is None and pair.plus.facets is None:
+        distance = min(distance, _facet_size(pair.minus, assembly.mesh))
+        ignored[
+            f"faces of {pair.name} that lie farther apart than the size of a face, {distance:.3g}"
+        ] = None
+    spec = InterfaceSpec(
+        name=pair.name, minus=pair.minus.name, plus=pair.plus.name, search_distance=distance
+    )
+    spec = declared(assembly, spec)
+    if spec.meshes == "non-matching":
+        ignored[f"meshes of {pair.name} do not match: coupled by projection"] = None
+    return spec
 
 
-def _nodes(mesh: Mesh, region: Region) -> Indices:
-    if region.facets is not None:
-        return np.unique(region.facets[region.facets >= 0])
-    none = np.zeros(0, dtype=np.int64)
-    return mesh.element_nodes(none if region.elements is None else region.elements)
+def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
+    """Return what closes gaps of a pair before the analysis; None if nothing does."""
+    found = pair.parameters
+    closed = [] if found.closed_up_to is None else [found.closed_up_to]
+    if found.within_error:
+        closed.append(found.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
+    return GapRule(closed_up_to=float(max(closed))) if closed else None
+
+
+def _facet_size(region: Region, mesh: Mesh) -> float:
+    return float(_edges(region, mesh).mean())
+
+
+def _edges(region: Region, mesh: Mesh) -> Vector:
+    """Return the lengths of the edges of a region's faces, or of its bodies'."""
+    corners = exterior_facets(mesh)
+    if region.elements is not None:
+        corners = corners.taken(np.isin(corners.elements, region.elements))
+    nodes = corners.corners if region.facets is None else _corners(region.facets)
+    points = mesh.nodes[nodes]
+    lengths = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2)
+    positive: Vector = lengths[lengths > 0]
+    return positive
+
+
+def _corners(facets: Indices) -> Indices:
+    """Return the corners (n, 4) of faces (n, 8); triangles repeat their last one."""
+    triangular = (facets >= 0).sum(axis=1) % 3 == 0
+    corners: Indices = np.where(triangular[:, None], facets[:, [0, 1, 2, 2]], facets[:, :4])
+    return corners

@@ -1,7 +1,10 @@
 """Named contact parameters: pairs of a name and a value on BCTPARM, BCPARA, BCONPRG, ..."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
 
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
@@ -19,7 +22,7 @@ HARMLESS = frozenset(
         *("MPER", "RESET", "SHLTHK", "REFINE", "CSTRAT", "INTORD", "PREVIEW", "AVGSTS", "GUESS"),
         *("SEGNORM", "CSTIFF", "NSIDE", "EXTFAC", "ZOFFSET", "INITENF", "SLFACT", "RTPCHECK"),
         # MSC, BCPARA, BCONPRG and BCONPRP: search, separation tolerances, penalty, heat
-        *("ERROR", "BIAS", "COPTS", "COPTM", "COPTS1", "COPTM1", "ISEARCH", "FNTOL", "IBSEP"),
+        *("BIAS", "COPTS", "COPTM", "COPTS1", "COPTM1", "ISEARCH", "FNTOL", "IBSEP"),
         *("ISPLIT", "PENALT", "AUGDIST", "TPENALT", "STKSLP", "SLIDE", "HARDS", "METHOD"),
         *("MAXENT", "MAXNOD", "NBODIES", "NLGLUE", "TAUGMNT", "LINCNT", "LINQUAD", "RVCNST"),
         *("BEAMB", "ERRBAS", "FTYPE", "DDULMT", "RVCNST", "FRLIM", "JGLUE", "BKGL", "BGM", "BGN"),
@@ -30,8 +33,11 @@ HARMLESS = frozenset(
 )
 """Parameters that leave frictionless contact without glue as it is (the study's penalty counts)."""
 
-GAP_CLOSING = {"INIPENE": ("", "0", "1"), "ICOORD": ("", "0")}
-"""Parameters that move nodes to close gaps, and the values for which they do not."""
+INIPENE = {"": None, "0": None, "1": None, "2": 0.0, "3": np.inf}
+"""Largest gap that Simcenter's INIPENE resets to zero; None leaves gaps and penetrations."""
+
+ICOORD = {"": False, "0": False, "1": True, "2": False, "3": True}
+"""Whether MSC's ICOORD moves nodes onto the other body, as far as they are within ERROR of it."""
 
 _WORDS = frozenset(("METHOD",))
 _FRICTION = frozenset(("FRIC", "MU", "FRICMOD"))
@@ -45,11 +51,17 @@ class Parameters:
 
     Attributes
     ----------
-    closing
-        Parameter that closes gaps, as ``NAME = value`` with its place; empty if there is none.
+    closed_up_to : [length]
+        Largest gap that is closed before the analysis (INIPENE); None closes none.
+    within_error
+        Whether gaps within the contact tolerance are closed (ICOORD).
+    error : [length]
+        The contact tolerance ERROR; zero leaves it to the program.
     """
 
-    closing: str = ""
+    closed_up_to: float | None = None
+    within_error: bool = False
+    error: float = 0.0
 
 
 def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Parameters:
@@ -62,7 +74,7 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
     FormatError
         If a parameter brings friction, glue or anything else that is not represented.
     """
-    closing = ""
+    found = Parameters()
     for name, value, at in _pairs(card, first):
         zero = numbers.real(value) == 0.0 if value else True
         if name in _FRICTION and not zero:
@@ -71,9 +83,12 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
         if name in _GLUE and not zero:
             text = f"{name} = {value}: glued contact is not supported; {GLUE_REMEDY}"
             raise card.error(text, at)
-        if name in GAP_CLOSING:
-            if value not in GAP_CLOSING[name]:
-                closing = f"{card.where()}: {name} = {value}"
+        if name == "INIPENE":
+            found = replace(found, closed_up_to=_chosen(card, at, INIPENE))
+        elif name == "ICOORD":
+            found = replace(found, within_error=_chosen(card, at, ICOORD))
+        elif name == "ERROR":
+            found = replace(found, error=card.real(at + 1, 0.0))
         elif name in _FRICTION or name in _GLUE:
             pass
         elif name in _OFFSETS:
@@ -85,7 +100,20 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
             raise card.error(text, at)
         else:
             ignored[f"{card.cards.name} {name}"] = None
-    return Parameters(closing=closing)
+    return found
+
+
+_Choice = TypeVar("_Choice")
+
+
+def _chosen(card: Card, at: int, choices: Mapping[str, _Choice]) -> _Choice:
+    """Return what the value behind a parameter's name stands for."""
+    value = card.text(at + 1)
+    if value not in choices:
+        known = ", ".join(filter(None, choices))
+        text = f"{card.text(at)} = {value} is not supported; give one of {known}"
+        raise card.error(text, at)
+    return choices[value]
 
 
 def _pairs(card: Card, first: int) -> list[tuple[str, str, int]]:

@@ -6,11 +6,18 @@ region, friction, and the least and largest search distance.
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, refuse_friction, region_of, rows
-from faying.io.nastran.contact_parameters import GLUE_REMEDY, by_id, read_parameters
+from faying.io.nastran.contact_parameters import (
+    GLUE_REMEDY,
+    Parameters,
+    by_id,
+    read_parameters,
+)
 from faying.io.nastran.couplings import id_list
 from faying.io.nastran.regions import Region
 
@@ -36,12 +43,12 @@ def read_simcenter_pairs(
     for card in cards.get("BCTSET", ()):
         sets.setdefault(card.integer(0), []).append(card)
     chosen = _selected(cards, control, sets, ignored)
-    closing = {number: _parameters(cards, number, ignored) for number in chosen}
+    parameters = {number: _parameters(cards, number, ignored) for number in chosen}
     pairs = [
         pair
         for number in chosen
         for card in sets[number]
-        for pair in _pairs(card, regions, closing[number], ignored)
+        for pair in _pairs(card, regions, parameters[number])
     ]
     _check_offsets(cards, pairs)
     return pairs
@@ -87,19 +94,17 @@ def _selected(
     return list(dict.fromkeys(combined.get(chosen, [chosen])))
 
 
-def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> str:
-    """Check the parameters of a contact set and return the one that closes gaps."""
-    closing = ""
+def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> Parameters:
+    """Read the parameters of a contact set."""
+    found = Parameters()
     for name in ("BCTPARM", "BCTPARA"):
         for card in cards.get(name, ()):
             if card.integer(0) == number:
-                closing = read_parameters(card, 1, ignored).closing or closing
-    return closing
+                found = read_parameters(card, 1, ignored)
+    return found
 
 
-def _pairs(
-    card: Card, regions: dict[int, Region], closing: str, ignored: dict[str, None]
-) -> list[Pair]:
+def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> list[Pair]:
     found = []
     for first, texts in rows(card):
         if not any(texts[1:]):
@@ -114,8 +119,6 @@ def _pairs(
                 "leave it blank"
             )
             raise card.error(text, first + 4)
-        if card.real(first + 5, 0.0) or card.real(first + 4, 0.0):
-            ignored["BCTSET search distances MIND, MAXD (the interface's tolerance counts)"] = None
         if any(texts[6:]):
             text = f"'{texts[6] or texts[7]}' stands behind MAXD, where nothing is expected"
             raise card.error(text, first + 6)
@@ -126,7 +129,8 @@ def _pairs(
                 minus=sides[0],
                 plus=sides[1],
                 where=card.where(),
-                closing=closing,
+                parameters=parameters,
+                search_distance=card.real(first + 5, 0.0) or np.inf,
             )
         )
     return found

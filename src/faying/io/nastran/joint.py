@@ -10,7 +10,7 @@ from faying._typing import Indices
 from faying.io.deck_lines import naming
 from faying.io.nastran.bolts import read_bolts
 from faying.io.nastran.contact_msc import all_bodies_touch, read_msc_pairs
-from faying.io.nastran.contact_pairs import Pair, check_closed, check_distinct
+from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
@@ -59,21 +59,20 @@ def _described(deck: Deck) -> JointDescription:
         *read_msc_pairs(deck.cards, deck.control, regions, notes),
     ]
     check_distinct(pairs)
-    interfaces = [
-        InterfaceSpec(name=pair.name, minus=pair.minus.name, plus=pair.plus.name) for pair in pairs
-    ]
-    if all_bodies_touch(deck.cards, deck.control, regions, deck.assembly.mesh.element_ids, notes):
-        interfaces.append(InterfaceSpec(name="contact"))
+    ids = deck.assembly.mesh.element_ids
+    everything = all_bodies_touch(deck.cards, deck.control, regions, ids, notes)
     bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
     assembly = _with_regions(deck, regions, pairs)
-    for pair in pairs:
-        check_closed(pair, assembly.mesh)
+    interfaces = [spec_of(pair, assembly, notes) for pair in pairs]
+    interfaces += [InterfaceSpec(name="contact")] if everything else []
+    rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))
     return JointDescription(
         assembly=replace(assembly, ignored=ignored),
         interfaces=tuple(interfaces),
         bolts=bolts,
         preloads=preloads,
+        gap_rules={name: rule for name, rule in rules.items() if rule is not None},
         selected_load=_selected_load(deck),
     )
 

@@ -1,0 +1,101 @@
+"""Surfaces declared to be in contact: their facets paired whatever the gap between them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.interface.interface import FacePairs
+from faying.interface.reach import Reach, facet_depths
+from faying.interface.segments import Segments, find_segments
+from faying.interface.sides import DEFAULT_TOLERANCE, candidates
+from faying.model.assembly import Assembly
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_area_vectors
+
+_SHARE = 1e-3
+"""Share of a facet that its neighbour's partner may cover because digits of coordinates end."""
+
+
+def reach_of(assembly: Assembly, spec: InterfaceSpec, minus: Facets, plus: Facets) -> Reach | None:
+    """Return how far the sides of an interface are searched; None where they must touch."""
+    if spec.search_distance is None:
+        return None
+    return Reach(
+        gap=spec.search_distance,
+        minus=facet_depths(assembly.mesh, minus),
+        plus=facet_depths(assembly.mesh, plus),
+    )
+
+
+def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...]:
+    """Match facets across a gap: node on node, seen along the normals of the minus side.
+
+    Parameters
+    ----------
+    spec
+        With named sides and a ``search_distance``.
+
+    Returns
+    -------
+    tuple of FacePairs
+        One entry per facet kind; empty where the meshes do not match, or no facets see each other.
+
+    Notes
+    -----
+    Facets of one side that see nothing of the other are left out.
+    """
+    nodes = assembly.mesh.nodes
+    facets, side = candidates(assembly, spec)
+    extended = np.linalg.norm(facet_area_vectors(nodes, facets), axis=1) > 0
+    minus, plus = (facets.taken(extended & (side == one)) for one in (0, 1))
+    segments = find_segments(nodes, minus, plus, 0.0, reach_of(assembly, spec, minus, plus))
+    minus_of, plus_of = _partners(nodes, segments)
+    minus, plus = segments.minus.taken(minus_of), segments.plus.taken(plus_of)
+    one_each = all(len(np.unique(of)) == len(of) for of in (minus_of, plus_of))
+    if not len(minus) or not one_each or not np.array_equal(minus.counts, plus.counts):
+        return ()
+    entries = []
+    for kind, n in N_NODES.items():
+        rows = np.flatnonzero(minus.counts == n)
+        own, other = minus.nodes[rows, :n], plus.nodes[rows, :n]
+        columns = _columns(kind, nodes[own], nodes[other], segments.frames[minus_of[rows]])
+        if columns is None:
+            return ()
+        if len(rows):
+            aligned = np.take_along_axis(other, columns, axis=1)
+            entries.append(FacePairs(kind=kind, minus=own, plus=aligned))
+    return tuple(entries)
+
+
+def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
+    """Return the pairs of facets that cover more of each other than rounding does."""
+    code = segments.minus_of * len(segments.plus) + segments.plus_of
+    pairs, at = np.unique(code, return_inverse=True)
+    common = np.bincount(at.ravel(), segments.areas, len(pairs))
+    minus_of, plus_of = np.divmod(pairs, len(segments.plus)) if len(pairs) else (pairs, pairs)
+    sizes: list[Vector] = [
+        np.linalg.norm(facet_area_vectors(nodes, facets), axis=1)[of]
+        for facets, of in ((segments.minus, minus_of), (segments.plus, plus_of))
+    ]
+    kept = common > _SHARE * np.minimum(*sizes)
+    return minus_of[kept], plus_of[kept]
+
+
+def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices | None:
+    """Find the plus node (n, k) above each minus node; None where one has none, or not its own."""
+    own, other = (np.einsum("nkd,nad->nka", x, frames[:, :2]) for x in (minus, plus))
+    apart = np.linalg.norm(own[:, :, None] - other[:, None], axis=3)
+    nearest: Indices = apart.argmin(axis=2)
+    corners = own[:, : N_CORNERS[kind]]
+    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    miss = np.take_along_axis(apart, nearest[..., None], axis=2)[..., 0]
+    single = (np.sort(nearest, axis=1) == np.arange(minus.shape[1])).all()
+    close = (miss <= DEFAULT_TOLERANCE * edges.min(axis=1, initial=np.inf)[:, None]).all()
+    return nearest if single and close else None
+
+
+def declared(assembly: Assembly, spec: InterfaceSpec) -> InterfaceSpec:
+    """Say of an interface that a deck declares whether its meshes match across their gap."""
+    matching = bool(pairs_across(assembly, spec))
+    return replace(spec, meshes="matching" if matching else "non-matching")

@@ -1,0 +1,182 @@
+"""Reach: how far apart declared surfaces may lie, and which of their facets see each other."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.interface.cells import Cells
+from faying.interface.clipping import areas
+from faying.interface.mismatch import FACING
+from faying.model.mesh import Mesh
+from faying.model.surface import Facets, facet_centres, facet_normals
+
+_AT_ONCE = 200_000
+"""Places on rays in memory at a time."""
+
+_SAME_LAYER = 1e-2
+"""Difference in distance over the size of a facet from which one facet may hide another."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reach:
+    """Largest gap and penetration along the normal of a minus facet at which two facets are paired.
+
+    Attributes
+    ----------
+    gap : [length]
+        Of all facets; ``inf`` where a deck's contact has no search distance.
+    minus, plus : (n_facet,) [length]
+        Penetration of each facet of the two sides: the depth of the element behind it. What lies
+        deeper is not an overlap but the far side of a part.
+    """
+
+    gap: float
+    minus: Vector
+    plus: Vector
+
+    def __post_init__(self) -> None:
+        for name in ("minus", "plus"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+
+def facet_depths(mesh: Mesh, facets: Facets) -> Vector:
+    """Return how deep the element behind each facet is (n_facet,), along the facet's normal.
+
+    Facets of no element, as those of given matrices, count as deep as their longest edge.
+    """
+    centres, normals = facet_centres(mesh.nodes, facets), facet_normals(mesh.nodes, facets)
+    corners = mesh.nodes[facets.corners]
+    edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+    depths: Vector = edges.max(axis=1, initial=0.0)
+    for block in mesh.blocks:
+        order = np.argsort(block.ids)
+        place = np.searchsorted(block.ids, facets.elements, sorter=order)
+        row = order[np.minimum(place, len(order) - 1)]
+        own = np.flatnonzero(block.ids[row] == facets.elements)
+        away = centres[own][:, None] - mesh.nodes[block.nodes[row[own]]]
+        depths[own] = np.einsum("fnd,fd->fn", away, normals[own]).max(axis=1, initial=0.0)
+    return depths
+
+
+def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Indices]:
+    """Return the pairs of cells that may see each other along the normals of the lower ones.
+
+    Notes
+    -----
+    Rays from the centres of the lower cells are followed through a k-d tree of the upper ones, as
+    far as the upper side extends. Time grows with the number of cells times the length of the rays
+    over the size of the upper cells.
+    """
+    found = [np.empty((0, 2), dtype=np.int64)]
+    for one, other in _along_rays(below, above, reach):
+        normals = below.normals[one]
+        near = np.einsum("nd,nd->n", normals, above.normals[other]) < FACING
+        one, other, normals = one[near], other[near], normals[near]
+        away = above.centres[other] - below.centres[one]
+        aside = away - np.einsum("nd,nd->n", away, normals)[:, None] * normals
+        near = np.linalg.norm(aside, axis=1) <= _radii(below)[one] + _radii(above)[other]
+        found.append(np.column_stack([one[near], other[near]]))
+    pairs = np.unique(np.concatenate(found), axis=0)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indices, Indices]]:
+    """Yield pairs of cells of which one is near the ray of the other, perhaps several times."""
+    centres, normals, radii = below.centres, below.normals, _radii(below)
+    low, high = above.corners.min(axis=(0, 1)), above.corners.max(axis=(0, 1))
+    # Corners of the box of the upper side that lie least and most far along each normal.
+    first = np.einsum("nd,nd->n", np.where(normals > 0, low, high) - centres, normals)
+    last = np.einsum("nd,nd->n", np.where(normals > 0, high, low) - centres, normals)
+    slack = below.arcs + above.arcs.max(initial=0.0) + radii * _SAME_LAYER
+    first = np.maximum(first, -reach.minus[below.parents]) - slack
+    last = np.minimum(last, reach.gap) + slack
+    for members, largest in _by_size(_radii(above)):
+        tree = cKDTree(above.centres[members])
+        count = np.ceil(np.maximum(last - first, 0.0) / (2 * largest)).astype(np.int64)
+        for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // _AT_ONCE):
+            own, number = np.repeat(rows, count[rows]), _numbered(count[rows])
+            step = (last[own] - first[own]) / count[own]
+            places = centres[own] + (first[own] + (number + 0.5) * step)[:, None] * normals[own]
+            near = tree.query_ball_point(places, radii[own] + largest + step / 2)
+            sizes = np.fromiter(map(len, near), np.int64, len(near))
+            if sizes.any():
+                others = np.concatenate([np.asarray(part, dtype=np.int64) for part in near])
+                yield np.repeat(own, sizes), members[others]
+
+
+def _numbered(counts: Indices) -> Indices:
+    """Count from 0 through each of several stretches of given lengths."""
+    numbers: Indices = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    return numbers
+
+
+def _by_size(radii: Vector) -> Iterator[tuple[Indices, float]]:
+    """Yield cells of about one size, by powers of two, with the radius of the largest."""
+    size = np.floor(np.log2(np.maximum(radii, np.finfo(float).tiny))).astype(int)
+    for one_size in np.unique(size):
+        members = np.flatnonzero(size == one_size)
+        yield members, float(radii[members].max())
+
+
+def _radii(cells: Cells) -> Vector:
+    """Distance of the farthest corner of each cell from its centre (n_cell,)."""
+    away = cells.corners - cells.centres[:, None]
+    radii: Vector = np.linalg.norm(away, axis=2).max(axis=1, initial=0.0)
+    return radii
+
+
+def hidden(
+    polygons: Matrix, counts: Indices, owners: Indices, distances: Vector, sizes: Vector
+) -> Mask:
+    """Tell which polygons lie behind another one on the same facet.
+
+    Parameters
+    ----------
+    polygons : (n, n_corner, 2) [length]
+        Convex, in the plane of the facet they are seen from.
+    counts : (n,)
+        Numbers of corners.
+    owners : (n,)
+        That facet.
+    distances, sizes : (n,) [length]
+        Distance from that facet, and the size of it.
+
+    Returns
+    -------
+    ndarray (n,)
+        True where the middle of a polygon lies within a nearer one.
+    """
+    behind = np.zeros(len(owners), dtype=bool)
+    _, group, members = np.unique(owners, return_inverse=True, return_counts=True)
+    nearest = np.full(len(members), np.inf)
+    np.minimum.at(nearest, group, distances)
+    layer = _SAME_LAYER * sizes
+    farther = np.flatnonzero(distances > nearest[group] + layer)
+    order = np.argsort(group, kind="stable")
+    starts = np.cumsum(members) - members
+    middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
+    n_pair = int(members[group[farther]].sum())
+    for part in np.array_split(farther, 1 + n_pair // _AT_ONCE):
+        beside = members[group[part]]
+        own = np.repeat(part, beside)
+        other = order[starts[group[own]] + _numbered(beside)]
+        nearer = distances[other] < distances[own] - layer[own]
+        own, other = own[nearer], other[nearer]
+        behind[own[_inside(middle[own], polygons[other], counts[other])]] = True
+    return behind
+
+
+def _inside(points: Matrix, polygons: Matrix, counts: Indices) -> Mask:
+    """Tell whether points (n, 2) lie in convex polygons (n, n_corner, 2) of either sense."""
+    corner = np.arange(polygons.shape[1])
+    following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
+    away = polygons - points[:, None]
+    ahead = np.take_along_axis(away, following[..., None], axis=1)
+    turn = away[..., 0] * ahead[..., 1] - away[..., 1] * ahead[..., 0]
+    turn = turn * np.sign(areas(polygons, counts))[:, None]
+    # Symmetric meshes have middles on the edges between two polygons: those belong to both.
+    on_edge = -1e-9 * np.abs(areas(polygons, counts))[:, None]
+    return np.asarray(((turn >= on_edge) | (corner >= counts[:, None])).all(axis=1))

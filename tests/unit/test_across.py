@@ -1,0 +1,210 @@
+"""Surfaces that a deck declares to be in contact are paired whatever the gap between them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import ModelError
+from faying.interface.across import declared
+from faying.interface.gap_rule import with_gap_rule
+from faying.interface.mortar import find_couplings
+from faying.interface.pairing import find_interfaces
+from faying.model.assembly import Assembly, FaceSet, Support
+from faying.model.gap_rule import GapRule
+from faying.model.generate import brick_grid, shaped
+from faying.model.mesh import CellBlock, Mesh
+from faying.model.surface import N_NODES, exterior_facets, facet_normals
+from mortar_blocks import SIZE, blocks
+
+ANY = fy.InterfaceSpec(
+    name="joint", minus="under", plus="over", penalty=1e5, search_distance=np.inf
+)
+AREA = SIZE[0] * SIZE[1]
+
+
+def faced(assembly):
+    """Name the upper faces of the lower block and the lower ones of the upper block."""
+    mesh = assembly.mesh
+    facets = exterior_facets(mesh)
+    up = facet_normals(mesh.nodes, facets)[:, 2]
+    chosen = {
+        "under": np.isin(facets.elements, mesh.element_sets["lower"]) & (up > 0.7),
+        "over": np.isin(facets.elements, mesh.element_sets["upper"]) & (up < -0.7),
+    }
+    faces = {}
+    for name, rows in chosen.items():
+        ((kind, part),) = facets.taken(rows).by_kind().items()
+        faces[name] = FaceSet(kind=kind, nodes=part.nodes[:, : N_NODES[kind]])
+    return replace(assembly, face_sets=faces)
+
+
+def lifted(height):
+    """Move the upper block by a height, which may depend on the place."""
+
+    def move(nodes):
+        raised = nodes.copy()
+        raised[:, 2] += height(nodes) if callable(height) else height
+        return raised
+
+    return move
+
+
+def joint_of(assembly, spec=ANY):
+    base = np.flatnonzero(assembly.mesh.nodes[:, 2] == assembly.mesh.nodes[:, 2].min())
+    held = replace(assembly, supports=(Support(id=1, nodes=base, components=(0, 1, 2)),))
+    return fy.build_model(held, interfaces=[spec]).interfaces["joint"]
+
+
+@pytest.mark.parametrize("kind", ["hex8", "hex20", "tet4", "tet10"])
+@pytest.mark.parametrize("gap", [0.0, 0.1, 7.5])
+def test_matching_facets_are_paired_across_any_gap(kind, gap):
+    """The same interface as at gap zero, but for the gap."""
+    parts = (((4, 3), kind),) * 2
+    touching = faced(blocks(*parts))
+    apart = faced(blocks(*parts, move=lifted(gap)))
+    spec = declared(apart, ANY)
+    assert spec.meshes == "matching"
+    closed = joint_of(touching, replace(ANY, search_distance=None))
+    found = joint_of(apart, spec)
+    for name in ("pairs", "weights", "face_of_point"):
+        np.testing.assert_allclose(getattr(found, name), getattr(closed, name), rtol=1e-12)
+    for one, other in zip(found.faces, closed.faces, strict=True):
+        np.testing.assert_array_equal(one.minus, other.minus)
+        np.testing.assert_array_equal(one.plus, other.plus)
+    np.testing.assert_allclose(found.initial_gap, gap, atol=1e-12)
+
+
+@pytest.mark.parametrize("kinds", [("hex8", "hex8"), ("hex20", "tet10"), ("tet4", "hex8")])
+@pytest.mark.parametrize("gap", [0.0, 0.1, 7.5])
+def test_other_meshes_are_projected_across_any_gap(kinds, gap):
+    parts = ((4, 3), kinds[0]), ((5, 7), kinds[1])
+    spec = declared(faced(blocks(*parts, move=lifted(gap))), ANY)
+    assert spec.meshes == "non-matching"
+    found = joint_of(faced(blocks(*parts, move=lifted(gap))), spec)
+    assert found.area == pytest.approx(AREA, rel=1e-12)
+    np.testing.assert_allclose(found.initial_gap, gap, atol=1e-12)
+
+
+def test_before_they_were_left_out():
+    """What the tolerance of a spec without search distance does of a wedge-shaped gap."""
+    wedge = lifted(lambda x: 0.3 * (x[:, 0] / SIZE[0] + 0.5))
+    assembly = faced(blocks(((40, 2), "hex8"), ((40, 2), "hex8"), move=wedge))
+    touching = replace(ANY, search_distance=None, meshes="non-matching", tolerance=0.03)
+    assert joint_of(assembly, touching).area < 0.2 * AREA
+    found = joint_of(assembly, declared(assembly, ANY))
+    assert found.area == pytest.approx(AREA, rel=1e-3)  # the tilt of half a wedge
+    expected = 0.3 * (found.points[:, 0] / SIZE[0] + 0.5)
+    np.testing.assert_allclose(found.initial_gap, expected, atol=1e-3)
+
+
+@pytest.mark.parametrize("meshes", [((8, 2), (8, 2)), ((8, 2), (5, 3))])
+def test_search_distance_is_respected(meshes):
+    """Facets whose gap is larger are left out."""
+    wedge = lifted(lambda x: 0.8 * (x[:, 0] / SIZE[0] + 0.5))
+    assembly = faced(blocks(*((counts, "hex8") for counts in meshes), move=wedge))
+    near = replace(ANY, search_distance=0.4)
+    found = joint_of(assembly, declared(assembly, near))
+    assert found.area == pytest.approx(AREA / 2, rel=0.15)  # whole facets
+    assert found.initial_gap.max() < 0.55
+    with pytest.raises(ModelError, match="interface 'joint' is empty"):
+        joint_of(faced(blocks(*(((2, 2), "hex8"),) * 2, move=lifted(1.0))), declared_of(near, 1.0))
+
+
+def declared_of(spec, gap):
+    return declared(faced(blocks(*(((2, 2), "hex8"),) * 2, move=lifted(gap))), spec)
+
+
+@pytest.mark.parametrize("counts", [(4, 3), (7, 5)])
+def test_penetrations_are_paired_down_to_the_depth_of_an_element(counts):
+    for depth in (0.02, 0.5, 2.9):
+        assembly = faced(blocks(((4, 3), "hex8"), (counts, "hex8"), move=lifted(-depth)))
+        found = joint_of(assembly, declared(assembly, ANY))
+        np.testing.assert_allclose(found.initial_gap, -depth, atol=1e-12)
+    deep = blocks(((4, 3), "hex8"), (counts, "hex8"), move=lifted(-3.1))
+    with pytest.raises(ModelError, match="interface 'joint' is empty"):
+        joint_of(faced(deep), declared(faced(deep), ANY))
+
+
+def test_whole_bodies_see_only_each_others_near_sides():
+    """The top of the upper block and the bottom of the lower one face each other's far side."""
+    for gap in (0.0, 0.1, 2.0):
+        bodies = blocks(((4, 3), "hex8"), ((6, 5), "hex8"), move=lifted(gap))
+        spec = replace(ANY, minus="lower", plus="upper", meshes="non-matching")
+        found = joint_of(bodies, spec)
+        assert found.area == pytest.approx(AREA, rel=1e-12)
+        np.testing.assert_allclose(found.initial_gap, gap, atol=1e-12)
+
+
+@pytest.mark.parametrize(("minus", "plus"), [(1, "both"), ("both", 1)])
+def test_of_several_layers_the_nearest_one_is_taken(minus, plus):
+    """Two plates on one side, one behind the other, both declared."""
+    assembly = layered((0.0, 3.2, 8.0))
+    found = joint_of(assembly, replace(ANY, minus=minus, plus=plus, meshes="non-matching"))
+    assert found.area == pytest.approx(AREA, rel=1e-9)
+    np.testing.assert_allclose(found.initial_gap, 0.2, atol=1e-12)
+
+
+def layered(bases):
+    """Plates of 10 x 8 x 3 over each other, of different meshes; the upper two are "both"."""
+    parts, first, points = [], 0, []
+    for number, base in enumerate(bases):
+        lines = [np.linspace(0, size, 3 + number + 1) for size in SIZE[:2]]
+        cells = shaped(brick_grid(*lines, np.array([base, base + SIZE[2]])), "hex8")
+        parts.append((cells.cells + len(np.vstack([np.empty((0, 3)), *points])), first))
+        points.append(cells.nodes)
+        first += len(cells.cells)
+    blocks_of = tuple(
+        CellBlock(
+            kind="hex8",
+            nodes=cells,
+            ids=1 + start + np.arange(len(cells)),
+            properties=np.full(len(cells), number + 1),
+        )
+        for number, (cells, start) in enumerate(parts)
+    )
+    nodes = np.vstack(points)
+    upper = np.concatenate([block.ids for block in blocks_of[1:]])
+    mesh = Mesh(
+        nodes=nodes,
+        node_ids=np.arange(1, len(nodes) + 1),
+        blocks=blocks_of,
+        element_sets={"both": upper},
+    )
+    steel = blocks(((1, 1), "hex8"), ((1, 1), "hex8")).materials[1]
+    return Assembly(mesh=mesh, materials=dict.fromkeys((1, 2, 3), steel), element="standard")
+
+
+@pytest.mark.parametrize("counts", [(4, 3), (7, 5)])
+def test_gap_rules(counts):
+    wedge = lifted(lambda x: 0.4 * (x[:, 0] / SIZE[0] + 0.25))
+    assembly = faced(blocks(((4, 3), "hex8"), (counts, "hex8"), move=wedge))
+    mesh = assembly.mesh
+    joint = joint_of(assembly, declared(assembly, ANY))
+    place = joint.points[:, 0] / SIZE[0]
+    np.testing.assert_allclose(joint.initial_gap, 0.4 * (place + 0.25), atol=2e-3)  # the tilt
+
+    def ruled(**rule):
+        return with_gap_rule(joint, mesh.nodes, mesh.node_ids, GapRule(**rule)).initial_gap
+
+    np.testing.assert_array_equal(ruled(value=0.07), 0.07)
+    # The wedge is 0 at a quarter of the length and penetrates before.
+    away = ruled(closed_up_to=0.0)
+    assert (away >= -1e-12).all()
+    np.testing.assert_allclose(away[place > 0.01], joint.initial_gap[place > 0.01], atol=1e-12)
+    np.testing.assert_allclose(ruled(closed_up_to=np.inf), 0.0, atol=1e-6)
+    nodes = np.unique(joint.pairs[:, 0])
+    every = tuple(mesh.node_ids[nodes].tolist())
+    np.testing.assert_allclose(ruled(closed_nodes=every), 0.0, atol=1e-6)
+    np.testing.assert_array_equal(ruled(closed_nodes=()), joint.initial_gap)
+
+
+def test_matching_needs_no_tolerance_but_a_search_distance():
+    assembly = faced(blocks(((4, 3), "hex8"), ((4, 3), "hex8"), move=lifted(0.1)))
+    with pytest.raises(ModelError, match="larger tolerance"):
+        find_interfaces(assembly, replace(ANY, search_distance=None))
+    other = faced(blocks(((4, 3), "hex8"), ((5, 3), "hex8"), move=lifted(0.1)))
+    with pytest.raises(ModelError, match=r'do not lie node on node .*"non-matching"'):
+        find_interfaces(other, ANY)
+    assert len(find_couplings(other, replace(ANY, meshes="non-matching"))) == 1
