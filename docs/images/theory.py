@@ -11,7 +11,7 @@ import numpy as np
 
 import faying as fy
 from faying.assessment.certificate import certifier
-from faying.report.style import METHOD_COLOURS, REFERENCE, house_style, new_figure, save
+from faying.report.style import REFERENCE, colour, house_style, new_figure, save
 
 FOLDER = Path(__file__).parent
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
@@ -32,18 +32,18 @@ def compliance(model: fy.Model, classic: fy.Basis) -> None:
     along = face.points[order, 0]
     models = {
         "full": (model, REFERENCE, 3.0),
-        "craig-bampton": (fy.reduce(model, classic), METHOD_COLOURS["craig-bampton"], 1.5),
+        "craig-bampton": (fy.reduce(model, classic), colour("craig-bampton"), 1.5),
         "compliance": (
             fy.reduce(model, classic, compliance=True),
-            METHOD_COLOURS["compliance"],
+            colour("compliance"),
             1.5,
         ),
     }
     figure = new_figure(8.0, 3.6)
     axes = figure.subplots()
-    for name, (system, colour, width) in models.items():
+    for name, (system, shade, width) in models.items():
         pressure = fy.solve_static(system, LC2).pressure[order]
-        axes.plot(along, pressure, color=colour, linewidth=width, label=name)
+        axes.plot(along, pressure, color=shade, linewidth=width, label=name)
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("contact pressure [MPa]")
     axes.set_title(f"LC2 along y = {face.points[order[0], 1]:.1f} mm, 20 normal modes")
@@ -61,13 +61,13 @@ def recovery(model: fy.Model, classic: fy.Basis) -> None:
     figure = new_figure(8.0, 3.6)
     axes = figure.subplots()
     milliseconds = 1e3 * full.times
-    colour = METHOD_COLOURS["craig-bampton"]
+    shade = colour("craig-bampton")
     axes.plot(milliseconds, full.max_pressure, color=REFERENCE, linewidth=3.0, label="full")
-    axes.plot(milliseconds, online.max_pressure, color=colour, label="craig-bampton, online")
+    axes.plot(milliseconds, online.max_pressure, color=shade, label="craig-bampton, online")
     axes.plot(
         milliseconds,
         recovered.max_pressure,
-        color=colour,
+        color=shade,
         linestyle="--",
         label="craig-bampton, recovered",
     )
@@ -97,7 +97,7 @@ def certificate(model: fy.Model, classic: fy.Basis) -> None:
     figure = new_figure(10.0, 3.8)
     left, right = figure.subplots(1, 2)
     true = norms[0] / norms[1]
-    left.loglog(true, found.energy_error, "o", color=METHOD_COLOURS["jim-b"], markersize=4)
+    left.loglog(true, found.energy_error, "o", color=colour("jim-b"), markersize=4)
     ends = np.array([true.min(), true.max()])
     left.loglog(ends, ends, color=REFERENCE, linewidth=1)
     left.set_xlabel("true energy error")
@@ -107,7 +107,7 @@ def certificate(model: fy.Model, classic: fy.Basis) -> None:
     order = np.argsort(force)
     low, high = found.contact_force["joint"][order].T / 1e3
     right.fill_between(
-        np.arange(60), low, high, color=METHOD_COLOURS["jim-b"], alpha=0.3, label="certified"
+        np.arange(60), low, high, color=colour("jim-b"), alpha=0.3, label="certified"
     )
     right.plot(force[order] / 1e3, color=REFERENCE, linewidth=1, label="exact")
     right.set_xlabel("load, sorted")

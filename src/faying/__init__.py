@@ -48,7 +48,6 @@ if TYPE_CHECKING:
     from faying.reduction.mode_count import count_modes_below
     from faying.reduction.pod import pod
     from faying.reduction.reduced_model import ReducedModel, reduce
-    from faying.reduction.rivals import rival_system
     from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
     from faying.simulation.compiled import compile_steps
     from faying.simulation.frame_motion import FrameMotion
@@ -124,7 +123,6 @@ _HOMES = {
     "recommend_penalty": "faying.assessment.penalty_advice",
     "best_possible_errors": "faying.assessment.best_possible",
     "energy_balance": "faying.assessment.energy",
-    "rival_system": "faying.reduction.rivals",
 }
 
 __all__ = [
@@ -178,7 +176,6 @@ __all__ = [
     "recovery_operator",
     "reduce",
     "relative_error",
-    "rival_system",
     "sensitivity",
     "solve_static",
     "solve_static_cases",

@@ -32,7 +32,7 @@ from faying.report.figures.response import response_figure
 from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import time_step_figure
 from faying.report.quantities import number, percent, place, seconds
-from faying.report.style import METHOD_COLOURS, house_style, new_figure
+from faying.report.style import colour, house_style, new_figure
 from faying.study.step_check import step_check
 from faying.units import units_of
 
@@ -133,7 +133,7 @@ def test_methods_keep_their_colours():
     axes = plot_convergence(RESULTS.cases["LC1"], panel())
     colours = {line.get_label(): line.get_color() for line in axes.lines}
     for method in RESULTS.cases["LC1"].methods:
-        assert colours[method] == METHOD_COLOURS[method]
+        assert colours[method] == colour(method)
     assert axes.get_yscale() == "log"
 
 

@@ -9,11 +9,9 @@ import pytest
 from fake_results import fake_results
 
 from faying.exceptions import FormatError
-from faying.reduction.methods import METHODS
-from faying.reduction.rivals import RIVALS
 from faying.report import style
 from faying.report.html import render, write_report
-from faying.report.meanings import MEANINGS, meanings
+from faying.report.meanings import meanings
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.verdict import headline, reservations, verdicts
 from faying.study.results import ValidationRecord
@@ -256,7 +254,6 @@ def test_names_of_methods_are_explained(written):
     assert "What the methods are" in text
     assert all(meaning in text for meaning in meanings(RESULTS).values())
     assert set(meanings(RESULTS)) == {name for c in RESULTS.cases.values() for name in c.methods}
-    assert set(MEANINGS) == {*METHODS, *RIVALS}
 
 
 def test_page_knows_no_words_of_our_own(written):

@@ -113,7 +113,7 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     assert {"offline", "per_static_case", "per_step"} == set(
         summary["timings"]["methods"]["compliance"]
     )
-    # Rivals that only know statics are absent from transients.
+    # Methods that only know statics are absent from transients.
     assert summary["timings"]["methods"]["nmf"].keys() == {"offline", "per_static_case"}
 
 

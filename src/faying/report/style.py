@@ -15,6 +15,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from faying._typing import Mask
 from faying.files.atomic import replacing
+from faying.reduction.methods import METHODS
 
 RC: Any = {  # matplotlib types the keys as one long Literal
     "font.size": 10,
@@ -37,32 +38,6 @@ RC: Any = {  # matplotlib types the keys as one long Literal
 }
 
 REFERENCE = "#000000"
-# Okabe and Ito's palette, distinguishable with every colour vision (Color Universal Design, 2008);
-# the rivals' from Tol's muted scheme (SRON/EPS/TN/09-002).
-METHOD_COLOURS = {
-    "craig-bampton": "#E69F00",
-    "jim-a": "#D55E00",
-    "jim-b": "#0072B2",
-    "compliance": "#009E73",
-    "jim-a+compliance": "#CC79A7",
-    "jim-b+compliance": "#56B4E9",
-    "trial-vector-derivatives": "#882255",
-    "cone-greedy": "#999933",
-    "nmf": "#332288",
-    "deim": "#44AA99",
-}
-METHOD_MARKERS = {
-    "craig-bampton": "s",
-    "jim-a": "o",
-    "jim-b": "^",
-    "compliance": "D",
-    "jim-a+compliance": "v",
-    "jim-b+compliance": "P",
-    "trial-vector-derivatives": "<",
-    "cone-greedy": ">",
-    "nmf": "X",
-    "deim": "p",
-}
 OTHER_COLOUR = "#7F7F7F"
 
 # Perceptually uniform; and one that is white at zero, blue and red alike in weight.
@@ -118,12 +93,12 @@ def _extent(inked: Mask) -> slice:
 
 def colour(method: str) -> str:
     """Return the colour of a method."""
-    return METHOD_COLOURS.get(method, OTHER_COLOUR)
+    return METHODS[method].colour if method in METHODS else OTHER_COLOUR
 
 
 def marker(method: str) -> str:
     """Return the marker of a method."""
-    return METHOD_MARKERS.get(method, "x")
+    return METHODS[method].marker if method in METHODS else "x"
 
 
 def label(method: str, joint_modes: int) -> str:

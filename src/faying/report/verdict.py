@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from faying.reduction.rivals import RIVALS
+from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
 from faying.report.style import label
 from faying.study.results import CaseResult, MethodResult, Results
@@ -81,8 +81,8 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
 
 
 def _is_transient(method: str) -> bool:
-    """Return whether a method is for transients too; some rivals of the literature are not."""
-    return method not in RIVALS or RIVALS[method].transient
+    """Return whether a method is for transients too; some of the literature's are not."""
+    return method not in METHODS or METHODS[method].transient
 
 
 def _worst(cases: Mapping[str, CaseResult], method: str, count: int) -> tuple[float, str]:

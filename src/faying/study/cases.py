@@ -17,8 +17,8 @@ from faying.execution.transients import step_responses
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
-from faying.reduction.rivals import RIVALS
 from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
@@ -66,7 +66,7 @@ class CaseRunner:
         failures = []
         for name, sizes in self.models.items():
             methods[name] = {}
-            if case.kind != "static" and name in RIVALS and not RIVALS[name].transient:
+            if case.kind != "static" and not METHODS[name].transient:
                 continue
             for count, rom in sizes.items():
                 try:

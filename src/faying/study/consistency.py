@@ -7,11 +7,12 @@ from pathlib import Path
 from faying.exceptions import FormatError, StudyError
 from faying.interface.gap_field import read_gap_table
 from faying.model.assembly import Assembly
+from faying.reduction.methods import METHODS
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
-from faying.study.tables import METHODS, TRAINED, LoadCaseSection, Loading, Study, Timed
+from faying.study.tables import LoadCaseSection, Loading, Study, Timed
 
 MATERIAL_OF_GENERATOR = "steel"
 
@@ -229,9 +230,9 @@ def _mesh_materials(study: Study) -> Iterator[Problem]:
 def _reduction(study: Study) -> Iterator[Problem]:
     reduction, training = study.reduction, study.reduction.training
     modes = reduction.joint_modes
-    rivals = [method for method in reduction.methods if method not in METHODS]
-    if not modes and rivals:
-        text = f"'auto' does not choose for method '{rivals[0]}'; give a list of numbers"
+    without_basis = [name for name in reduction.methods if METHODS[name].forces is not None]
+    if not modes and without_basis:
+        text = f"'auto' does not choose for method '{without_basis[0]}'; give a list of numbers"
         yield _problem(study, ("reduction", "joint_modes"), text)
     if not modes and not training.box:
         text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
@@ -243,7 +244,7 @@ def _reduction(study: Study) -> Iterator[Problem]:
     if len(set(reduction.methods)) < len(reduction.methods):
         text = "a method is named twice; name each once"
         yield _problem(study, ("reduction", "methods"), text)
-    learning = [method for method in reduction.methods if method in TRAINED]
+    learning = [name for name in reduction.methods if METHODS[name].trained]
     if not training.box and learning:
         text = (
             f"method '{learning[0]}' learns from training loads and there are none; add "

@@ -5,7 +5,6 @@ import numpy as np
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.reduction.methods import METHODS
-from faying.reduction.rivals import RIVALS
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
 from faying.study.history import read_history
@@ -86,11 +85,7 @@ def _transients(study: Study) -> str:
 
 def is_trained(study: Study) -> bool:
     """Say whether a method of the study learns from training runs."""
-    names = study.reduction.methods
-    return any(
-        RIVALS[name].trained if name in RIVALS else METHODS[name].joint_modes == "jim-b"
-        for name in names
-    )
+    return any(METHODS[name].trained for name in study.reduction.methods)
 
 
 def _amount(force: ForceSection) -> float | History:

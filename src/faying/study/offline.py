@@ -1,6 +1,6 @@
 """The offline part of a run: model, preload, bases, reduced models."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -13,13 +13,11 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.craig_bampton import classic_basis
-from faying.reduction.jim_a import jim_a
-from faying.reduction.jim_b import jim_b
-from faying.reduction.methods import METHODS, Method
+from faying.reduction.method import CLASSIC, Method, OfflineData
+from faying.reduction.methods import METHODS
 from faying.reduction.mode_count import ModeCount, check_modes
 from faying.reduction.normal_modes import fixed_interface_normal_modes
-from faying.reduction.reduced_model import ReducedModel, reduce
-from faying.reduction.rivals import RIVALS, rival_system
+from faying.reduction.reduced_model import reduce
 from faying.reduction.snapshots import static_snapshots
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
@@ -123,7 +121,7 @@ class TrainedBases:
     Attributes
     ----------
     bases
-        ``"classic"``, and ``"jim-a"`` and ``"jim-b"`` where a method needs them.
+        :data:`CLASSIC`, and by the name of their joint modes those that a method needs.
     contact_forces : (n_point, n_snapshot) [force]
         Of the training runs; no snapshot where no method is trained.
     mode_count
@@ -133,6 +131,10 @@ class TrainedBases:
     bases: Mapping[str, Basis]
     contact_forces: Matrix
     mode_count: ModeCount | None
+
+    def of(self, method: Method) -> Basis:
+        """Return the longest basis of a method."""
+        return self.bases[method.basis_name]
 
 
 def build_bases(
@@ -146,7 +148,6 @@ def build_bases(
         If a normal mode was missed.
     """
     reduction, model = study.reduction, joint.model
-    own = [METHODS[name].joint_modes for name in reduction.methods if name in METHODS]
     most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
         # Statics need no mass, and a structure without mass has no vibration modes.
@@ -155,22 +156,20 @@ def build_bases(
         classic = classic_basis(model, modes)
     with stages.stage("mode_count"):
         mode_count = check_modes(model.structure, modes)
-    bases = {"classic": classic}
-    if "jim-a" in own:
-        with stages.stage("jim-a"):
-            bases["jim-a"] = jim_a(
-                model,
-                joint_modes=most,
-                subarea_count=reduction.training.subareas or DEFAULT_SUBAREAS,
-                weight=reduction.training.weight,
-                classic=classic,
-            )
     forces = np.zeros((model.contact.n_points, 0))
     if is_trained(study):
         forces = _training_forces(study, joint, classic, stages, checkpoint)
-    if "jim-b" in own:
-        with stages.stage("jim-b"):
-            bases["jim-b"] = jim_b(model, forces, joint_modes=most, classic=classic)
+    data = OfflineData(
+        classic=classic,
+        contact_forces=forces,
+        subareas=reduction.training.subareas or DEFAULT_SUBAREAS,
+        weight=reduction.training.weight,
+    )
+    bases = {CLASSIC: classic}
+    for joint_modes in dict.fromkeys(METHODS[name].joint_modes for name in reduction.methods):
+        if joint_modes is not None:
+            with stages.stage(joint_modes.name):
+                bases[joint_modes.name] = joint_modes.extended(model, data, most)
     return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
 
 
@@ -239,44 +238,11 @@ def reduced_models(
     models: dict[str, dict[int, System]] = {}
     for name in study.reduction.methods:
         with stages.stage(f"project {name}"):
-            if name in RIVALS:
-                models[name] = _rivals(study, name, model, trained)
-            else:
-                models[name] = dict(_projected(study, METHODS[name], model, trained, choices))
+            method, choice = METHODS[name], choices.get(METHODS[name].basis_name)
+            basis, forces = trained.of(method), trained.contact_forces
+            wanted = [choice.count] if choice else study.reduction.joint_modes
+            models[name] = {
+                count: method.reduced(model, basis, forces, count)
+                for count in method.counts(basis, wanted)
+            }
     return models
-
-
-def _projected(
-    study: Study,
-    method: Method,
-    model: Model,
-    trained: TrainedBases,
-    choices: Mapping[str, JointModeChoice],
-) -> Iterator[tuple[int, ReducedModel]]:
-    """Project the model onto the basis of a method."""
-    basis = trained.bases[method.joint_modes or "classic"]
-    choice = choices.get(method.joint_modes or "")
-    for count in _counts(study, basis, choice) if method.joint_modes else [0]:
-        yield count, reduce(model, basis.with_joint_modes(count), compliance=method.compliance)
-
-
-def _rivals(study: Study, name: str, model: Model, trained: TrainedBases) -> dict[int, System]:
-    """Build a rival of the literature at every number of vectors."""
-    return {
-        count: rival_system(
-            name,
-            model,
-            classic=trained.bases["classic"],
-            contact_forces=trained.contact_forces,
-            count=count,
-        )
-        for count in study.reduction.joint_modes
-    }
-
-
-def _counts(study: Study, basis: Basis, choice: JointModeChoice | None) -> list[int]:
-    """Numbers of joint modes asked for, as far as the training gave independent ones."""
-    available = basis.count(ModeKind.JOINT)
-    if choice is not None:
-        return [choice.count]
-    return sorted({min(count, available) for count in study.reduction.joint_modes})

@@ -20,7 +20,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from faying.study.errors import OWN_TYPE, UNKNOWN_KEY, nearest, shown
+from faying.study.errors import OWN_TYPE, UNKNOWN_KEY, nearest, one_of, shown
 
 
 def refusal(message: str) -> PydanticCustomError:
@@ -51,6 +51,18 @@ class Section(BaseModel):
             fields = cls.model_fields.items()
             check_names(data, [field.alias or name for name, field in fields])
         return data
+
+
+def name_in(known: Iterable[str]) -> BeforeValidator:
+    """Return the check that a value is one of the names of a registry."""
+    names = list(known)
+
+    def checked(value: Any) -> str:
+        if isinstance(value, str) and value in names:
+            return value
+        raise refusal(one_of(value, names))
+
+    return BeforeValidator(checked)
 
 
 def _existing_file(path: Path, info: ValidationInfo) -> Path:

@@ -8,7 +8,6 @@ import numpy as np
 
 from faying import __version__
 from faying.reduction.methods import METHODS
-from faying.reduction.rivals import RIVALS
 from faying.study.results import (
     CaseResult,
     InterfaceRecord,
@@ -110,14 +109,11 @@ def timings(results: Results) -> dict[str, Any]:
 
 def _offline(name: str, seconds: Mapping[str, float]) -> float:
     """Work a method needs beyond the factorization, shared parts counted for each."""
+    method = METHODS[name]
     stages = ["normal_modes", f"project {name}"]
-    if name in RIVALS:
-        stages += TRAINING if RIVALS[name].trained else []
-    else:
-        method = METHODS[name]
-        stages += [method.joint_modes] if method.joint_modes else []
-        stages += TRAINING if method.joint_modes == "jim-b" else []
-        stages += ["compliance"] if method.compliance else []
+    stages += [method.joint_modes.name] if method.joint_modes else []
+    stages += TRAINING if method.trained else []
+    stages += ["compliance"] if method.compliance else []
     return sum(seconds.get(stage, 0.0) for stage in stages)
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
+from faying.reduction.methods import METHODS
 from faying.study.errors import StudySource, shown
 from faying.study.model_tables import (
     BoltSection,
@@ -30,34 +31,14 @@ from faying.study.section import (
     Positive,
     Section,
     Switch,
+    name_in,
     refusal,
 )
 from faying.units import KINDS_OF_UNITS
 
-Method = Literal[
-    "craig-bampton",
-    "jim-a",
-    "jim-b",
-    "compliance",
-    "jim-a+compliance",
-    "jim-b+compliance",
-    "trial-vector-derivatives",
-    "cone-greedy",
-    "nmf",
-    "deim",
-]
-METHODS: tuple[Method, ...] = (
-    "craig-bampton",
-    "jim-a",
-    "jim-b",
-    "compliance",
-    "jim-a+compliance",
-    "jim-b+compliance",
-)
-"""Compared unless the study says otherwise; the others are rivals from the literature."""
-
-TRAINED: tuple[Method, ...] = ("jim-b", "jim-b+compliance", "cone-greedy", "nmf", "deim")
-"""Methods that learn from the loads of a training box; not compared unasked where there is none."""
+MethodName = Annotated[str, name_in(METHODS)]
+COMPARED = tuple(name for name, method in METHODS.items() if not method.source)
+"""Methods compared unless the study says otherwise; the others come from the literature."""
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 OutputField = Literal["pressure", "gap", "displacement"]
@@ -168,7 +149,7 @@ class ReductionSection(Section):
     normal_modes: Annotated[int, Field(ge=0, strict=True)] = 20
     joint_modes: Annotated[tuple[Count, ...], BeforeValidator(_joint_modes)] = (5, 10, 20, 40)
     tolerance: Positive = 0.05
-    methods: Annotated[tuple[Method, ...], Field(min_length=1)] = METHODS
+    methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
     training: TrainingSection = TrainingSection()
 
     @model_validator(mode="before")
@@ -180,7 +161,7 @@ class ReductionSection(Section):
         training = data.get("training")
         if isinstance(training, Mapping) and training.get("box"):
             return data
-        return {**data, "methods": [name for name in METHODS if name not in TRAINED]}
+        return {**data, "methods": [name for name in COMPARED if not METHODS[name].trained]}
 
 
 class ForceSection(Loading):

@@ -14,8 +14,9 @@ from faying.exceptions import ConvergenceError
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis
+from faying.reduction.method import CLASSIC, Method
 from faying.reduction.methods import METHODS
-from faying.reduction.reduced_model import ReducedModel, reduce
+from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import solve_static_cases
 from faying.study.loads import case_load, training_box, validation_box
@@ -55,7 +56,7 @@ def validate(
     if study.reduction.training.box and count:
         with stages.stage("unseen loads"):
             box = training_box(study.reduction.training)
-            space = _load_space(joint.model, box, count, models, trained.bases["classic"])
+            space = _load_space(joint.model, box, count, models, trained.bases[CLASSIC])
     if study.validation.box:
         with stages.stage("worst-case search", len(models)) as advance:
             box = validation_box(study.validation)
@@ -68,7 +69,7 @@ def validate(
     sweep = None
     if study.validation.penalty_sweep:
         with stages.stage("penalty sweep"):
-            sweep = _penalty(study, joint.model, trained.bases, models)
+            sweep = _penalty(study, joint.model, trained, models)
     return ValidationRecord(load_space=space, worst_cases=worst, penalty=sweep, choices=choices)
 
 
@@ -123,20 +124,18 @@ def _constants(found: WorstCase) -> dict[str, float]:
     return {key: value for key, value in found.load.forces.items() if isinstance(value, float)}
 
 
-def _penalty(
-    study: Study, model: Model, bases: Mapping[str, Basis], models: Models
-) -> PenaltyRecord:
+def _penalty(study: Study, model: Model, trained: TrainedBases, models: Models) -> PenaltyRecord:
     """Sweep the contact stiffness over the study's static load cases (or its preload)."""
     loads = [case_load(case) for case in study.load_cases if case.kind == "static"]
     methods = {
         name: partial(
             _reduced,
-            basis=bases[METHODS[name].joint_modes or "classic"],
-            name=name,
+            method=METHODS[name],
+            trained=trained,
             count=max(sizes),
         )
         for name, sizes in models.items()
-        if name in METHODS
+        if METHODS[name].forces is None
     }
     swept = penalty_sweep(model, loads, methods=methods) if loads else penalty_sweep(model)
     units = units_of(study.units)
@@ -147,5 +146,5 @@ def _penalty(
     )
 
 
-def _reduced(model: Model, *, basis: Basis, name: str, count: int) -> ReducedModel:
-    return reduce(model, basis.with_joint_modes(count), compliance=METHODS[name].compliance)
+def _reduced(model: Model, *, method: Method, trained: TrainedBases, count: int) -> System:
+    return method.reduced(model, trained.of(method), trained.contact_forces, count)

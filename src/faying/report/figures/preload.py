@@ -14,7 +14,7 @@ from faying.report.figures.pressure import (
     summary,
 )
 from faying.report.figures.surface_map import draw_edges, panel_size, prepare
-from faying.report.style import METHOD_COLOURS, new_figure, plain
+from faying.report.style import colour, new_figure, plain
 from faying.study.results import InterfaceRecord, Results
 from faying.units import Units, units_of
 
@@ -27,7 +27,7 @@ def plot_sticking(record: InterfaceRecord, axes: Axes, units: Units) -> Axes:
     flat = plane.project(record.pair_points)
     stuck = record.stuck.astype(bool)
     axes.plot(*flat[~stuck].T, ".", color="0.6", ms=3)
-    axes.plot(*flat[stuck].T, "o", color=METHOD_COLOURS["jim-b"], ms=5)
+    axes.plot(*flat[stuck].T, "o", color=colour("jim-b"), ms=5)
     return axes
 
 

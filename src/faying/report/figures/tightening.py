@@ -4,9 +4,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from faying.reduction.methods import METHODS
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import percent, quantity
-from faying.report.style import METHOD_COLOURS, new_figure, plain
+from faying.report.style import new_figure, plain
 from faying.study.results import Results
 from faying.units import units_of
 
@@ -16,7 +17,7 @@ NAMED = 14
 
 def plot_tightening(results: Results, axes: Axes) -> Axes:
     """Draw the force of each bolt after each stage; dotted lines are nominal preloads."""
-    colours = list(METHOD_COLOURS.values())
+    colours = [method.colour for method in METHODS.values()]
     stages = results.tightening_stages
     for number, (name, bolt) in enumerate(results.bolts.items()):
         shade = colours[number % len(colours)]

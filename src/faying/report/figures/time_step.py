@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from faying.report.figures.entry import Drawn
 from faying.report.figures.response import peak_pressure
 from faying.report.quantities import percent, quantity
-from faying.report.style import METHOD_COLOURS, REFERENCE, heading, new_figure
+from faying.report.style import REFERENCE, colour, heading, new_figure
 from faying.study.results import CaseResult, Results
 from faying.study.step_check import step_check
 from faying.units import Units, units_of
@@ -18,7 +18,7 @@ def plot_step_check(case: CaseResult, axes: Axes, units: Units) -> Axes:
         axes.plot(case.times, exact, color=REFERENCE, label="largest, study's time step")
     if case.half_step is not None and case.half_step_times is not None:
         half = peak_pressure(case.half_step)
-        shade = METHOD_COLOURS["jim-a"]
+        shade = colour("jim-a")
         axes.plot(case.half_step_times, half, color=shade, lw=1.2, label="largest, half of it")
     check = step_check(case)
     if check is not None:

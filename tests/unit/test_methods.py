@@ -1,4 +1,4 @@
-"""Rival reductions: what each must do exactly, and what it must respect."""
+"""Methods of the literature: what each must do exactly, and what it must respect."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,8 @@ from faying.reduction.force_basis import (
     nonnegative_factors,
     with_force_basis,
 )
-from faying.reduction.rivals import RIVALS, rival_system
+from faying.reduction.method import OfflineData
+from faying.reduction.methods import METHODS
 from faying.reduction.trial_vector_derivatives import trial_vector_derivatives
 
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
@@ -218,15 +219,17 @@ class TestDeim:
             with_deim(soft, Deim(points=np.array([0]), interpolation=np.ones((3, 1))))
 
 
-@pytest.mark.parametrize("name", RIVALS)
-def test_every_rival_goes_by_its_name(name, soft, training, classic):
-    system = rival_system(name, soft, classic=classic, contact_forces=training, count=15)
+@pytest.mark.parametrize("method", [m for m in METHODS.values() if m.source], ids=lambda m: m.name)
+def test_every_method_of_the_literature_is_built(method, soft, training, classic):
+    data = OfflineData(classic=classic, contact_forces=training)
+    basis = method.joint_modes.extended(soft, data, 15) if method.joint_modes else classic
+    system = method.reduced(soft, basis, training, 15)
     solution = fy.solve_static(system, LC2)
     assert solution.pressure.shape == (soft.contact.n_points,)
     assert fy.compare(solution, fy.solve_static(soft, LC2)).max_relative_error < 0.6
-    assert "20" in RIVALS[name].source
+    assert "20" in method.source
 
 
-def test_an_unknown_rival_is_refused(soft, training, classic):
-    with pytest.raises(ModelError, match="they are trial-vector-derivatives, cone-greedy"):
-        rival_system("magic", soft, classic=classic, contact_forces=training, count=3)
+@pytest.mark.parametrize("fact", ["colour", "marker", "meaning"])
+def test_methods_are_told_apart(fact):
+    assert len({getattr(method, fact) for method in METHODS.values()}) == len(METHODS)
