@@ -14,7 +14,6 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis
 from faying.reduction.deim import deim, with_deim
-from faying.reduction.even_pressures import even_pressures
 from faying.reduction.force_basis import (
     cone_projected_greedy,
     nonnegative_factors,
@@ -51,10 +50,6 @@ def _training_forces(model: Model, data: OfflineData, count: int) -> Basis:
 
 def _derivatives(model: Model, data: OfflineData, count: int) -> Basis:
     return trial_vector_derivatives(model, joint_modes=count, classic=data.classic)
-
-
-def _even_pressures(model: Model, data: OfflineData, count: int) -> Basis:
-    return even_pressures(model, joint_modes=count, classic=data.classic)
 
 
 def _cone_greedy(model: Model, forces: Matrix, count: int) -> System:
@@ -130,15 +125,6 @@ METHODS: Mapping[str, Method] = MappingProxyType(
                 marker="<",
                 joint_modes=_DERIVATIVES,
                 source="Pichler, Witteveen & Fischer 2017, doi:10.1007/s11044-016-9555-2",
-            ),
-            Method(
-                name="even-pressures",
-                meaning="as craig-bampton, and the answer to an even pressure on each interface; "
-                f"{_ONLY_THROUGH}.",
-                colour="#DDCC77",
-                marker="*",
-                joint_modes=JointModes(name="even-pressures", extended=_even_pressures),
-                source="a toy to count files with, 2026",
             ),
             Method(
                 name="cone-greedy",
