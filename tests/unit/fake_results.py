@@ -269,4 +269,5 @@ def fake_results():
         normal_modes=ModeCount(below=4e4, found=20, counted=20),
         factor_bytes=2_500_000,
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
+        omissions=("worst-case search, nmf: it met what <nobody> foresaw",),
     )

@@ -25,7 +25,7 @@ def call(monkeypatch, capsys, *arguments):
 def runner(monkeypatch):
     """A stand-in for the runner that records its calls and reports convergence as told."""
     calls = []
-    result = SimpleNamespace(converged=True, summary={"load_cases": {}})
+    result = SimpleNamespace(converged=True, summary={"load_cases": {}, "warnings": []})
 
     def run(study, out, *, resume, progress, executor, since):
         calls.append((study, out, resume))
@@ -76,6 +76,15 @@ def test_bad_study_is_one_message_and_no_traceback(tmp_path):
         assert "did you mean 'preload'?" in found.stderr
         assert "Traceback" not in found.stderr
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_could_not_be_validated_is_said_and_changes_no_status(
+    monkeypatch, capsys, runner, tmp_path
+):
+    runner.result.summary["warnings"] = ["penalty sweep: it met what nobody foresaw"]
+    status, _, err = call(monkeypatch, capsys, "run", EXAMPLE, "--out", tmp_path / "results")
+    assert status == 0
+    assert "Warning: penalty sweep: it met what nobody foresaw" in err
 
 
 def test_run_passes_the_study_on(monkeypatch, capsys, runner, tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ import pytest
 from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
 from faying.simulation.transient import solve_transient
-from faying.study import cases, offline, progress, record
+from faying.study import cases, offline, pieces, progress, record, validation
+from faying.study.checkpoint import open_checkpoint
 from faying.study.loads import case_load
 from faying.study.schema import read_study
 from faying.study.store import read_results
@@ -218,8 +220,90 @@ def test_a_time_step_check_that_fails_costs_no_result(study, tmp_path, monkeypat
 
     monkeypatch.setattr(cases, "full_transients", fragile)
     outcome = run(study, tmp_path)
-    assert outcome.summary["not_converged"] == ["jump, half the time step: did not settle"]
+    assert outcome.converged
+    assert outcome.summary["warnings"] == ["jump, half the time step: did not settle"]
     assert outcome.summary["load_cases"]["jump"]["methods"]["compliance"]["0"]
+
+
+def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, monkeypatch):
+    def broken(*_, **__):
+        message = "nobody foresaw this"
+        raise ValueError(message)
+
+    for module, name in (
+        (validation, "penalty_sweep"),
+        (validation, "worst_case_load"),
+        (validation, "best_possible_errors"),
+        (cases, "certifier"),
+        (cases, "recover_pressure"),
+        (record, "ports_record"),
+    ):
+        monkeypatch.setattr(module, name, broken)
+    outcome = run(study, tmp_path)
+    assert outcome.converged
+    results = read_results(tmp_path / "results.h5")
+    assert outcome.summary["warnings"] == list(results.omissions)
+    said = "\n".join(results.omissions)
+    for extra in (
+        "penalty sweep: ValueError: nobody foresaw this",
+        "worst-case search, jim-a: ",
+        "unseen loads: ",
+        "certified bounds: ",
+        "jump, compliance/0, recovered pressures: ",
+        "matrices for recovery and export: ",
+    ):
+        assert extra in said
+    assert results.ports is None
+    assert results.validation.penalty is None
+    found = results.cases["jump"].methods["compliance"][0]
+    assert found.accuracy.max_relative_error < 0.5  # it is solved and compared, as without failures
+    assert found.recovered_error is None
+    assert results.cases["bend"].methods["jim-a"][4].certified_bound is None
+
+
+def test_a_solution_without_contact_is_kept_though_nothing_compares_with_it(
+    study, tmp_path, monkeypatch
+):
+    original = cases.respond
+
+    def open_(solution, model, seconds):
+        response = original(solution, model, seconds)
+        return (
+            replace(response, pressure=0 * response.pressure)
+            if solution.times is None
+            else response
+        )
+
+    monkeypatch.setattr(cases, "respond", open_)
+    outcome = run(study, tmp_path)
+    assert "bend, compliance with 0 joint modes, comparison: the reference" in "\n".join(
+        outcome.summary["warnings"]
+    )
+    assert outcome.summary["load_cases"]["bend"]["reference"]["max_pressure"] == 0.0
+    assert outcome.summary["load_cases"]["jump"]["methods"]["compliance"]["0"]
+
+
+def test_workers_leave_a_piece_without_solution_to_the_run(study, tmp_path, monkeypatch):
+    monkeypatch.setattr(pieces, "run_grouped_campaign", _raise(ConvergenceError("did not settle")))
+    checkpoint = open_checkpoint(tmp_path, study.text, resume=False)
+    pieces.compute_pieces(study, None, checkpoint, progress.Stages(None))
+
+
+def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
+    text = STUDY.replace("element_size = 5.0", 'element_size = 5.0, shape = "tet10"').replace(
+        "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
+    )
+    text = text[: text.index("[reduction.training]")] + text[text.index("[[load_case]]") :]
+    text = text[: text.index('[[load_case]]\nname = "jump"')] + "[output]\nreport = false\n"
+    text = text.replace('"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
+    path = tmp_path / "hard.toml"
+    path.write_text(text)
+    outcome = run(read_study(path), tmp_path / "out")
+    assert outcome.converged
+    assert outcome.summary["warnings"] == []
+    advice = outcome.summary["validation"]["penalty"]
+    # One of the swept values next to 10 E/h is within 5 % of hard contact.
+    assert advice["reached"]
 
 
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):

@@ -69,6 +69,8 @@ def compute(
             study, out, resume=resume, progress=progress, executor=executor, since=since
         )
     show_outcome(result.summary, out, Console())
+    for warning in result.summary["warnings"]:
+        typer.echo(f"Warning: {warning}", err=True)
     if not result.converged:
         message = f"Some solutions did not converge; {out / 'summary.json'} names them"
         typer.echo(message, err=True)

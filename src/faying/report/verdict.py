@@ -191,6 +191,11 @@ def reservations(results: Results) -> list[str]:
             f"{len(results.warnings)} solution(s) did not converge or deserve notice; "
             "see the warnings."
         )
+    if results.omissions:
+        said.append(
+            f"{len(results.omissions)} part(s) of the validation could not be computed; see the "
+            "warnings."
+        )
     for name, case in results.cases.items():
         check = step_check(case)
         if check is not None and _changes(case) > STEP_MATTERS:

@@ -24,6 +24,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.transient import solve_transient, transient_solver
 from faying.study.checkpoint import Checkpoint
+from faying.study.extras import Extras
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
 from faying.study.progress import Stages
@@ -49,6 +50,7 @@ class CaseRunner:
     joint: PreparedJoint
     models: Models
     stages: Stages
+    extras: Extras
     checkpoint: Checkpoint
     groups: Sequence[Mapping[str, FullTransient]]
 
@@ -74,9 +76,13 @@ class CaseRunner:
                 except ConvergenceError as error:
                     failures.append(f"{case.name}, {name} with {count} joint modes: {error}")
                     continue
-                with self.stages.timed("comparison"):
+                accuracy = recovered = None
+                label = f"{case.name}, {name} with {count} joint modes, comparison"
+                with self.stages.timed("comparison"), self.extras.attempt(label):
                     accuracy = _accuracy(model, response, reference)
                     recovered = _recovered_error(response, reference)
+                if accuracy is None:
+                    continue
                 methods[name][count] = MethodResult(
                     joint_modes=count,
                     n_modes=int(rom.K.shape[0]),
@@ -86,10 +92,8 @@ class CaseRunner:
                     certified_bound=self._certified(case, response),
                 )
         half_step = None
-        try:
+        with self.extras.attempt(f"{case.name}, half the time step"):
             half_step = self._half_step(case)
-        except ConvergenceError as error:
-            failures.append(f"{case.name}, half the time step: {error}")
         result = CaseResult(
             name=case.name,
             kind=case.kind,
@@ -117,17 +121,21 @@ class CaseRunner:
         return round(time_span(case, self.joint.period) / step)
 
     @cached_property
-    def _judge(self) -> Certifier:
-        return certifier(self.joint.model)
+    def _judge(self) -> Certifier | None:
+        with self.extras.attempt("certified bounds"):
+            return certifier(self.joint.model)
+        return None
 
     def _certified(self, case: LoadCaseSection, response: Response) -> float | None:
         """Bound the relative pressure error of a static case from the compliance alone."""
         if case.kind != "static":
             return None
-        with self.stages.timed("certificates"):
+        with self.stages.timed("certificates"), self.extras.attempt(f"{case.name}, bounds"):
             inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
-            certificate = self._judge.certify_inputs(inputs, response.pressure)
-        return float(certificate.max_relative_error)
+            if self._judge is not None:
+                certificate = self._judge.certify_inputs(inputs, response.pressure)
+                return float(certificate.max_relative_error)
+        return None
 
     def _reference(self, case: LoadCaseSection) -> Response:
         """Solve with the full model; a transient with those that are stepped beside it."""
@@ -165,9 +173,10 @@ class CaseRunner:
                 solution, seconds = solve_case(self.joint, case, system, advance)
             response = respond(solution, self.joint.model, seconds)
             if case.kind != "static" and isinstance(system, ReducedModel):
-                with self.stages.stage("recovery"):
+                name = f"{case.name}, {label}, recovered pressures"
+                with self.stages.stage("recovery"), self.extras.attempt(name):
                     recovered = recover_pressure(self.joint.model, solution).pressure
-                response = replace(response, recovered_pressure=recovered)
+                    response = replace(response, recovered_pressure=recovered)
             return packed(response)
 
         with self.stages.timed("checkpoint"):

@@ -7,11 +7,12 @@ which would cost every worker more than they give.
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
 from faying import __version__
-from faying.exceptions import StudyError
+from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
@@ -42,13 +43,16 @@ def compute_pieces(
 ) -> None:
     """Have workers compute the pieces that are not there yet.
 
+    A piece without solution is left to the run, which knows whether it can do without.
+
     Raises
     ------
     FayingError
         As the run would raise, or if workers fail; what is finished is kept to resume from.
     """
     groups = pieces(study)
-    with stages.stage("workers", sum(map(len, groups))) as advance:
+    total = sum(map(len, groups))
+    with stages.stage("workers", total) as advance, suppress(ConvergenceError):
         prepare = partial(prepare_pieces, study.source.text, study.source.path, __version__)
         run_grouped_campaign(
             prepare, groups, executor, keep=checkpoint, progress=lambda _: advance(1)

@@ -14,9 +14,11 @@ from faying.joint.system import System
 from faying.model.bodies import bodies
 from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
+from faying.study.extras import Extras
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.portable_records import kept_models, ports_record, reduced_records
 from faying.study.progress import Stages
+from faying.study.recovery_results import ReducedRecord
 from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
 from faying.study.tables import Study
 
@@ -29,11 +31,14 @@ def record(
     cases: Mapping[str, CaseResult],
     validation: ValidationRecord,
     stages: Stages,
+    extras: Extras,
     warnings: Sequence[str],
 ) -> Results:
     """Collect the results of a run, all but its timings."""
     model, mesh = joint.model, joint.model.assembly.mesh
-    with stages.stage("recovery matrices"):
+    ports, shapes = None, None
+    reduced: Mapping[str, Mapping[int, ReducedRecord]] = {}
+    with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
         ports = ports_record(model)
         kept = kept_models(model, models, trained.bases["classic"])
         reduced, shapes = reduced_records(model, kept)
@@ -64,6 +69,7 @@ def record(
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
         },
         warnings=tuple(warnings),
+        omissions=tuple(extras.failed),
         validation=validation,
         ports=ports,
         reduced=reduced,

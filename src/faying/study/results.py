@@ -303,6 +303,10 @@ class Results:
         Seconds by stage; methods have mappings of their own.
     provenance
         faying version, Python, NumPy, SciPy, platform, date.
+    warnings
+        What did not converge.
+    omissions
+        Validation and other extras that failed, with the reasons.
     ports
         None where the interface is too large to keep its compliance.
     reduced
@@ -328,6 +332,7 @@ class Results:
     timings: Mapping[str, Any]
     provenance: Mapping[str, str]
     warnings: tuple[str, ...] = field(default=())
+    omissions: tuple[str, ...] = field(default=())
     validation: ValidationRecord = field(default_factory=ValidationRecord)
     ports: PortsRecord | None = None
     reduced: Mapping[str, Mapping[int, ReducedRecord]] = field(default_factory=dict)

@@ -67,6 +67,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "timings": Meaning("wall time by stage; together that of the run before its files", "s"),
         "provenance": Meaning("what computed this file"),
         "warnings": Meaning("what did not converge or deserves notice", "", "(n_warning,)"),
+        "omissions": Meaning("validation and the like that failed, and why", "", "(n_omission,)"),
         "validation": Meaning("load space, worst loads and penalty"),
         "ports": Meaning("the joint as seen through its ports, for recovery and export"),
         "reduced": Meaning("reduced models: method name, then number of joint modes"),

@@ -34,6 +34,7 @@ def summarize(results: Results) -> dict[str, Any]:
         "units": results.units,
         "converged": not results.warnings,
         "not_converged": list(results.warnings),
+        "warnings": list(results.omissions),
         "model": {
             "nodes": len(results.nodes),
             "elements": sum(len(block.ids) for block in results.blocks),

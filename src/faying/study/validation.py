@@ -10,7 +10,6 @@ from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_advice import UnitNames, recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep
 from faying.assessment.worst_case import WorstCase, worst_case_load
-from faying.exceptions import ConvergenceError
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis
@@ -19,6 +18,7 @@ from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import solve_static_cases
+from faying.study.extras import Extras
 from faying.study.loads import case_load, training_box, validation_box
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.progress import Stages
@@ -48,15 +48,19 @@ def validate(
     trained: TrainedBases,
     choices: Mapping[str, JointModeChoice],
     stages: Stages,
+    extras: Extras,
 ) -> ValidationRecord:
-    """Compute what the study's load spaces and penalty mean for every method."""
+    """Compute what the study's load spaces and penalty mean for every method.
+
+    What fails is absent, and named among the extras.
+    """
     space = None
     worst: dict[str, WorstCaseRecord] = {}
     count = study.validation.unseen_loads
     if study.reduction.training.box and count:
-        with stages.stage("unseen loads"):
+        with stages.stage("unseen loads"), extras.attempt("unseen loads"):
             box = training_box(study.reduction.training)
-            space = _load_space(joint.model, box, count, models, trained.bases[CLASSIC])
+            space = _load_space(joint.model, box, count, models, trained.bases[CLASSIC], extras)
     if study.validation.box:
         with stages.stage("worst-case search", len(models)) as advance:
             box = validation_box(study.validation)
@@ -64,17 +68,18 @@ def validate(
                 count = max(sizes)
                 largest = sizes[count]
                 if isinstance(largest, ReducedModel):
-                    worst[name] = _worst(largest, count, box)
+                    with extras.attempt(f"worst-case search, {name}"):
+                        worst[name] = _worst(largest, count, box)
                 advance(1)
     sweep = None
     if study.validation.penalty_sweep:
-        with stages.stage("penalty sweep"):
+        with stages.stage("penalty sweep"), extras.attempt("penalty sweep"):
             sweep = _penalty(study, joint.model, trained, models)
     return ValidationRecord(load_space=space, worst_cases=worst, penalty=sweep, choices=choices)
 
 
 def _load_space(
-    model: Model, box: LoadBox, count: int, models: Models, classic: Basis
+    model: Model, box: LoadBox, count: int, models: Models, classic: Basis, extras: Extras
 ) -> LoadSpaceRecord:
     """Errors at random loads of the training box, beside the floor of all linear bases."""
     loads = box.random_loads(model, (1 + FLOOR_CASES) * count, SEED)
@@ -85,14 +90,12 @@ def _load_space(
     for name, sizes in models.items():
         results[name] = {}
         for size, rom in sizes.items():
-            try:
+            with extras.attempt(f"unseen loads, {name} with {size} joint modes"):
                 found = solve_static_cases(rom, unseen)
-            except ConvergenceError:  # named where its load cases fail; here it has no figure
-                continue
-            largest = np.abs(found.pressure - exact.pressure).max(axis=1) / exact.max_pressure
-            results[name][size] = LoadSpaceResult(
-                median_error=float(np.median(largest)), worst_error=float(largest.max())
-            )
+                largest = np.abs(found.pressure - exact.pressure).max(axis=1) / exact.max_pressure
+                results[name][size] = LoadSpaceResult(
+                    median_error=float(np.median(largest)), worst_error=float(largest.max())
+                )
     return LoadSpaceRecord(
         n_loads=count,
         methods=results,

@@ -10,6 +10,7 @@ from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.study.cases import CaseRunner, case_groups
 from faying.study.checkpoint import open_checkpoint
+from faying.study.extras import Extras
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.pieces import compute_pieces
 from faying.study.progress import ProgressBar, Stages
@@ -63,7 +64,7 @@ def run(
     ------
     FayingError
         If the study, its model or its loads do not fit together. Solutions that do not converge
-        are recorded instead.
+        are recorded instead, and so is validation that fails.
     """
     stages = Stages(progress, since)
     out.mkdir(parents=True, exist_ok=True)
@@ -74,19 +75,21 @@ def run(
     trained = build_bases(study, joint, stages, checkpoint)
     choices = choose_counts(study, joint.model, trained, stages)
     models = reduced_models(study, joint.model, trained, choices, stages)
+    extras = Extras()
     runner = CaseRunner(
         joint=joint,
         models=models,
         stages=stages,
+        extras=extras,
         checkpoint=checkpoint,
         groups=case_groups(study.load_cases, half_step=study.validation.half_step),
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
-    validation = validate(study, joint, models, trained, choices, stages)
+    validation = validate(study, joint, models, trained, choices, stages, extras)
     with stages.stage("records"):
-        found = record(study, joint, models, trained, cases, validation, stages, failures)
+        found = record(study, joint, models, trained, cases, validation, stages, extras, failures)
     results = replace(found, timings=stages.account())
     _write_files(study, results, out, stages)
     checkpoint.discard()
