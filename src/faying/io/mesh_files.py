@@ -31,20 +31,8 @@ OTHER_SOURCES = {
 }
 """Decks that meshio reads only in part: it drops couplings, beams and supports."""
 
-SOLID_KINDS = {
-    "tetra": "tet4",
-    "tetra10": "tet10",
-    "hexahedron": "hex8",
-    "hexahedron20": "hex20",
-    "wedge": "wedge6",
-    "wedge15": "wedge15",
-}
-
-# meshio numbers top edges before upright ones, as VTK does; our elements the other way round.
-_ORDER = {
-    "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
-    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
-}
+SOLID_KINDS = {element.elsewhere.meshio: element for element in SOLIDS.values()}
+"""Solids by meshio's names."""
 
 _REMEDIES = {
     "hexahedron27": "in gmsh set Mesh.SecondOrderIncomplete = 1 for 20-node bricks",
@@ -193,8 +181,8 @@ def _blocks(path: Path, found: Any, points: Matrix, groups: list[Group]) -> tupl
         nodes = _connectivity(path, block, len(points))
         blocks.append(
             CellBlock(
-                kind=SOLID_KINDS[block.type],
-                nodes=nodes[:, _ORDER.get(block.type, slice(None))],
+                kind=SOLID_KINDS[block.type].kind,
+                nodes=SOLID_KINDS[block.type].elsewhere.ours(nodes),
                 ids=np.arange(first, first + len(nodes)),
                 properties=_properties(path, groups, number, len(nodes)),
             )
@@ -212,7 +200,7 @@ def _blocks(path: Path, found: Any, points: Matrix, groups: list[Group]) -> tupl
 def _connectivity(path: Path, block: Any, n_points: int) -> Indices:
     """Return the nodes of the cells of a block of solids, checked."""
     nodes = np.asarray(block.data, dtype=np.int64)
-    expected = len(SOLIDS[SOLID_KINDS[block.type]].reference_nodes)
+    expected = SOLID_KINDS[block.type].n_nodes
     if nodes.ndim != 2 or nodes.shape[1] != expected:
         message = (
             f"mesh file '{path}': a block of {block.type} of shape {nodes.shape}, expected "

@@ -18,27 +18,17 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.files.atomic import replacing
+from faying.model.elements import SOLIDS
 
 CELL_TYPES = {
     "line2": 3,
     "tri3": 5,
     "quad4": 9,
-    "tet4": 10,
-    "hex8": 12,
-    "wedge6": 13,
     "tri6": 22,
     "quad8": 23,
-    "tet10": 24,
-    "hex20": 25,
-    "wedge15": 26,
+    **{kind: element.elsewhere.vtk for kind, element in SOLIDS.items()},
 }
 """VTK's numbers of the cell kinds."""
-
-NODE_ORDERS = {
-    "hex20": [*range(12), *range(16, 20), *range(12, 16)],
-    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
-}
-"""Which node of ours is each of VTK's, where they differ: edges along the axis come last there."""
 
 VTK_TYPES = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 
@@ -112,7 +102,7 @@ def _write(root: ET.Element, path: Path) -> None:
 
 def _grid_document(grid: Grid) -> ET.Element:
     blocks = [
-        (CELL_TYPES[kind], nodes[:, NODE_ORDERS.get(kind, slice(None))])
+        (CELL_TYPES[kind], SOLIDS[kind].elsewhere.theirs(nodes) if kind in SOLIDS else nodes)
         for kind, nodes in grid.cells
     ]
     lengths = _joined([np.full(len(nodes), nodes.shape[1]) for _, nodes in blocks])

@@ -1,7 +1,6 @@
 """Structured meshes: grids of bricks, split to other shapes, with mid-side nodes added."""
 
 from dataclasses import dataclass
-from itertools import permutations
 
 import numpy as np
 
@@ -43,27 +42,24 @@ def brick_grid(x: Vector, y: Vector, z: Vector) -> Cells:
 def shaped(bricks: Cells, shape: str) -> Cells:
     """Turn hex8 bricks into another kind of solid.
 
-    Wedges halve a brick along the diagonal of its bottom. Tetrahedra are the six of Kuhn's
-    simplicial division (H. W. Kuhn, IBM J. Res. Dev. 4 (1960) 518-524), one for each way from
-    corner 0 to corner 6 along edges; opposite faces are cut along parallel diagonals, so
-    neighbours and bodies that touch match. Neighbours share the mid-side nodes of quadratic kinds.
+    Each brick is cut as the element says. Neighbours share the mid-side nodes of quadratic kinds.
 
     Raises
     ------
     ModelError
         If the shape is not known.
     """
-    if shape not in _SHAPES:
-        message = f"there is no solid shape '{shape}'; choose one of {', '.join(_SHAPES)}"
+    if shape not in SOLIDS:
+        message = f"there is no solid shape '{shape}'; choose one of {', '.join(SOLIDS)}"
         raise ModelError(message)
-    linear, local = _SHAPES[shape]
-    cells = bricks.cells[:, np.asarray(local)].reshape(-1, len(local[0]))
-    result = Cells(kind=linear, nodes=bricks.nodes, cells=cells)
-    return result if linear == shape else with_midsides(result, shape)
+    element = SOLIDS[shape]
+    cells = bricks.cells[:, element.brick_cells].reshape(-1, element.n_corners)
+    result = Cells(kind=shape, nodes=bricks.nodes, cells=cells)
+    return result if element.n_corners == element.n_nodes else with_midsides(result, shape)
 
 
 def with_midsides(linear: Cells, kind: str) -> Cells:
-    """Add the mid-side nodes of a quadratic kind, one for each edge of the mesh."""
+    """Add the mid-side nodes of a quadratic kind to its corners, one for each edge of the mesh."""
     element = SOLIDS[kind]
     ends = np.array(_edge_ends(kind))
     edges = np.sort(linear.cells[:, ends], axis=2).reshape(-1, 2)
@@ -85,29 +81,3 @@ def _edge_ends(kind: str) -> list[tuple[int, int]]:
     midsides = element.reference_nodes[element.n_corners :]
     nearest = np.abs(midsides[:, None] - middles).sum(axis=2).argmin(axis=1)
     return list(zip(first[nearest].tolist(), second[nearest].tolist(), strict=True))
-
-
-def _kuhn() -> tuple[tuple[int, ...], ...]:
-    """Corners of the six tetrahedra, oriented to positive volume."""
-    corner = {
-        tuple(round(v) for v in point): i
-        for i, point in enumerate(SOLIDS["hex8"].reference_nodes.tolist())
-    }
-    tets = []
-    for order in permutations(range(3)):
-        path = np.vstack([np.zeros(3, dtype=int), np.cumsum(np.eye(3, dtype=int)[list(order)], 0)])
-        a, b, c, d = (corner[tuple(point)] for point in path.tolist())
-        tets.append((a, b, c, d) if np.linalg.det(np.eye(3)[list(order)]) > 0 else (a, c, b, d))
-    return tuple(tets)
-
-
-_BRICK = (tuple(range(8)),)
-_WEDGES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))
-_SHAPES: dict[str, tuple[str, tuple[tuple[int, ...], ...]]] = {
-    "hex8": ("hex8", _BRICK),
-    "hex20": ("hex8", _BRICK),
-    "tet4": ("tet4", _kuhn()),
-    "tet10": ("tet4", _kuhn()),
-    "wedge6": ("wedge6", _WEDGES),
-    "wedge15": ("wedge6", _WEDGES),
-}

@@ -16,7 +16,7 @@ class CellBlock:
     Attributes
     ----------
     kind
-        ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"``, ``"wedge6"`` or ``"wedge15"``.
+        A key of :data:`faying.model.elements.SOLIDS`, as in ``"hex8"``.
     nodes : (n_cell, n_node_per_cell)
         Indices into ``Mesh.nodes``, in the Nastran order of the element.
     ids : (n_cell,)

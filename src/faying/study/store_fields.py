@@ -7,6 +7,7 @@ from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
+from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.study.recovery_results import (
@@ -165,7 +166,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "iterations": Meaning("linear systems of the contact problem", "1", "(n_time,)"),
     },
     CellBlock: {
-        "kind": Meaning("hex8, hex20, tet4, tet10, wedge6 or wedge15"),
+        "kind": Meaning(f"one of {', '.join(SOLIDS)}"),
         "nodes": Meaning("indices into /nodes, Nastran order", "1", "(n_cell, n_node_per_cell)"),
         "ids": Meaning("element ids", "1", "(n_cell,)"),
         "properties": Meaning("property ids", "1", "(n_cell,)"),

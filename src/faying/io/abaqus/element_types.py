@@ -1,58 +1,11 @@
 """Element types of both programs and what they are here."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
+from faying.model.elements import ALL_SOLIDS, SolidElement
 
-@dataclass(frozen=True, kw_only=True)
-class SolidType:
-    """A solid element type.
-
-    Attributes
-    ----------
-    kind
-        Kind of the mesh cell.
-    order
-        Position in the Abaqus record of each node in our (Nastran) order.
-    formulation
-        Of eight-node bricks, else empty.
-    note
-        What differs from the element of the deck; empty if nothing does.
-    """
-
-    kind: str
-    order: tuple[int, ...]
-    formulation: str = ""
-    note: str = ""
-
-
-# Abaqus numbers mid-side nodes bottom, top, upright; Nastran bottom, upright, top.
-_HEX20 = (*range(12), *range(16, 20), *range(12, 16))
-_WEDGE15 = (*range(9), *range(12, 15), *range(9, 12))
-_FULL = "taken with full integration"
-
-SOLID_TYPES: Mapping[str, SolidType] = {
-    "C3D4": SolidType(kind="tet4", order=tuple(range(4))),
-    "C3D6": SolidType(
-        kind="wedge6",
-        order=tuple(range(6)),
-        note="integrated with 3 x 2 points (both programs take 1 x 2, which is softer)",
-    ),
-    "C3D8": SolidType(kind="hex8", order=tuple(range(8)), formulation="standard"),
-    "C3D8I": SolidType(kind="hex8", order=tuple(range(8)), formulation="incompatible"),
-    "C3D8R": SolidType(
-        kind="hex8",
-        order=tuple(range(8)),
-        formulation="incompatible",
-        note="reduced integration with hourglass control is taken as incompatible modes",
-    ),
-    "C3D10": SolidType(kind="tet10", order=tuple(range(10))),
-    "C3D10M": SolidType(
-        kind="tet10", order=tuple(range(10)), note="taken as the plain ten-node tetrahedron"
-    ),
-    "C3D15": SolidType(kind="wedge15", order=_WEDGE15),
-    "C3D20": SolidType(kind="hex20", order=_HEX20),
-    "C3D20R": SolidType(kind="hex20", order=_HEX20, note=_FULL),
+SOLID_TYPES: Mapping[str, SolidElement] = {
+    name: element for element in ALL_SOLIDS for name in element.elsewhere.abaqus
 }
 
 LINE_TYPES: Mapping[str, int] = {

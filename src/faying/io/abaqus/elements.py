@@ -81,26 +81,28 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
 def _block(keyword: Keyword, nodes: Nodes) -> ElementBlock:
     kind = keyword.required("TYPE").upper()
     if kind in SOLID_TYPES:
-        order = list(SOLID_TYPES[kind].order)
+        size = SOLID_TYPES[kind].n_nodes
     elif kind in LINE_TYPES:
-        order = list(range(LINE_TYPES[kind]))
+        size = LINE_TYPES[kind]
     else:
         remedy = REMEDIES.get(kind, f"supported are {', '.join([*SOLID_TYPES, *LINE_TYPES])}")
         message = f"elements of TYPE={kind} are not supported; {remedy}"
         raise keyword.error(message)
-    width = len(order) + 1
+    width = size + 1
     if not keyword.data:
         message = "it has no data lines; give element ids and nodes, or remove it"
         raise keyword.error(message)
-    texts, rows = table(keyword).records(width, f"an id and {len(order)} nodes for each {kind}")
+    texts, rows = table(keyword).records(width, f"an id and {size} nodes for each {kind}")
     flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
     values = flat.reshape(-1, width)
     if values.size and values[:, 0].min() < 1:
         message = f"element id {values[:, 0].min()}; ids are positive"
         raise keyword.error(message, int(rows[values[:, 0].argmin()]))
     offset = keyword.scope.offset
-    ends = values[:, 1:][:, order]
-    index = nodes.index(ends.ravel() + offset, keyword, np.repeat(rows, len(order)))
+    ends = values[:, 1:]
+    if kind in SOLID_TYPES:
+        ends = SOLID_TYPES[kind].elsewhere.ours(ends)
+    index = nodes.index(ends.ravel() + offset, keyword, np.repeat(rows, size))
     block = ElementBlock(
         type=kind,
         ids=values[:, 0] + offset,

@@ -94,9 +94,10 @@ def formulation(blocks: Sequence[ElementBlock], ignored: list[str]) -> str:
     for block in blocks:
         counts[block.type] = counts.get(block.type, 0) + len(block.ids)
     for name, count in counts.items():
-        if SOLID_TYPES[name].note:
-            ignored.append(f"{count} {name}: {SOLID_TYPES[name].note}")
-    wished = {SOLID_TYPES[name].formulation for name in counts} - {""}
+        if note := SOLID_TYPES[name].elsewhere.abaqus[name]:
+            ignored.append(f"{count} {name}: {note}")
+    bricks = [SOLID_TYPES[name] for name in counts if SOLID_TYPES[name].kind == "hex8"]
+    wished = {brick.formulation for brick in bricks}
     if len(wished) > 1:
         ignored.append(
             f"{counts['C3D8']} C3D8 are taken with incompatible modes like the other bricks: a "

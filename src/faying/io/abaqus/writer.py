@@ -26,21 +26,8 @@ from faying.io.abaqus.written_steps import step_lines
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.description import JointDescription
+from faying.model.elements import SOLIDS, solid_element
 from faying.model.mesh import CellBlock
-
-_TYPES = {
-    "hex8": "C3D8",
-    "hex20": "C3D20",
-    "tet4": "C3D4",
-    "tet10": "C3D10",
-    "wedge6": "C3D6",
-    "wedge15": "C3D15",
-}
-# Mid-side nodes: ours bottom, upright, top; theirs bottom, top, upright.
-_ORDERS = {
-    "hex20": (*range(12), *range(16, 20), *range(12, 16)),
-    "wedge15": (*range(9), *range(12, 15), *range(9, 12)),
-}
 
 
 def write_deck(
@@ -179,16 +166,13 @@ def _solids(assembly: Assembly) -> Iterator[str]:
         for number in np.unique(block.properties).tolist():
             yield f"*ELEMENT,TYPE={_type(block, assembly)},ELSET={_property(number)}"
             chosen = block.properties == number
-            cells = ids[block.nodes[chosen][:, list(_ORDERS.get(block.kind, ()))]]
-            if block.kind not in _ORDERS:
-                cells = ids[block.nodes[chosen]]
+            cells = ids[SOLIDS[block.kind].elsewhere.theirs(block.nodes[chosen])]
             for element, row in zip(block.ids[chosen].tolist(), cells.tolist(), strict=True):
                 yield from _wrapped([element, *row])
 
 
 def _type(block: CellBlock, assembly: Assembly) -> str:
-    incompatible = block.kind == "hex8" and assembly.element == "incompatible"
-    return "C3D8I" if incompatible else _TYPES[block.kind]
+    return next(iter(solid_element(block.kind, assembly.element).elsewhere.abaqus))
 
 
 def _property(number: int) -> str:

@@ -20,7 +20,13 @@ from faying.io.nastran.materials import read_materials
 from faying.io.nastran.parameters import HARMLESS, mass_factor
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
-from faying.io.nastran.solids import Solids, check_element_ids, element_sets, read_solids
+from faying.io.nastran.solids import (
+    SOLID_CARDS,
+    Solids,
+    check_element_ids,
+    element_sets,
+    read_solids,
+)
 from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import read_springs
 from faying.io.nastran.supports import read_supports
@@ -28,7 +34,7 @@ from faying.io.nastran.tokenizer import read_cards
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 
-ELEMENTS = ("CHEXA", "CPENTA", "CTETRA", "CBAR", "CBEAM", "CELAS1", "CELAS2", "CONM2")
+ELEMENTS = (*SOLID_CARDS, "CBAR", "CBEAM", "CELAS1", "CELAS2", "CONM2")
 RIGID = ("RBE2", "RBE3")
 _READ = frozenset(
     (

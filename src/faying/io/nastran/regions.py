@@ -15,7 +15,7 @@ from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.couplings import id_list
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
-from faying.io.nastran.solids import Solids
+from faying.io.nastran.solids import SOLID_CARDS, Solids
 from faying.model.assembly import FaceSet
 from faying.model.surface import N_NODES
 
@@ -119,7 +119,8 @@ def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
 
     faces, known = find_faces(solids.blocks, table[:, 0], fits)
     if not known.all():
-        text = f"element {table[~known, 0][0]} is no solid of the deck; name CHEXA, CPENTA, CTETRA"
+        solids_are = ", ".join(SOLID_CARDS)
+        text = f"element {table[~known, 0][0]} is no solid of the deck; name {solids_are}"
         raise card.error(text)
     wrong = np.flatnonzero(faces[:, 0] < 0)
     if wrong.size:

@@ -10,25 +10,13 @@ from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Material
+from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock
 
 _FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Family:
-    """Elements one card can describe: number of nodes to mesh cell kind."""
-
-    card: str
-    kinds: tuple[tuple[int, str], ...]
-    most: int
-
-
-_FAMILIES = (
-    _Family(card="CHEXA", kinds=((8, "hex8"), (20, "hex20")), most=20),
-    _Family(card="CPENTA", kinds=((6, "wedge6"), (15, "wedge15")), most=15),
-    _Family(card="CTETRA", kinds=((4, "tet4"), (10, "tet10")), most=10),
-)
+SOLID_CARDS = tuple(dict.fromkeys(element.elsewhere.nastran for element in SOLIDS.values()))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,10 +48,10 @@ def read_solids(
     """
     blocks: list[CellBlock] = []
     users: dict[int, tuple[Cards, int]] = {}
-    for family in _FAMILIES:
-        if family.card in cards:
-            blocks += _blocks(cards[family.card], family, grids)
-            _note_properties(cards[family.card], users)
+    for name in SOLID_CARDS:
+        if name in cards:
+            blocks += _blocks(cards[name], name, grids)
+            _note_properties(cards[name], users)
     properties = _properties(cards)
     used: dict[int, Material] = {}
     for number, (users_cards, card) in users.items():
@@ -84,36 +72,36 @@ def _note_schemes(
     blocks: list[CellBlock], properties: Mapping[int, Card], ignored: list[str]
 ) -> None:
     """Say where elements without a choice of formulation differ from what the deck asks for."""
-    notes = {
-        "wedge6": "bubble functions of CPENTA (the standard six-node wedge is used)",
-        "wedge15": "reduced shear integration of CPENTA with 15 nodes (3 x 3 points are used)",
-        "hex20": "reduced shear integration of CHEXA with 20 nodes (full integration is used)",
-    }
     for block in blocks:
-        used = np.unique(block.properties).tolist() if block.kind in notes else []
+        note = SOLIDS[block.kind].elsewhere.nastran_lacks
+        used = np.unique(block.properties).tolist() if note else []
         if any(properties[number].text(5) not in ("FULL", "1") for number in used):
-            ignored.append(notes[block.kind])
+            ignored.append(note)
 
 
-def _blocks(cards: Cards, family: _Family, grids: Grids) -> list[CellBlock]:
-    given = np.stack([cards.given(2 + j) for j in range(family.most)], axis=1)
+def _blocks(cards: Cards, name: str, grids: Grids) -> list[CellBlock]:
+    kinds = {e.n_nodes: e.kind for e in SOLIDS.values() if e.elsewhere.nastran == name}
+    sizes = sorted(kinds)
+    given = np.stack([cards.given(2 + j) for j in range(sizes[-1])], axis=1)
     count = given.sum(axis=1)
-    leading = given.cumsum(axis=1)[:, -1] == (given * np.arange(1, family.most + 1)).max(axis=1)
-    sizes = [size for size, _ in family.kinds]
+    leading = given.cumsum(axis=1)[:, -1] == (given * np.arange(1, sizes[-1] + 1)).max(axis=1)
     wrong = np.flatnonzero(~np.isin(count, sizes) | ~leading)
     if wrong.size:
         card = int(wrong[0])
         text = f"{count[card]} nodes; supported are {' or '.join(map(str, sizes))} without gaps"
         raise cards.error(card, text)
     result = []
-    for size, kind in family.kinds:
+    for size in sizes:
         these = cards.take(count == size)
         if len(these):
             nodes = np.stack([grids.of_column(these, 2 + j) for j in range(size)], axis=1)
             _check_distinct(these, nodes)
             result.append(
                 CellBlock(
-                    kind=kind, nodes=nodes, ids=these.integers(0), properties=property_ids(these)
+                    kind=kinds[size],
+                    nodes=nodes,
+                    ids=these.integers(0),
+                    properties=property_ids(these),
                 )
             )
     return result

@@ -14,16 +14,9 @@ from faying.io.nastran.fields import format_real
 from faying.io.nastran.layout import Value, large, small
 from faying.io.nastran.numbering import LARGEST, Numbering, number_assembly
 from faying.model.assembly import Assembly, Support
+from faying.model.elements import SOLIDS, solid_element
 from faying.model.mesh import CellBlock
 
-_CARDS = {
-    "hex8": "CHEXA",
-    "hex20": "CHEXA",
-    "tet4": "CTETRA",
-    "tet10": "CTETRA",
-    "wedge6": "CPENTA",
-    "wedge15": "CPENTA",
-}
 _METHOD = 1
 
 
@@ -218,15 +211,14 @@ def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
 
 def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
     """IN and ISOP of PSOLID for which Nastran's element is the one faying uses."""
-    if "hex8" in kinds:
-        return ("TWO", "FULL") if element == "standard" else (None, None)
-    if kinds & {"hex20", "wedge15"}:
-        return "THREE", "FULL"
-    return ("TWO", "FULL") if "wedge6" in kinds else (None, None)
+    schemes = {kind: solid_element(kind, element).elsewhere.nastran_scheme for kind in kinds}
+    # Only eight-node bricks lose something by more points than they need.
+    found = {schemes["hex8"]} if "hex8" in kinds else set(schemes.values())
+    return next((one for one in (("THREE", "FULL"), ("TWO", "FULL")) if one in found), (None, None))
 
 
 def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterator[str]:
-    name = _CARDS[block.kind]
+    name = SOLIDS[block.kind].elsewhere.nastran
     ids = [numbering.element("cell", number) for number in block.ids.tolist()]
     nodes = assembly.mesh.node_ids[block.nodes].tolist()
     for number, pid, row in zip(ids, block.properties.tolist(), nodes, strict=True):

@@ -14,7 +14,7 @@ from faying.model.elements.wedge6 import WEDGE6
 from faying.model.elements.wedge15 import WEDGE15
 
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
-    {element.kind: element for element in (HEX8, HEX20, TET4, TET10, WEDGE6, WEDGE15)}
+    {element.kind: element for element in (HEX8, HEX20, WEDGE6, WEDGE15, TET4, TET10)}
 )
 """Mesh cell kind to its standard element."""
 
@@ -22,6 +22,9 @@ HEX8_FORMULATIONS: Mapping[str, SolidElement] = MappingProxyType(
     {element.formulation: element for element in (HEX8, HEX8_INCOMPATIBLE)}
 )
 """Values of ``Assembly.element`` and the eight-node brick each stands for."""
+
+ALL_SOLIDS = (*SOLIDS.values(), HEX8_INCOMPATIBLE)
+"""Every element in every formulation."""
 
 
 def solid_element(kind: str, formulation: str) -> SolidElement:
@@ -42,4 +45,4 @@ def solid_element(kind: str, formulation: str) -> SolidElement:
     return HEX8_FORMULATIONS[formulation] if kind == "hex8" else SOLIDS[kind]
 
 
-__all__ = ["HEX8_FORMULATIONS", "SOLIDS", "SolidElement", "solid_element"]
+__all__ = ["ALL_SOLIDS", "HEX8_FORMULATIONS", "SOLIDS", "SolidElement", "solid_element"]

@@ -1,12 +1,13 @@
 """Twenty-node serendipity brick, fully integrated (CHEXA with 3 x 3 x 3 points, C3D20).
 
-Mid-side nodes in Nastran order: bottom edges 8-11, upright edges 12-15, top edges 16-19. Abaqus
-numbers the top edges before the upright ones; its reader reorders.
+Mid-side nodes in Nastran order: bottom edges 8-11, upright edges 12-15, top edges 16-19. Abaqus,
+meshio and VTK number the top edges before the upright ones.
 """
 
 from functools import partial
 
-from faying.model.elements.hex8 import CORNERS
+from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.hex8 import CORNERS, WHOLE
 from faying.model.elements.quadrature import hexahedron
 from faying.model.elements.solid_element import SolidElement
 
@@ -41,4 +42,14 @@ HEX20 = SolidElement(
         ("quad8", (2, 3, 7, 6, 10, 15, 18, 14)),
         ("quad8", (3, 0, 4, 7, 11, 12, 19, 15)),
     ),
+    elsewhere=Elsewhere(
+        nastran="CHEXA",
+        nastran_scheme=("THREE", "FULL"),
+        nastran_lacks="reduced shear integration of CHEXA with 20 nodes (full integration is used)",
+        abaqus={"C3D20": "", "C3D20R": "taken with full integration"},
+        meshio="hexahedron20",
+        vtk=25,
+        places=(*range(12), *range(16, 20), *range(12, 16)),
+    ),
+    brick_cells=WHOLE,
 )

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.quadrature import hexahedron
 from faying.model.elements.solid_element import SolidElement
 
@@ -23,6 +24,7 @@ FACES = (
     ("quad4", (2, 3, 7, 6)),
     ("quad4", (3, 0, 4, 7)),
 )
+WHOLE = (tuple(range(8)),)
 
 HEX8 = SolidElement(
     kind="hex8",
@@ -33,4 +35,12 @@ HEX8 = SolidElement(
     # N Nᵀ det J is of degree 4 in each coordinate of a trilinearly distorted brick.
     mass_quadrature=partial(hexahedron, 5),
     faces=FACES,
+    elsewhere=Elsewhere(
+        nastran="CHEXA",
+        nastran_scheme=("TWO", "FULL"),
+        abaqus={"C3D8": ""},
+        meshio="hexahedron",
+        vtk=12,
+    ),
+    brick_cells=WHOLE,
 )

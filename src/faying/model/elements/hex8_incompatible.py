@@ -21,5 +21,15 @@ def incompatible_gradients(points: Matrix) -> Matrix:
 
 
 HEX8_INCOMPATIBLE = replace(
-    HEX8, formulation="incompatible", internal_gradients=incompatible_gradients
+    HEX8,
+    formulation="incompatible",
+    internal_gradients=incompatible_gradients,
+    elsewhere=replace(
+        HEX8.elsewhere,
+        nastran_scheme=(None, None),
+        abaqus={
+            "C3D8I": "",
+            "C3D8R": "reduced integration with hourglass control is taken as incompatible modes",
+        },
+    ),
 )

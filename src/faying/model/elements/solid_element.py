@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from faying._typing import Matrix, frozen
+from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.quadrature import Quadrature
 
 Face = tuple[str, tuple[int, ...]]
@@ -20,8 +21,7 @@ class SolidElement:
     Attributes
     ----------
     kind
-        Kind of the mesh cell: ``"hex8"``, ``"hex20"``, ``"tet4"``, ``"tet10"``, ``"wedge6"`` or
-        ``"wedge15"``.
+        Kind of the mesh cell, as in ``"hex8"``.
     formulation
         ``"standard"``, or the name of the enhancement.
     reference_nodes : (n_node, 3)
@@ -37,6 +37,10 @@ class SolidElement:
     faces
         (face kind, local node indices) with corners first, then mid-sides in the same cyclic
         order (mid-side k between corners k and k + 1), counter-clockwise seen from outside.
+    elsewhere
+        The element in the files of other programs.
+    brick_cells
+        Corners of the bricks' that make the corners of each cell a brick is cut into.
     internal_gradients
         Reference gradients of internal displacement modes that are condensed out of the
         stiffness: points (n_quad, 3) to (n_quad, 3, n_mode); None if there are none.
@@ -49,6 +53,8 @@ class SolidElement:
     stiffness_quadrature: Callable[[], Quadrature]
     mass_quadrature: Callable[[], Quadrature]
     faces: tuple[Face, ...]
+    elsewhere: Elsewhere
+    brick_cells: tuple[tuple[int, ...], ...]
     formulation: str = "standard"
     internal_gradients: Callable[[Matrix], Matrix] | None = None
 

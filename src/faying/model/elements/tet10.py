@@ -5,9 +5,10 @@ Mid-side nodes 4-9 lie on the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
 
 from functools import partial
 
+from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.quadrature import tetrahedron
 from faying.model.elements.solid_element import SolidElement
-from faying.model.elements.tet4 import CORNERS
+from faying.model.elements.tet4 import CORNERS, SIXTHS
 
 MIDSIDES = (
     (0.5, 0.0, 0.0),
@@ -33,4 +34,11 @@ TET10 = SolidElement(
         ("tri6", (1, 2, 3, 5, 9, 8)),
         ("tri6", (2, 0, 3, 6, 7, 9)),
     ),
+    elsewhere=Elsewhere(
+        nastran="CTETRA",
+        abaqus={"C3D10": "", "C3D10M": "taken as the plain ten-node tetrahedron"},
+        meshio="tetra10",
+        vtk=24,
+    ),
+    brick_cells=SIXTHS,
 )

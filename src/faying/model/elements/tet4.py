@@ -2,10 +2,17 @@
 
 from functools import partial
 
+from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.quadrature import tetrahedron
 from faying.model.elements.solid_element import SolidElement
 
 CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+SIXTHS = ((0, 1, 2, 6), (0, 5, 1, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 4, 5, 6), (0, 7, 4, 6))
+"""Kuhn's simplicial division of a brick (H. W. Kuhn, IBM J. Res. Dev. 4 (1960) 518-524).
+
+One tetrahedron for each way from corner 0 to corner 6 along edges; opposite faces are cut along
+parallel diagonals, so neighbours and bodies that touch match.
+"""
 
 TET4 = SolidElement(
     kind="tet4",
@@ -20,4 +27,6 @@ TET4 = SolidElement(
         ("tri3", (1, 2, 3)),
         ("tri3", (2, 0, 3)),
     ),
+    elsewhere=Elsewhere(nastran="CTETRA", abaqus={"C3D4": ""}, meshio="tetra", vtk=10),
+    brick_cells=SIXTHS,
 )

@@ -1,7 +1,7 @@
 """Fifteen-node serendipity wedge (CPENTA with fifteen nodes, C3D15), integrated with 3 x 3 points.
 
-Mid-side nodes in Nastran order: bottom edges 6-8, upright edges 9-11, top edges 12-14. Abaqus and
-VTK number the top edges before the upright ones; readers reorder.
+Mid-side nodes in Nastran order: bottom edges 6-8, upright edges 9-11, top edges 12-14. Abaqus,
+meshio and VTK number the top edges before the upright ones.
 """
 
 from functools import partial
@@ -9,9 +9,10 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Matrix
+from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.quadrature import wedge
 from faying.model.elements.solid_element import SolidElement
-from faying.model.elements.wedge6 import CORNERS
+from faying.model.elements.wedge6 import CORNERS, HALVES
 
 MIDSIDES = (
     (0.5, 0.0, 0.0),
@@ -90,4 +91,14 @@ WEDGE15 = SolidElement(
         ("quad8", (1, 2, 5, 4, 7, 11, 13, 10)),
         ("quad8", (2, 0, 3, 5, 8, 9, 14, 11)),
     ),
+    elsewhere=Elsewhere(
+        nastran="CPENTA",
+        nastran_scheme=("THREE", "FULL"),
+        nastran_lacks="reduced shear integration of CPENTA with 15 nodes (3 x 3 points are used)",
+        abaqus={"C3D15": ""},
+        meshio="wedge15",
+        vtk=26,
+        places=(*range(9), *range(12, 15), *range(9, 12)),
+    ),
+    brick_cells=HALVES,
 )

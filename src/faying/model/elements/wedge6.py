@@ -2,6 +2,7 @@
 
 from functools import partial
 
+from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.quadrature import wedge
 from faying.model.elements.solid_element import SolidElement
 
@@ -13,6 +14,8 @@ CORNERS = (
     (1.0, 0.0, 1.0),
     (0.0, 1.0, 1.0),
 )
+HALVES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))
+"""A brick in halves, along the diagonal of its bottom."""
 
 WEDGE6 = SolidElement(
     kind="wedge6",
@@ -30,4 +33,13 @@ WEDGE6 = SolidElement(
         ("quad4", (1, 2, 5, 4)),
         ("quad4", (2, 0, 3, 5)),
     ),
+    elsewhere=Elsewhere(
+        nastran="CPENTA",
+        nastran_scheme=("TWO", "FULL"),
+        nastran_lacks="bubble functions of CPENTA (the standard six-node wedge is used)",
+        abaqus={"C3D6": "integrated with 3 x 2 points (both programs take 1 x 2, which is softer)"},
+        meshio="wedge",
+        vtk=13,
+    ),
+    brick_cells=HALVES,
 )
