@@ -7,7 +7,6 @@ from faying.exceptions import ModelError
 from faying.model.elements.hex8 import HEX8
 from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
 from faying.model.elements.hex20 import HEX20
-from faying.model.elements.pyramid5 import PYRAMID5
 from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.tet4 import TET4
 from faying.model.elements.tet10 import TET10
@@ -15,7 +14,7 @@ from faying.model.elements.wedge6 import WEDGE6
 from faying.model.elements.wedge15 import WEDGE15
 
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
-    {element.kind: element for element in (HEX8, HEX20, WEDGE6, WEDGE15, PYRAMID5, TET4, TET10)}
+    {element.kind: element for element in (HEX8, HEX20, WEDGE6, WEDGE15, TET4, TET10)}
 )
 """Mesh cell kind to its standard element."""
 
