@@ -7,7 +7,6 @@ from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
 import faying as fy
-from faying.simulation.compiled import import_loop
 
 # The same examples in every run, so that what fails here fails everywhere and a change alone can
 # turn a run red. New examples are looked for with `pytest tests/properties --hypothesis-profile
@@ -24,13 +23,6 @@ settings.load_profile("repeatable")
 # so that examples would depend on what ran before; there is no public way to have none of them.
 # tests/properties/test_examples.py notices where this stops working.
 providers._get_local_constants = lambda: providers._local_constants
-
-
-@pytest.fixture(autouse=True)
-def _steps_in_python():
-    """Forget compiled time steps after each test: others would differ from theirs by round-off."""
-    yield
-    import_loop.cache_clear()
 
 
 DATA = Path(__file__).parent / "data"

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as sl
 
+from faying.contact.laws import normal_law
 from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.joint.build import build_model
@@ -77,7 +78,9 @@ def mortar(assembly, penalty=1e5, **options):
     """The one interface of an assembly, over all six components of all nodes."""
     spec = replace(SPEC, **options)
     (coupling,) = find_couplings(assembly, spec).values()
-    return build_mortar_interface(assembly, unconstrained(assembly), spec, coupling, penalty)
+    return build_mortar_interface(
+        assembly, unconstrained(assembly), spec, coupling, normal_law(penalty)
+    )
 
 
 def nodal_forces(joint, pressure):

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
+from faying.contact.laws import normal_law
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.system import boundary_dofs, elongations, port_compliance_of
 from faying.linalg.factorization import factorize
@@ -59,7 +60,7 @@ def small_system(M, C, K, G, *, gap, stiffness, bolts=None, loaded=0, residual=N
         interpolation=sp.eye_array(n, format="csr"),
         initial_gap=np.broadcast_to(np.asarray(gap, dtype=float), n),
         weights=np.ones(n),
-        penalty=np.broadcast_to(np.asarray(stiffness, dtype=float), n),
+        laws={"stop": normal_law(stiffness)},
         slices={"stop": slice(0, n)},
         residual_compliance=residual,
     )

@@ -54,7 +54,7 @@ def with_their_sticking(model: fy.Model, mesh: dict[str, Matrix], order: Indices
     interface = model.interfaces["joint"]
     tied = {tuple(row) for row in order[mesh["pairs"][mesh["stick"]]].tolist()}
     pairs = np.array([tuple(row) in tied for row in interface.pairs.tolist()])
-    springs = sticking_stiffness(interface, model.dofs, pairs, 1e6)
+    springs = sticking_stiffness(interface, pairs, 1e6)
     return model.with_stiffness(springs, {"joint": pairs})
 
 

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from faying.reduction.pod import pod
     from faying.reduction.reduced_model import ReducedModel, reduce
     from faying.reduction.snapshots import LoadBox, static_snapshots, step_snapshots
-    from faying.simulation.compiled import compile_steps
     from faying.simulation.frame_motion import FrameMotion
     from faying.simulation.integrators import EnergyDecaying, GeneralizedAlpha, ImplicitEuler
     from faying.simulation.load import History, Load
@@ -97,7 +96,6 @@ _HOMES = {
     "solve_static_cases": "faying.simulation.static",
     "solve_static_newton": "faying.simulation.newton",
     "solve_transient": "faying.simulation.transient",
-    "compile_steps": "faying.simulation.compiled",
     "solve_transient_cases": "faying.simulation.transient",
     "stream_transient": "faying.export.transient_stream",
     "ImplicitEuler": "faying.simulation.integrators",
@@ -150,7 +148,6 @@ __all__ = [
     "certify",
     "choose_joint_modes",
     "compare",
-    "compile_steps",
     "contact_problem",
     "count_frequencies_below",
     "count_modes_below",

@@ -10,8 +10,7 @@ import numpy as np
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.execution import forgetting
-from faying.simulation.transient import transient_solver
+from faying.simulation.stepping import transient_solver
 
 
 def square(log):
@@ -96,7 +95,7 @@ def transients(mark, step):
 
 
 def _transient(solver, rest, mark, load):
-    response = forgetting(solver).solve(load, duration=40 * solver.step, initial=rest)
+    response = solver.solve(load, duration=40 * solver.step, initial=rest)
     if load.name == "third":
         time.sleep(0.5)  # as in _mixed
         try:

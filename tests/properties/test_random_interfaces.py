@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from faying.contact.laws import normal_law
 from faying.interface.pairing import find_interfaces
 from faying.interface.zero_thickness import automatic_penalty, build_interface
 from faying.joint.lap_joint import lap_joint_assembly
@@ -37,7 +38,9 @@ def build(assembly, quadrature):
     (faces,) = find_interfaces(assembly, spec).values()
     size = 6 * len(assembly.mesh.nodes)
     dofs = DofMap(transformation=sp.eye_array(size, format="csr"), free=np.arange(size))
-    return build_interface(assembly, dofs, spec, faces, automatic_penalty(assembly, faces))
+    return build_interface(
+        assembly, dofs, spec, faces, normal_law(automatic_penalty(assembly, faces))
+    )
 
 
 def gaps(joint, field):
@@ -123,6 +126,6 @@ def test_swapping_the_sides_keeps_every_gap(which, quadrature, seed):
     for minus, plus in (("lower", "upper"), ("upper", "lower")):
         spec = replace(AUTO, minus=minus, plus=plus, quadrature=quadrature)
         (faces,) = find_interfaces(assembly, spec).values()
-        joint = build_interface(assembly, dofs, spec, faces, 1.0)
+        joint = build_interface(assembly, dofs, spec, faces, normal_law(1.0))
         found.append(gaps(joint, field)[np.lexsort(np.round(joint.points + OFF_GRID, 6).T)])
     np.testing.assert_allclose(found[1], found[0], atol=1e-12)

@@ -11,7 +11,7 @@ from faying.execution.checkpoint import Checkpoint
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
 from faying.simulation import side_by_side
-from faying.simulation.transient import TransientSolver, transient_solver
+from faying.simulation.stepping import TransientSolver, transient_solver
 
 STEP = 1e-4
 LOADS = [fy.Load({"tip.Fz": 10.0 * n}, name=f"{n}") for n in range(5)]

@@ -1,14 +1,12 @@
 """Compiled time steps against the same steps in Python."""
 
-import logging
-
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
 from faying.simulation import compiled
-from faying.simulation.transient import transient_pieces, transient_solver
+from faying.simulation.stepping import transient_solver
 
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 SHAKEN = fy.Load(
@@ -23,9 +21,8 @@ STEP, STEPS = 2e-5, 100
 
 @pytest.fixture
 def compiled_loop():
-    """Compile, for one test only (see tests/conftest.py)."""
+    """Skip where the loop cannot be compiled."""
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
-    fy.compile_steps()
 
 
 @pytest.fixture(scope="module")
@@ -33,16 +30,11 @@ def rom(fine_joint):
     return fy.reduce(fine_joint, fy.craig_bampton(fine_joint, normal_modes=10), compliance=True)
 
 
-def integrate(rom, load, integrator, **options):
+def integrate(rom, load, integrator, *, compiled=True, **options):
+    duration = STEPS * STEP
     return fy.solve_transient(
-        rom, load, step=STEP, duration=STEPS * STEP, integrator=integrator, **options
+        rom, load, step=STEP, duration=duration, integrator=integrator, compiled=compiled, **options
     )
-
-
-def in_python(monkeypatch, compute):
-    with monkeypatch.context() as patch:
-        patch.setattr("faying.simulation.stepping.worth_compiling", lambda *_: False)
-        return compute()
 
 
 def assert_equal_histories(found, expected):
@@ -68,7 +60,7 @@ def assert_equal_histories(found, expected):
     "integrator", [fy.ImplicitEuler(), fy.GeneralizedAlpha()], ids=lambda scheme: scheme.name
 )
 def test_steps_are_those_in_python(monkeypatch, compiled_loop, rom, load, integrator):
-    expected = in_python(monkeypatch, lambda: integrate(rom, load, integrator))
+    expected = integrate(rom, load, integrator, compiled=False)
     calls = []
     advance = compiled.CompiledSteps.advance
 
@@ -80,47 +72,54 @@ def test_steps_are_those_in_python(monkeypatch, compiled_loop, rom, load, integr
     seen = []
     found = integrate(rom, load, integrator, progress=seen.append)
     assert_equal_histories(found, expected)
-    assert sum(calls) > STEPS / 2  # the loop does the work; it may leave jumps to Python
+    assert (
+        sum(done for done, _ in calls) > STEPS / 2
+    )  # the loop does the work; it may leave jumps to Python
     assert sum(seen) == STEPS
 
 
 def test_steps_that_the_loop_leaves_are_done_in_python(monkeypatch, compiled_loop, rom):
-    expected = in_python(monkeypatch, lambda: integrate(rom, LC2, None))
+    expected = integrate(rom, LC2, None, compiled=False)
     advance = compiled.CompiledSteps.advance
     turns = iter(range(10**6))
 
-    def reluctant(self, motion, guess, trend, applied, history, first):
+    def reluctant(self, motion, state, trend, applied, history, first):
         if next(turns) % 3:
-            return 0
-        return advance(self, motion, guess, trend, applied[:7], history, first)
+            return 0, state
+        return advance(self, motion, state, trend, applied[:7], history, first)
 
     monkeypatch.setattr(compiled.CompiledSteps, "advance", reluctant)
     assert_equal_histories(integrate(rom, LC2, None), expected)
-    monkeypatch.setattr(compiled.CompiledSteps, "advance", lambda *_: 0)
+    monkeypatch.setattr(
+        compiled.CompiledSteps, "advance", lambda self, motion, state, *_: (0, state)
+    )
     assert_equal_histories(integrate(rom, LC2, None), expected)
 
 
-def test_many_points_between_pairs(monkeypatch, compiled_loop):
+def test_many_points_between_pairs(compiled_loop):
     model = fy.preload(fy.lap_joint(element_size=4.0, order=5), {"bolt": 10e3})
     assert model.contact.n_points > 1000
     many = fy.reduce(model, fy.craig_bampton(model, normal_modes=5), compliance=True)
-    expected = in_python(monkeypatch, lambda: integrate(many, LC2, None))
+    expected = integrate(many, LC2, None, compiled=False)
     assert_equal_histories(integrate(many, LC2, None), expected)
 
 
-def test_cases_pieces_and_restarts(monkeypatch, compiled_loop, rom):
+def test_cases_pieces_and_restarts(compiled_loop, rom):
     cases = [LC2, SHAKEN]
     options = {"step": STEP, "duration": STEPS * STEP}
-    expected = in_python(monkeypatch, lambda: fy.solve_transient_cases(rom, cases, **options))
-    for mine, other in zip(fy.solve_transient_cases(rom, cases, **options), expected, strict=True):
+    expected = fy.solve_transient_cases(rom, cases, compiled=False, **options)
+    found = fy.solve_transient_cases(rom, cases, compiled=True, **options)
+    for mine, other in zip(found, expected, strict=True):
         assert_equal_histories(mine, other)
-    pieces = list(transient_pieces(rom, SHAKEN, length=30, **options))
+    solver = transient_solver(rom, step=STEP, compiled=True)
+    pieces = list(solver.pieces(SHAKEN, duration=STEPS * STEP, length=30))
     forces = np.concatenate([piece.contact_forces for piece, _ in pieces])
     small = 1e-9 * expected[1].contact_forces.max()  # as above
     np.testing.assert_allclose(forces, expected[1].contact_forces, rtol=0, atol=small)
     middle = pieces[1][1]
-    rest = list(transient_pieces(rom, SHAKEN, length=None, restart=middle, **options))
-    np.testing.assert_allclose(rest[0][0].contact_forces, forces[61:], rtol=0, atol=small)
+    again = list(solver.pieces(SHAKEN, duration=STEPS * STEP, length=30, restart=middle))
+    rest = np.concatenate([piece.contact_forces for piece, _ in again])
+    np.testing.assert_array_equal(rest, forces[61:])
 
 
 def test_a_gap_that_is_no_number_is_refused(compiled_loop, rom):
@@ -133,31 +132,48 @@ def test_what_the_loop_has_nothing_for(joint, rom):
     stops = fy.lap_joint(element_size=5.0, penalty="hard", quadrature="nodal")
     hard = fy.reduce(stops, fy.craig_bampton(stops, normal_modes=5), compliance=True)
     classic = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=5))
-    for system, expected in [(joint, None), (hard, None), (classic, None)]:
-        assert transient_solver(system, step=STEP)._compiled is expected
-    assert transient_solver(rom, step=STEP)._compiled is not None
+    for system in (joint, hard):
+        assert transient_solver(system, step=STEP)._compiled is None
+    for system in (classic, rom):
+        assert transient_solver(system, step=STEP)._compiled is not None
 
 
-def test_long_runs_are_compiled_unasked(monkeypatch, caplog, rom):
+def test_a_basis_alone_steps_as_in_python(compiled_loop, fine_joint):
+    """The compliance that a basis alone gives its contact is singular."""
+    classic = fy.reduce(fine_joint, fy.craig_bampton(fine_joint, normal_modes=10))
+    assert_equal_histories(
+        integrate(classic, SHAKEN, None), integrate(classic, SHAKEN, None, compiled=False)
+    )
+
+
+def test_long_runs_are_compiled_unasked(monkeypatch, rom):
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
-    fy.solve_transient(rom, LC2, step=STEP, duration=(STEPS - 1) * STEP)
-    assert not compiled.worth_compiling(1, 100)
-    with caplog.at_level(logging.INFO, logger="faying"):
-        integrate(rom, LC2, None)
-    assert "compiling the time steps of reduced models" in caplog.text
-    assert compiled.worth_compiling(1, 100)
-    assert not compiled.worth_compiling(1, 10**4)
+    solver = transient_solver(rom, step=STEP)
+    assert solver._loop(STEPS - 1) is None
+    assert solver._loop(STEPS) is not None
+    assert transient_solver(rom, step=STEP, compiled=False)._loop(STEPS) is None
 
 
-def test_full_models_do_not_wait_for_a_loop_that_is_not_theirs(monkeypatch, joint):
-    monkeypatch.setattr(compiled, "PAYING_STEPS", 1)
-    fy.solve_transient(joint, LC2, step=STEP, duration=2 * STEP)
-    assert not compiled.worth_compiling(0, 100)
+def test_a_resumed_run_is_compiled_as_the_whole_was(monkeypatch, compiled_loop, rom):
+    monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
+    solver, duration = transient_solver(rom, step=STEP), STEPS * STEP
+    pieces = list(solver.pieces(LC2, duration=duration, length=40))
+    _, middle = pieces[0]
+    resumed = list(solver.pieces(LC2, duration=duration, length=40, restart=middle))
+    for (mine, _), (other, _) in zip(resumed, pieces[1:], strict=True):
+        np.testing.assert_array_equal(mine.contact_forces, other.contact_forces)
 
 
-def test_without_numba(monkeypatch):
+def test_an_earlier_run_changes_no_digit(compiled_loop, rom):
+    first = integrate(rom, LC2, None, compiled=None)
+    integrate(rom, SHAKEN, None, compiled=True)
+    again = integrate(rom, LC2, None, compiled=None)
+    np.testing.assert_array_equal(first.contact_forces, again.contact_forces)
+
+
+def test_without_numba(monkeypatch, rom):
     monkeypatch.setattr(compiled, "find_spec", lambda _: None)
-    assert not compiled.worth_compiling(10**6, 100)
+    assert not compiled.worth_compiling(10**6)
     with pytest.raises(ModelError, match=r"pip install 'faying\[compiled\]'"):
-        fy.compile_steps()
+        integrate(rom, LC2, None)

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 import faying as fy
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
+from faying.contact.laws import Hard, Penalty
 from faying.exceptions import ConvergenceError
 from faying.joint.system import input_forces
 
@@ -219,12 +220,15 @@ def test_hard_contact_that_a_basis_cannot_close_names_the_basis():
         interpolation=sp.csr_array(np.eye(2)),
         initial_gap=-np.ones(2),
         weights=np.ones(2),
-        penalty=np.full(2, np.inf),
+        laws={"joint": Hard()},
         slices={"joint": slice(0, 2)},
     )
     compliance = contact.relative_operator @ contact.relative_operator.T
     condensed = CondensedContact(contact=contact, compliance=compliance)
     with pytest.raises(ConvergenceError, match=r"hard at 2 points, but the model has 1 degrees"):
-        condensed.solve(np.zeros(2))
-    soft = CondensedContact(contact=replace(contact, penalty=np.ones(2)), compliance=compliance)
-    np.testing.assert_allclose(soft.solve(np.zeros(2)).forces, [1.0, 1.0], rtol=1e-12)
+        condensed.solve(condensed.free_gap(np.zeros(2)))
+    soft = CondensedContact(
+        contact=replace(contact, laws={"joint": Penalty(1.0)}), compliance=compliance
+    )
+    found, _ = soft.solve(soft.free_gap(np.zeros(2)))
+    np.testing.assert_allclose(found.forces, [1.0, 1.0], rtol=1e-12)

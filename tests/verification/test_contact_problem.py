@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg as la
 import scipy.optimize
 
-from faying.contact import pivoting
+from faying.contact import active_set
 from faying.contact.problem import contact_problem
 from faying.exceptions import ConvergenceError, ModelError
 
@@ -103,7 +103,7 @@ def test_solves_many_cycles_at_once(seed):
 
 @pytest.mark.parametrize("n", [3, 10, 25])
 def test_single_pivots_alone_find_the_solution(n, monkeypatch):
-    monkeypatch.setattr(pivoting, "BLOCK_ATTEMPTS", 0)
+    monkeypatch.setattr(active_set, "BLOCK_ATTEMPTS", 0)
     for seed in range(5):
         rng = np.random.default_rng([n, seed])
         H, g_free = random_flexibility(rng, n), rng.standard_normal(n)

@@ -64,7 +64,7 @@ def stuck(model, mesh, order):
     tied = {tuple(row) for row in order[mesh["pairs"][mesh["stick"]]].tolist()}
     pairs = np.array([tuple(row) in tied for row in interface.pairs.tolist()])
     assert pairs.sum() == len(mesh["stick"]) == 21
-    springs = sticking_stiffness(interface, model.dofs, pairs, 1e6)
+    springs = sticking_stiffness(interface, pairs, 1e6)
     return model.with_stiffness(springs, {"joint": pairs})
 
 
@@ -254,7 +254,7 @@ def test_through_a_deck(gauss, tmp_path):
     ).with_bolt_forces({"bolt": 8000.0})
     joint = read.interfaces["joint"]
     np.testing.assert_array_equal(joint.pairs, model.interfaces["joint"].pairs)
-    springs = sticking_stiffness(joint, read.dofs, model.stuck["joint"], 1e6)
+    springs = sticking_stiffness(joint, model.stuck["joint"], 1e6)
     read = read.with_stiffness(springs, model.stuck)
     for load in LOADS.values():
         ours, theirs = fy.solve_static(model, load), fy.solve_static(read, load)

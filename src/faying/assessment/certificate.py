@@ -19,7 +19,7 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, Vector, frozen
 from faying.assessment.recovery import static_displacements
-from faying.contact.problem import SINGULAR_PIVOT
+from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.load import Load

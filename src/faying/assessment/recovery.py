@@ -344,11 +344,11 @@ def solve_instants(
     shape = (len(rows), model.contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations = np.empty(len(rows), dtype=np.int64)
-    active = None
-    for row, displacement in enumerate(rows[:, :n_relative]):
-        solution = condensed.solve(displacement, active)
+    state = None
+    for row, gap in enumerate(condensed.free_gap(rows[:, :n_relative])):
+        solution, state = condensed.solve(gap, state)
         forces[row], gaps[row] = solution.forces, condensed.gap(solution)
-        iterations[row], active = solution.iterations, solution.active
+        iterations[row] = solution.iterations
     one = free.ndim == 1
     lambdas = forces[0] if one else forces
     return Recovered(

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
-from faying.contact.problem import SINGULAR_PIVOT
+from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import FORCE_NAMES

@@ -18,8 +18,10 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.contact.active_set import solve_complementarity
+from faying.contact.forces import ContactForces
 from faying.contact.pair_space import PairSpace
-from faying.contact.pivoting import ContactForces, solve_complementarity
+from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
 from faying.linalg.threads import threads_for
@@ -69,8 +71,6 @@ class CompressedSpace:
     D: Vector
     noise: float = NOISE
     direct: int = DIRECT
-    _few: dict[str, tuple[Mask, PairSpace]] = field(default_factory=dict, repr=False)
-    _local: dict[int, tuple[bytes, Matrix]] = field(default_factory=dict, repr=False)
 
     @cached_property
     def members(self) -> tuple[Indices, ...]:
@@ -114,12 +114,13 @@ class CompressedSpace:
         return result
 
     @cached_property
-    def _smooth_at_points(self) -> Matrix:
+    def smooth_at_points(self) -> Matrix:
+        """N V (n_point, k)."""
         result: Matrix = self.N @ self._smooth
         return result
 
     @cached_property
-    def _rest(self) -> tuple[Matrix, ...]:
+    def rest(self) -> tuple[Matrix, ...]:
         """H between the points of each cluster without what is smooth."""
         found = []
         for number, points in enumerate(self.members):
@@ -154,29 +155,36 @@ class CompressedSpace:
 
     def shifted(self, delta: float) -> "CompressedSpace":
         """Return the space of H + δ I."""
-        return replace(self, D=self.D + delta, _local={}, _few={})
+        return replace(self, D=self.D + delta)
 
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
         """Return the forces that close the active gaps, and the slack of all points."""
-        return self.closed(g_free, active, NOISE)
+        return _Systems(space=self).equilibrate(g_free, active)
 
-    def closed(self, g_free: Vector, active: Mask, noise: float) -> tuple[Vector, Vector]:
-        """Equilibrate to a fraction of the largest gap."""
-        allowed = CLOSED * noise * float(np.abs(g_free).max(initial=0.0))
-        with threads_for(self.direct):
-            forces = self._solved(-g_free, active, allowed)
-            slack = self.product(forces) + g_free
-        return forces, slack
-
-    def solve(self, right: Matrix, active: Mask) -> Matrix:
+    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k) for B (n_active, k)."""
-        columns = []
+        systems, columns = _Systems(space=self), []
         for column in right.T:
             full = np.zeros(len(self.D))
             full[active] = column
             allowed = CLOSED * NOISE * float(np.abs(column).max(initial=0.0))
-            columns.append(self._solved(full, active, allowed)[active])
+            columns.append(systems.solved(full, active, allowed)[active])
         return np.array(columns).reshape(right.shape[1], -1).T
+
+    def solve(
+        self, g_free: Vector, state: ContactState | None = None
+    ) -> tuple[ContactForces, ContactState]:
+        """Solve the contact problem of a compressed compliance, with a bound on the error.
+
+        The points in contact are found with loosely solved systems first.
+        """
+        systems = _Systems(space=self)
+        if state is None:
+            active = solve_complementarity(systems.loosened(), g_free).active
+        else:
+            active = state.active
+        forces = self.certified(solve_complementarity(systems, g_free, active))
+        return forces, ContactState(active=forces.active)
 
     def certified(self, solution: ContactForces) -> ContactForces:
         """Return the solution with the bound on its error."""
@@ -188,18 +196,70 @@ class CompressedSpace:
         left = np.sqrt(float((violation**2) @ (1 / self.stiff))) / own
         return replace(solution, error=left + self.truncation)
 
-    def _solved(self, right: Vector, active: Mask, allowed: float) -> Vector:
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Systems:
+    """The linear systems of one contact problem, which share what few of its points change.
+
+    Attributes
+    ----------
+    space
+        H.
+    noise
+        Sign violations below this fraction of the largest |g_free| do not count.
+    few, local
+        Dense compliance of the pairs in contact, and factors of the clusters, of the last system.
+    """
+
+    space: CompressedSpace
+    noise: float = NOISE
+    few: "dict[str, tuple[Mask, PairSpace]]" = field(default_factory=dict)
+    local: dict[int, tuple[bytes, Matrix]] = field(default_factory=dict)
+
+    def loosened(self) -> "_Systems":
+        """Return the systems of the same problem in which small gaps do not matter."""
+        return replace(self, noise=LOOSE)
+
+    @property
+    def diagonal(self) -> Vector:
+        """Diagonal of H."""
+        return self.space.diagonal
+
+    def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
+        """Return the forces that close the active gaps, and the slack of all points."""
+        allowed = CLOSED * self.noise * float(np.abs(g_free).max(initial=0.0))
+        with threads_for(self.space.direct):
+            forces = self.solved(-g_free, active, allowed)
+            slack = self.space.product(forces) + g_free
+        return forces, slack
+
+    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
+        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k)."""
+        return self.space.solve_active(right, active)
+
+    def product(self, forces: Vector) -> Vector:
+        """Return H λ."""
+        return self.space.product(forces)
+
+    def shifted(self, delta: float) -> "_Systems":
+        """Return the systems of H + δ I."""
+        return _Systems(space=self.space.shifted(delta), noise=self.noise)
+
+    def solved(self, right: Vector, active: Mask, allowed: float) -> Vector:
         """Solve H_AA x = b; directly where few pairs carry force."""
-        touched = np.zeros(self.N.shape[1], dtype=bool)
-        touched[self.N[np.flatnonzero(active)].indices] = True
+        touched = np.zeros(self.space.N.shape[1], dtype=bool)
+        touched[self.space.N[np.flatnonzero(active)].indices] = True
         count = int(touched.sum())
-        if count == 0 or count > self.direct or not (self.D[active] > 0).all():
+        if count == 0 or count > self.space.direct or not (self.space.D[active] > 0).all():
             return self._conjugate_gradients(right, active, allowed)
-        last = self._few.get("pairs")
+        last = self.few.get("pairs")
         if last is None or (touched & ~last[0]).any() or count < SHRUNK * last[0].sum():
             pairs = np.flatnonzero(touched)
-            few = PairSpace(N=self.N[:, pairs], S=self.S.principal(pairs), D=self.D)
-            last = self._few["pairs"] = (touched, few)
+            few = PairSpace(
+                N=self.space.N[:, pairs], S=self.space.S.principal(pairs), D=self.space.D
+            )
+            last = self.few["pairs"] = (touched, few)
         return last[1].closing(-right, active)[0]
 
     def _conjugate_gradients(self, right: Vector, active: Mask, allowed: float) -> Vector:
@@ -211,13 +271,13 @@ class CompressedSpace:
         z = inverse(r)
         p, rz = z, float(r @ z)
         for _ in range(LIMIT):
-            answer = np.where(active, self.product(p), 0.0)
+            answer = np.where(active, self.space.product(p), 0.0)
             alpha = rz / float(p @ answer)
             x = x + alpha * p
             r = r - alpha * answer
             if np.abs(r).max() <= allowed:
                 # Recurred residuals drift from true ones.
-                r = np.where(active, right - self.product(x), 0.0)
+                r = np.where(active, right - self.space.product(x), 0.0)
                 if np.abs(r).max() <= 2 * allowed:
                     return x
                 rz = np.inf
@@ -233,7 +293,7 @@ class CompressedSpace:
     def _preconditioner(self, active: Mask) -> "_Preconditioner":
         """Local blocks of the active points, corrected for what is smooth (Woodbury)."""
         factors = self._factors(active)
-        smooth = np.where(active[:, None], self._smooth_at_points, 0.0)
+        smooth = np.where(active[:, None], self.space.smooth_at_points, 0.0)
         shapes = _solve_blocks(factors, smooth)
         core = smooth.T @ shapes
         core[np.diag_indices_from(core)] += 1.0
@@ -242,54 +302,17 @@ class CompressedSpace:
     def _factors(self, active: Mask) -> list[tuple[Indices, Matrix]]:
         """Cholesky factors of the active part of each block, kept until that part changes."""
         found = []
-        for number, points in enumerate(self.members):
+        for number, points in enumerate(self.space.members):
             chosen = active[points]
             if not chosen.any():
                 continue
             key = chosen.tobytes()
-            last = self._local.get(number)
+            last = self.local.get(number)
             if last is None or last[0] != key:
-                part = self._rest[number][np.ix_(chosen, chosen)]
-                last = self._local[number] = (key, la.cholesky(part, lower=True))
+                part = self.space.rest[number][np.ix_(chosen, chosen)]
+                last = self.local[number] = (key, la.cholesky(part, lower=True))
             found.append((points[chosen], last[1]))
         return found
-
-
-def solve_compressed(
-    space: CompressedSpace, g_free: Vector, active: Mask | None = None
-) -> ContactForces:
-    """Solve the contact problem of a compressed compliance, with a bound on the error.
-
-    The points in contact are found with loosely solved systems first.
-    """
-    if active is None:
-        active = solve_complementarity(_Loose(space=space), g_free).active
-    return space.certified(solve_complementarity(space, g_free, active))
-
-
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Loose:
-    """A compressed space in which small gaps do not matter."""
-
-    space: CompressedSpace
-    noise: float = LOOSE
-
-    @property
-    def diagonal(self) -> Vector:
-        return self.space.diagonal
-
-    def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
-        return self.space.closed(g_free, active, LOOSE)
-
-    def solve(self, right: Matrix, active: Mask) -> Matrix:
-        return self.space.solve(right, active)
-
-    def product(self, forces: Vector) -> Vector:
-        return self.space.product(forces)
-
-    def shifted(self, delta: float) -> "_Loose":
-        return _Loose(space=self.space.shifted(delta))
 
 
 @final

@@ -8,13 +8,18 @@ from functools import cached_property
 from typing import Protocol, cast
 
 import numpy as np
+import scipy.sparse as sp
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
-from faying.contact.compressed_space import CompressedSpace, solve_compressed
+from faying.contact.active_set import ActiveSetSpace, solve_complementarity
+from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
-from faying.contact.pair_space import PairSpace, solve_between_pairs
-from faying.contact.pivoting import ActiveSetSpace, ContactForces, solve_complementarity
+from faying.contact.elastic import ElasticContact
+from faying.contact.forces import ContactForces
+from faying.contact.pair_space import PairSpace
+from faying.contact.state import ContactState
+from faying.contact.supported_pairs import SupportedPairs
 from faying.exceptions import ConvergenceError, ModelError
 from faying.linalg.budget import pairs_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance, smooth_compliance
@@ -22,9 +27,19 @@ from faying.linalg.factorization import Factorization
 from faying.linalg.partial import compressed_port_compliance, port_compliance
 
 MANY_POINTS = 1000
-"""Contact points from which pairs are faster; both take some 10 ms there."""
+"""Contact points from which exact systems are solved between pairs; both take some 10 ms there."""
 
 _log = logging.getLogger("faying")
+
+
+class ContactProblemSolver(Protocol):
+    """Solves s = H λ + g_free ≥ 0, λ ≥ 0, λᵀ s = 0 for one H."""
+
+    def solve(
+        self, g_free: Vector, state: ContactState | None = None
+    ) -> tuple[ContactForces, ContactState]:
+        """Return the contact forces, and the state from which a similar problem starts."""
+        ...
 
 
 class ContactSolver(Protocol):
@@ -39,12 +54,16 @@ class ContactSolver(Protocol):
         """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
         ...
 
-    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve for the contact forces that a free relative displacement calls up."""
-        ...
+    def solve(
+        self, free_gap: Vector, state: ContactState | None = None
+    ) -> tuple[ContactForces, ContactState]:
+        """Solve for the contact forces that a free gap (n_point,) calls up.
 
-    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve for the contact forces that a free gap (n_point,) calls up."""
+        Parameters
+        ----------
+        state
+            Where a similar problem ended; without one the points with free_gap < 0 are tried.
+        """
         ...
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
@@ -54,6 +73,26 @@ class ContactSolver(Protocol):
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution."""
         ...
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ActiveSetContact:
+    """Solver that treats every problem anew, from the points in contact that it is told.
+
+    Attributes
+    ----------
+    space
+        The flexibility, in the form in which its active blocks are solved.
+    """
+
+    space: ActiveSetSpace
+
+    def solve(
+        self, g_free: Vector, state: ContactState | None = None
+    ) -> tuple[ContactForces, ContactState]:
+        """Solve by :func:`~.active_set.solve_complementarity`."""
+        forces = solve_complementarity(self.space, g_free, None if state is None else state.active)
+        return forces, ContactState(active=forces.active)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,10 +106,17 @@ class CondensedContact:
     compliance : (n_relative, n_relative) [length/force]
         Relative displacement of the pairs per relative force, P A⁻¹ Pᵀ (times the factor with
         which an integrator weighs the new contact force).
+    rest : (n_relative,) or None [length]
+        Relative displacement of the system at rest without contact; where given, problems without
+        a state start from there.
+    many_points
+        Contact points from which problems that are solved anew are solved between pairs.
     """
 
     contact: Contact
     compliance: Compliance
+    rest: Vector | None = None
+    many_points: int = MANY_POINTS
 
     @cached_property
     def total(self) -> Compliance:
@@ -85,20 +131,54 @@ class CondensedContact:
 
     @cached_property
     def space(self) -> ActiveSetSpace:
-        """The form in which active sets are solved, chosen by size and memory alone."""
+        """The form in which active sets are solved anew, chosen by size and memory alone."""
         total, contact = self.total, self.contact
         if isinstance(total, CompressedCompliance):
             _log.info(announcement(total, contact))
             return CompressedSpace(N=contact.interpolation, S=total, D=contact.flexibility)
-        if contact.n_points >= MANY_POINTS and 2 * len(total) <= contact.n_points:
+        if contact.n_points >= self.many_points and 2 * len(total) <= contact.n_points:
             return PairSpace(N=contact.interpolation, S=_finite(total), D=contact.flexibility)
         return DensePoints(H=_finite(self.flexibility))
+
+    @cached_property
+    def solver(self) -> ContactProblemSolver:
+        """The solver of contact problems one after the other."""
+        space, pairs = self.space, self.supported_pairs
+        if isinstance(space, CompressedSpace):
+            return space
+        if pairs is None:
+            return ActiveSetContact(space=space)
+        return ElasticContact(space=space, pairs=pairs)
+
+    @cached_property
+    def supported_pairs(self) -> SupportedPairs | None:
+        """Pairs on the springs of elastic contact; the points themselves where they are fewer.
+
+        None where contact is hard somewhere, and where the compliance is compressed.
+        """
+        total, contact = self.total, self.contact
+        if isinstance(total, CompressedCompliance) or not (contact.flexibility > 0).all():
+            return None
+        own = self.space.diagonal
+        if len(total) <= contact.n_points:
+            return SupportedPairs(N=contact.interpolation, S=total, D=contact.flexibility, own=own)
+        each = sp.eye_array(contact.n_points, format="csr")
+        at_points = contact.at_points(total)
+        return SupportedPairs(N=each, S=at_points, D=contact.flexibility, own=own)
+
+    @cached_property
+    def rest_state(self) -> ContactState | None:
+        """Where contact stands at rest."""
+        if self.rest is None:
+            return None
+        return self.solver.solve(self.free_gap(self.rest))[1]
 
     @property
     def order(self) -> int:
         """Order of the dense matrices that contact problems are solved with."""
-        points = isinstance(self.space, DensePoints)
-        return self.contact.n_points if points else int(self.total.shape[0])
+        if self.supported_pairs is not None:
+            return len(self.supported_pairs.S)
+        return min(self.contact.n_points, int(self.total.shape[0]))
 
     @property
     def own_compliance(self) -> Vector:
@@ -123,35 +203,31 @@ class CondensedContact:
         gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
         return gap + self.contact.initial_gap
 
-    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve for the contact forces that a free relative displacement calls up."""
-        return self.solve_gap(self.free_gap(relative_displacement), active)
-
-    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
+    def solve(
+        self, free_gap: Vector, state: ContactState | None = None
+    ) -> tuple[ContactForces, ContactState]:
         """Solve for the contact forces that a free gap (n_point,) calls up.
 
         Raises
         ------
+        ModelError
+            If the gap holds NaN or infinity.
         ConvergenceError
-            If there are none: hard contact at more points than the basis of a reduced model has
-            modes may be impossible to close, which the message says.
+            If there are none: the compliance is not positive semidefinite, or contact is hard at
+            more points than the basis of a reduced model has modes, which the message says.
         """
         if not np.isfinite(free_gap).all():
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
         with _naming_few_modes(self.contact):
-            if isinstance(self.space, CompressedSpace):
-                return solve_compressed(self.space, free_gap, active)
-            if isinstance(self.space, PairSpace):
-                return solve_between_pairs(self.space, free_gap, active)
-            return solve_complementarity(self.space, free_gap, active)
+            return self.solver.solve(free_gap, self.rest_state if state is None else state)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k): forces that close gaps B (n_active, k) at active points.
 
         Where hard contact makes H_AA singular, the forces are those of least norm.
         """
-        return self.space.solve(gaps, active)
+        return self.space.solve_active(gaps, active)
 
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution; negative by the penetration where contact is elastic."""

@@ -1,12 +1,13 @@
 """What solvers know of contact: relative displacements, gaps at points, and a local law."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.contact.laws import Law
 from faying.exceptions import ModelError
 from faying.linalg.budget import default_budget, points_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance
@@ -23,7 +24,9 @@ class Contact:
         reduced one. Reduction changes nothing else.
     interpolation : (n_point, n_relative) sparse
         N, gaps at the contact points from relative displacements.
-    initial_gap, weights, penalty : (n_point,)
+    initial_gap, weights : (n_point,)
+    laws
+        Interface name to what its points admit.
     slices
         Interface name to its contact points.
     residual_compliance : (n_relative, n_relative) or None
@@ -38,7 +41,7 @@ class Contact:
     interpolation: SparseMatrix
     initial_gap: Vector
     weights: Vector
-    penalty: Vector
+    laws: Mapping[str, Law]
     slices: Mapping[str, slice]
     residual_compliance: Compliance | None = None
     places: Matrix | None = None
@@ -57,9 +60,30 @@ class Contact:
 
     @cached_property
     def flexibility(self) -> Vector:
-        """Diagonal of D = diag(1 / (c_n w)) [length/force]; zero where contact is hard."""
-        flexibility: Vector = frozen(1.0 / (self.penalty * self.weights))
+        """Diagonal of D [length/force]: what the laws add; 1 / (c_n w), or zero where hard."""
+        values = self._by_point(lambda law, points: law.compliance(self.weights[points]))
+        flexibility: Vector = frozen(values)
         return flexibility
+
+    @cached_property
+    def penalty(self) -> Vector:
+        """Contact stiffness c_n (n_point,) [force/length³]; infinite where contact is hard."""
+        penalty: Vector = frozen(self._by_point(lambda law, _: law.penalty))
+        return penalty
+
+    def admissible(self, forces: Matrix) -> Matrix:
+        """Return the admissible contact forces (..., n_point) nearest to given ones."""
+        result = np.array(forces, dtype=float)
+        for name, points in self.slices.items():
+            result[..., points] = self.laws[name].admissible(result[..., points])
+        return result
+
+    def _by_point(self, value: Callable[[Law, slice], Vector | float]) -> Vector:
+        """Return a value of the laws at every point (n_point,)."""
+        result = np.empty(self.n_points)
+        for name, points in self.slices.items():
+            result[points] = value(self.laws[name], points)
+        return result
 
     @property
     def n_points(self) -> int:

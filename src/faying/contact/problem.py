@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Mask, Matrix, Vector, frozen
-from faying.contact.bordered_factor import SINGULAR_PIVOT
+from faying.contact.active_set import solve_complementarity
 from faying.contact.dense_points import DensePoints
-from faying.contact.pivoting import ContactForces, solve_complementarity
+from faying.contact.forces import ContactForces
 from faying.exceptions import ModelError
 
-__all__ = ["SINGULAR_PIVOT", "ContactForces", "ContactProblem", "contact_problem"]
+__all__ = ["ContactForces", "ContactProblem", "contact_problem"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -53,7 +53,7 @@ class ContactProblem:
             raise ModelError(message)
 
     def solve(self, *, active: Mask | None = None) -> ContactForces:
-        """Solve by the primal-dual active set of :func:`~.pivoting.solve_complementarity`.
+        """Solve by the primal-dual active set of :func:`~.active_set.solve_complementarity`.
 
         Parameters
         ----------

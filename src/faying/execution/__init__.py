@@ -10,7 +10,7 @@ from faying.execution.executor import Executor
 from faying.execution.groups import grouped
 from faying.execution.processes import ProcessExecutor
 from faying.execution.serial import SerialExecutor
-from faying.execution.transients import forgetting, responses, transient_campaign
+from faying.execution.transients import responses, transient_campaign
 
 __all__ = [
     "Checkpoint",
@@ -18,7 +18,6 @@ __all__ = [
     "Executor",
     "ProcessExecutor",
     "SerialExecutor",
-    "forgetting",
     "grouped",
     "responses",
     "run_campaign",

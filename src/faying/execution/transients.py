@@ -1,13 +1,11 @@
 """Campaign of transient runs: one model, many loads, some of them side by side."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from faying.contact.condensed import CondensedContact
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Executor
@@ -18,7 +16,7 @@ from faying.simulation.load import Load
 from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
-from faying.simulation.transient import TransientSolver, transient_solver
+from faying.simulation.stepping import TransientSolver, transient_solver
 
 
 def transient_campaign(
@@ -128,20 +126,9 @@ def step_responses(
     """Integrate responses from one state, as many side by side as have room in memory."""
     most = runs_at_once(solver.system, round(duration / solver.step) + 1)
     for part in even_parts(loads, most):
-        yield from forgetting(solver).solve_cases(
+        yield from solver.solve_cases(
             part,
             duration=duration,
             initial=None if initial is None else [initial] * len(part),
             progress=progress,
         )
-
-
-def forgetting(solver: TransientSolver) -> TransientSolver:
-    """Return a solver that knows nothing of the responses before.
-
-    Contact problems keep factors from one solution to the next, so that a response differs in its
-    last digits by what a worker happened to solve before it.
-    """
-    condensed = solver.condensed
-    new = CondensedContact(contact=condensed.contact, compliance=condensed.compliance)
-    return replace(solver, condensed=new)

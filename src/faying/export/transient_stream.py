@@ -9,12 +9,14 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix
+from faying.contact.state import ContactState
 from faying.exceptions import FormatError, ModelError
 from faying.joint.system import System
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
+from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
-from faying.simulation.transient import Restart, transient_pieces
+from faying.simulation.stepping import check_times, transient_solver
 from faying.study.store import member_name
 
 FORMAT = "faying transient"
@@ -46,6 +48,7 @@ def stream_transient(
     fields: tuple[str, ...] = ("states",),
     resume: bool = False,
     progress: Callable[[int], object] | None = None,
+    compiled: bool | None = None,
 ) -> Path:
     """Integrate as :func:`faying.solve_transient` and write the history while it grows.
 
@@ -59,7 +62,9 @@ def stream_transient(
         More to keep of every instant, of :data:`FIELDS`. ``"pressure"`` of a thousand points takes
         8 GB for a million steps.
     resume
-        Go on where the file ends; the same numbers as in one run.
+        Go on where the file ends; the same numbers as in one run, to the bit.
+    compiled
+        As in :func:`faying.solve_transient`.
 
     Returns
     -------
@@ -84,20 +89,15 @@ def stream_transient(
     target = Path(path)
     scheme = ImplicitEuler() if integrator is None else integrator
     kept = tuple(dict.fromkeys([*ALWAYS, *fields]))
+    check_times(step, duration)
+    solver = transient_solver(system, step=step, integrator=scheme, compiled=compiled)
     try:
         with h5py.File(target, "a" if resume else "w", track_order=True) as file:
             restart = _restart(file, system, scheme, step) if resume and len(file) else None
             if restart is None:
                 _begin(file, load, scheme, step)
-            pieces = transient_pieces(
-                system,
-                load,
-                step=step,
-                duration=duration,
-                length=PIECE,
-                integrator=scheme,
-                restart=restart,
-                progress=progress,
+            pieces = solver.pieces(
+                load, duration=duration, length=PIECE, restart=restart, progress=progress
             )
             for piece, end in pieces:
                 _append(file, piece, kept)
@@ -144,11 +144,20 @@ def _append(file: h5py.File, piece: Solution, kept: tuple[str, ...]) -> None:
 def _mark(file: h5py.File, end: Restart) -> None:
     """Note where the run stands, and let the file be readable from here."""
     place = file.require_group("restart")
-    for name, values in (*vars(end.motion).items(), ("active", end.active)):
+    contact = end.contact
+    supported = contact.active if contact.supported is None else contact.supported
+    arrays = vars(end.motion) | {
+        "active": contact.active,
+        "supported": supported,
+        "trend": end.trend,
+    }
+    for name, values in arrays.items():
         if name not in place:
             place.create_dataset(name, data=values)
         place[name][...] = values
     place.attrs["done"] = end.done
+    place.attrs["steady"] = contact.steady
+    place.attrs["is_supported"] = contact.supported is not None
     file.flush()
 
 
@@ -170,7 +179,11 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
         data.resize(done + 1, axis=0)  # rows of a piece that was cut short
     motion = Motion(**{field.name: place[field.name][()] for field in fields(Motion)})
     file.attrs["complete"] = False
-    return Restart(done=done, motion=motion, active=place["active"][()])
+    supported = place["supported"][()] if place.attrs["is_supported"] else None
+    contact = ContactState(
+        active=place["active"][()], supported=supported, steady=bool(place.attrs["steady"])
+    )
+    return Restart(done=done, motion=motion, contact=contact, trend=place["trend"][()])
 
 
 def _datasets(file: h5py.File) -> list[h5py.Dataset]:

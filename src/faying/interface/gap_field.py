@@ -17,13 +17,13 @@ from pathlib import Path
 
 import numpy as np
 import scipy.interpolate as si
+import scipy.sparse as sp
 from scipy.spatial import QhullError
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, ModelError
 from faying.files.contents import file_text
 from faying.interface.interface import Interface
-from faying.interface.relative import sides
 
 POINT_COLUMNS = ("x", "y", "z", "gap")
 NODE_COLUMNS = ("node", "gap")
@@ -168,7 +168,7 @@ def gap_from_nodes(
     at_nodes = np.zeros(len(node_ids))
     at_nodes[given] = values[np.searchsorted(ids, node_ids[given])]
     total, named = np.zeros(len(interface.pairs)), np.zeros(len(interface.pairs), dtype=bool)
-    for side in sides(interface, len(node_ids)):
+    for side in _sides(interface, len(node_ids)):
         # A pair hears of a side only if all nodes it takes its value from are named.
         complete = abs(side) @ ~given == 0
         total += np.where(complete, side @ at_nodes, 0.0)
@@ -264,3 +264,21 @@ def _numbers(path: Path, number: int, row: list[str], count: int) -> list[float]
         message = f"{path}:{number}: '{','.join(row)}' is not {count} finite numbers"
         raise FormatError(message)
     return values
+
+
+def _sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatrix]:
+    """Return what the pairs take from the nodes of the minus and of the plus side.
+
+    Returns
+    -------
+    tuple of csr_array (n_pair, n_node)
+        Their difference applied to translations of the nodes is the relative displacement.
+    """
+    if interface.coupling is not None:
+        return interface.coupling.minus, interface.coupling.plus
+    n_pair = len(interface.pairs)
+    minus, plus = (
+        sp.csr_array((np.ones(n_pair), (np.arange(n_pair), nodes)), shape=(n_pair, n_node))
+        for nodes in interface.pairs.T
+    )
+    return minus, plus

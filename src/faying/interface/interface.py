@@ -13,9 +13,11 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
-from faying.exceptions import ModelError
+from faying.contact.laws import Law, normal_law
+from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
+from faying.interface.relative import along_normals, times_normals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -45,7 +47,7 @@ class FacePairs:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Interface:
-    """Two surfaces in contact, Eq. (15.11), with a penalty law.
+    """Two surfaces in contact, Eq. (15.11), with a law.
 
     Zero-thickness elements where the meshes match, a mortar coupling where they do not; solvers
     see no difference.
@@ -59,12 +61,11 @@ class Interface:
         that carry it, each with the nearest plus node, which only names a neighbour.
     pair_normals : (n_pair, 3)
         Unit normals out of the minus side at the pairs (area-weighted mean of the facets).
-    relative_operator : (n_relative, n_dof) sparse
-        Relative displacement u⁺ − u⁻ of the pairs (of a mortar coupling, projected): along the
-        one normal of a flat interface (n_relative = n_pair), or all three components of a curved
-        one (3 n_pair).
-    interpolation : (n_point, n_relative) sparse
-        Shape functions, times the normal where the interface is curved.
+    motion_operator : (3 n_pair, n_dof) sparse
+        All components of the relative displacement u⁺ − u⁻, pair by pair (of a mortar coupling,
+        projected).
+    flat
+        Whether all normals are one.
     point_shape : (n_point, n_pair) sparse
         Plain shape functions of the pairs at the contact points.
     initial_gap : (n_point,) [length]
@@ -75,8 +76,8 @@ class Interface:
         Running number of the facet (through all entries of ``faces``) a point lies on. Under nodal
         quadrature the points of facets that meet at a node pair are one point, with the sum of
         their weights: its facet is then the first of them, and only tells about where it is.
-    penalty : [force/length³]
-        Contact stiffness c_n of Eq. (15.12); ``inf`` is hard contact, Eq. (15.7).
+    law
+        What the contact points admit.
     quadrature
         Name of the rule, e.g. ``"gauss-2"`` or ``"nodal"``.
     coupling
@@ -87,15 +88,15 @@ class Interface:
     faces: tuple[FacePairs, ...]
     pairs: Indices
     pair_normals: Matrix
-    relative_operator: SparseMatrix
-    interpolation: SparseMatrix
+    motion_operator: SparseMatrix
+    flat: bool
     point_shape: SparseMatrix
     initial_gap: Vector
     weights: Vector
     points: Matrix
     normals: Matrix
     face_of_point: Indices
-    penalty: float
+    law: Law
     quadrature: str
     coupling: Coupling | None = None
 
@@ -104,12 +105,27 @@ class Interface:
             object.__setattr__(self, name, frozen(getattr(self, name)))
         for name in ("pairs", "face_of_point"):
             object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
-        if not self.penalty > 0:
-            message = (
-                f"interface '{self.name}': the penalty is {self.penalty:g}; give a positive "
-                "number, 'auto' or 'hard'"
-            )
-            raise ModelError(message)
+
+    @property
+    def penalty(self) -> float:
+        """Contact stiffness c_n [force/length³] of Eq. (15.12); ``inf`` where contact is hard."""
+        return self.law.penalty
+
+    @cached_property
+    def relative_operator(self) -> SparseMatrix:
+        """P (n_relative, n_dof): the components of the relative displacement that gaps depend on.
+
+        One along the normal for each pair of a flat interface, all three of a curved one, whose
+        normal changes between the pairs.
+        """
+        if self.flat:
+            return along_normals(self.pair_normals, self.motion_operator)
+        return self.motion_operator
+
+    @cached_property
+    def interpolation(self) -> SparseMatrix:
+        """N (n_point, n_relative): shape functions, times the normal where it is curved."""
+        return self.point_shape if self.flat else times_normals(self.point_shape, self.normals)
 
     @cached_property
     def gap_operator(self) -> SparseMatrix:
@@ -167,8 +183,15 @@ class Interface:
         return average
 
     def with_penalty(self, penalty: float) -> "Interface":
-        """Return a copy with another contact stiffness (``inf`` for hard contact)."""
-        return replace(self, penalty=float(penalty))
+        """Return a copy with another contact stiffness (``inf`` for hard contact).
+
+        Raises
+        ------
+        ModelError
+            If the penalty is not positive.
+        """
+        with naming(f"interface '{self.name}'"):
+            return replace(self, law=normal_law(penalty))
 
     def with_initial_gap(self, initial_gap: Vector) -> "Interface":
         """Return a copy with another initial gap at every contact point."""
@@ -185,7 +208,7 @@ def stack(interfaces: Mapping[str, Interface]) -> Contact:
         interpolation=read_only(sp.block_diag([m.interpolation for m in members]).tocsr()),
         initial_gap=frozen(np.concatenate([m.initial_gap for m in members])),
         weights=frozen(np.concatenate([m.weights for m in members])),
-        penalty=frozen(np.concatenate([np.full(m.n_points, m.penalty) for m in members])),
+        laws={name: member.law for name, member in interfaces.items()},
         places=frozen(np.concatenate([m.relative_places for m in members])),
         slices={
             name: slice(int(start), int(stop))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.contact.laws import Law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import reach_of
 from faying.interface.coupling import Coupling, by_kind, couple
@@ -11,10 +12,8 @@ from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import facet_place, raise_no_contact
 from faying.interface.mortar_points import contact_points
 from faying.interface.relative import (
-    along_normals,
     combined_displacement,
     common_normal,
-    times_normals,
     unit,
 )
 from faying.interface.segment_points import LINEAR
@@ -100,7 +99,7 @@ def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> 
 
 
 def build_mortar_interface(
-    assembly: Assembly, dofs: DofMap, spec: InterfaceSpec, coupling: Coupling, penalty: float
+    assembly: Assembly, dofs: DofMap, spec: InterfaceSpec, coupling: Coupling, law: Law
 ) -> Interface:
     """Form the interface of a mortar coupling, the counterpart of Eq. (15.3), (15.11), (15.14).
 
@@ -111,8 +110,8 @@ def build_mortar_interface(
         points and hard contact nodal ones.
     coupling
         From :func:`find_couplings`.
-    penalty : [force/length³]
-        ``inf`` is hard contact.
+    law
+        What the contact points admit.
 
     Returns
     -------
@@ -128,23 +127,22 @@ def build_mortar_interface(
     nodes = assembly.mesh.nodes
     faces = _faces(coupling)
     raw_normals = _pair_normals(nodes, coupling)
-    points = contact_points(nodes, spec, coupling, raw_normals, penalty)
+    points = contact_points(nodes, spec, coupling, raw_normals, law)
     normals, pair_normals, flat = common_normal(points.normals, points.weights, raw_normals)
-    motion = combined_displacement(dofs, coupling.motion)
     return Interface(
         name=spec.name,
         faces=faces,
         pairs=coupling.pairs,
         pair_normals=pair_normals,
-        relative_operator=along_normals(pair_normals, motion) if flat else motion,
-        interpolation=points.shape if flat else times_normals(points.shape, normals),
+        motion_operator=combined_displacement(dofs, coupling.motion),
+        flat=flat,
         point_shape=points.shape,
         initial_gap=points.shape @ coupling.gap,
         weights=points.weights,
         points=points.points,
         normals=normals,
         face_of_point=points.faces,
-        penalty=penalty,
+        law=law,
         quadrature=points.rule,
         coupling=coupling,
     )

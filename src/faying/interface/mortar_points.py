@@ -11,6 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.laws import Law
 from faying.interface.coupling import Coupling, by_kind, whole_weights
 from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
 from faying.interface.relative import unit
@@ -45,7 +46,7 @@ def contact_points(
     spec: InterfaceSpec,
     coupling: Coupling,
     pair_normals: Matrix,
-    penalty: float,
+    law: Law,
 ) -> MortarPoints:
     """Place the contact points.
 
@@ -59,7 +60,7 @@ def contact_points(
     ModelError
         If the order does not fit the quadrature.
     """
-    rules = {kind: contact_rule(spec, kind, penalty) for kind in by_kind(coupling.segments.minus)}
+    rules = {kind: contact_rule(spec, kind, law) for kind in by_kind(coupling.segments.minus)}
     if any(rule.name == "nodal" for rule in rules.values()):
         return _nodal(nodes, coupling, pair_normals)
     degree = spec.order or 2

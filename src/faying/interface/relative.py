@@ -3,9 +3,8 @@
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.interface.arcs import FLATNESS
-from faying.interface.interface import Interface
 from faying.model.dofs import DofMap
 
 
@@ -28,35 +27,6 @@ def combined_displacement(dofs: DofMap, factors: SparseMatrix) -> SparseMatrix:
     combined = (spread @ dofs.transformation).tocsr()
     combined.eliminate_zeros()
     return combined
-
-
-def sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatrix]:
-    """Return what the pairs take from the nodes of the minus and of the plus side.
-
-    Returns
-    -------
-    tuple of csr_array (n_pair, n_node)
-        Their difference applied to translations of the nodes is the relative displacement.
-    """
-    if interface.coupling is not None:
-        return interface.coupling.minus, interface.coupling.plus
-    n_pair = len(interface.pairs)
-    minus, plus = (
-        sp.csr_array((np.ones(n_pair), (np.arange(n_pair), nodes)), shape=(n_pair, n_node))
-        for nodes in interface.pairs.T
-    )
-    return minus, plus
-
-
-def relative_motion(interface: Interface, dofs: DofMap, chosen: Mask) -> SparseMatrix:
-    """Return the operator (3 n, n_dof) to all components at the chosen pairs (n_pair,).
-
-    Between meshes that do not match these are the projected relative displacements, not those of
-    the two nodes a pair is named after.
-    """
-    if interface.coupling is None:
-        return relative_displacement(dofs, interface.pairs[chosen])
-    return combined_displacement(dofs, interface.coupling.motion[chosen])
 
 
 def common_normal(

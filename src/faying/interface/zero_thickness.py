@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.laws import Law
 from faying.exceptions import ModelError
 from faying.interface.facets import (
     Rule,
@@ -19,10 +20,8 @@ from faying.interface.facets import (
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.penalty import automatic_penalty
 from faying.interface.relative import (
-    along_normals,
     common_normal,
     relative_displacement,
-    times_normals,
     unit,
 )
 from faying.model.assembly import Assembly
@@ -48,7 +47,7 @@ def build_interface(
     dofs: DofMap,
     spec: InterfaceSpec,
     faces: tuple[FacePairs, ...],
-    penalty: float,
+    law: Law,
 ) -> Interface:
     """Form the zero-thickness elements of an interface, Eq. (15.3), (15.11), (15.14).
 
@@ -62,8 +61,8 @@ def build_interface(
         so that hard contact forces are unique.
     faces
         From :func:`faying.interface.pairing.pair_facets`.
-    penalty : [force/length³]
-        ``inf`` is hard contact.
+    law
+        What the contact points admit.
 
     Returns
     -------
@@ -85,34 +84,33 @@ def build_interface(
         message = f"interface '{spec.name}' has no facets; pair the facets of its sides first"
         raise ModelError(message)
     nodes = assembly.mesh.nodes
-    rules = [contact_rule(spec, entry.kind, penalty) for entry in faces]
+    rules = [contact_rule(spec, entry.kind, law) for entry in faces]
     pairs, columns = _node_pairs(faces, len(nodes))
     middle = nodes[pairs].mean(axis=1)
     points = _merged(*_all_points(spec.name, faces, columns, rules, middle))
     normals, pair_normals, flat = common_normal(
         points.normals, points.weights, pair_normals_of(faces, columns, middle)
     )
-    relative = relative_displacement(dofs, pairs)
     separation = points.shape @ (nodes[pairs[:, 1]] - nodes[pairs[:, 0]])
     return Interface(
         name=spec.name,
         faces=faces,
         pairs=pairs,
         pair_normals=pair_normals,
-        relative_operator=along_normals(pair_normals, relative) if flat else relative,
-        interpolation=points.shape if flat else times_normals(points.shape, normals),
+        motion_operator=relative_displacement(dofs, pairs),
+        flat=flat,
         point_shape=points.shape,
         initial_gap=np.einsum("kd,kd->k", normals, separation),
         weights=points.weights,
         points=points.points,
         normals=normals,
         face_of_point=points.faces,
-        penalty=penalty,
+        law=law,
         quadrature="+".join(dict.fromkeys(rule.name for rule in rules)),
     )
 
 
-def contact_rule(spec: InterfaceSpec, kind: str, penalty: float) -> Rule:
+def contact_rule(spec: InterfaceSpec, kind: str, law: Law) -> Rule:
     """Return the rule that places the contact points of a facet.
 
     Raises
@@ -120,7 +118,7 @@ def contact_rule(spec: InterfaceSpec, kind: str, penalty: float) -> Rule:
     ModelError
         If the order does not fit the quadrature.
     """
-    quadrature = spec.quadrature or ("nodal" if np.isinf(penalty) else "gauss")
+    quadrature = spec.quadrature or ("nodal" if np.isinf(law.penalty) else "gauss")
     if quadrature == "gauss":
         return gauss_rule(kind, spec.order)
     if spec.order is not None:

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
+from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
 from faying.interface.doubled import check_not_doubled
 from faying.interface.interface import Interface, stack
@@ -187,22 +188,21 @@ def _found(
     """Find where the sides of a spec touch and build the interfaces there."""
     if spec.meshes == "non-matching":
         for name, coupling in find_couplings(assembly, spec).items():
-            penalty = _penalty(spec, partial(coupling_penalty, assembly, coupling))
+            law = _law(spec, partial(coupling_penalty, assembly, coupling))
             own = replace(spec, name=name)
-            yield name, build_mortar_interface(assembly, dofs, own, coupling, penalty)
+            yield name, build_mortar_interface(assembly, dofs, own, coupling, law)
     else:
         for name, faces in find_interfaces(assembly, spec).items():
-            penalty = _penalty(spec, partial(automatic_penalty, assembly, faces))
-            yield name, build_interface(assembly, dofs, replace(spec, name=name), faces, penalty)
+            law = _law(spec, partial(automatic_penalty, assembly, faces))
+            yield name, build_interface(assembly, dofs, replace(spec, name=name), faces, law)
 
 
-def _penalty(spec: InterfaceSpec, automatic: Callable[[], float]) -> float:
-    if spec.penalty == "hard":
-        return np.inf
-    if spec.penalty != "auto":
-        return float(spec.penalty)
+def _law(spec: InterfaceSpec, automatic: Callable[[], float]) -> Law:
+    """Return the law that a spec names, with the penalty of the elements where it is automatic."""
     with naming(f"interface '{spec.name}'"):
-        return automatic()
+        if spec.penalty == "hard":
+            return Hard()
+        return normal_law(automatic() if spec.penalty == "auto" else float(spec.penalty))
 
 
 def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:

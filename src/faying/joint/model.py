@@ -16,7 +16,7 @@ from faying.joint.load_pattern import (
     pattern_forces,
 )
 from faying.joint.structure import Structure
-from faying.joint.system import PortCompliance
+from faying.joint.system import PortCompliance, static_contact_of
 from faying.linalg.factorization import Factorization
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.bolt import Bolt
@@ -108,8 +108,7 @@ class Model:
     @cached_property
     def static_contact(self) -> CondensedContact:
         """The static contact problem of the full model."""
-        compliance = self.structure.port_compliance.relative
-        return CondensedContact(contact=self.contact, compliance=compliance)
+        return static_contact_of(self)
 
     def factorize_static(self) -> Factorization:
         """Return the factorization of K that the structure already holds."""

@@ -6,8 +6,6 @@ import scipy.sparse as sp
 from faying._typing import Mask, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.interface.interface import Interface
-from faying.interface.relative import relative_motion
-from faying.model.dofs import DofMap
 
 
 def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mask:
@@ -42,9 +40,7 @@ def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mas
     return stuck
 
 
-def sticking_stiffness(
-    interface: Interface, dofs: DofMap, pairs: Mask, stiffness: float
-) -> SparseMatrix:
+def sticking_stiffness(interface: Interface, pairs: Mask, stiffness: float) -> SparseMatrix:
     """Return the stiffness of tangential springs at stuck pairs, §15.4.2 of the paper.
 
     Each pair carries k (I − n nᵀ) between its two nodes: k in both tangential directions, nothing
@@ -74,7 +70,7 @@ def sticking_stiffness(
             "positive number [force/length]"
         )
         raise ModelError(message)
-    difference = relative_motion(interface, dofs, pairs)
+    difference = interface.motion_operator[np.repeat(pairs, 3)]
     normals = interface.pair_normals[pairs]
     tangential = stiffness * (np.eye(3) - normals[:, :, None] * normals[:, None, :])
     if interface.coupling is not None:

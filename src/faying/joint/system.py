@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.contact.condensed import ContactSolver
+from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.linalg.compressed import Compliance
@@ -192,3 +192,10 @@ def bolt_input(system: Joint, bolt: str) -> int:
 def initial_bolt_forces(system: Joint) -> Vector:
     """Return the initial forces the bolts are locked at (n_bolt,) [force]."""
     return np.array([bolt.initial_force for bolt in system.bolts.values()], dtype=float)
+
+
+def static_contact_of(system: Joint) -> CondensedContact:
+    """Return the static contact problem of a system, which starts from its rest under its bolts."""
+    ports = system.port_compliance
+    rest = -initial_bolt_forces(system) @ ports.contact_columns[ports.bolts]
+    return CondensedContact(contact=system.contact, compliance=ports.relative, rest=rest)

@@ -19,7 +19,8 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.contact import Contact
-from faying.contact.problem import ContactForces
+from faying.contact.forces import ContactForces
+from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.reduction.contact_reduction import ContactReducedModel
@@ -84,11 +85,9 @@ class DeimContact:
         gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
         return gap + self.contact.initial_gap
 
-    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve for the contact forces that a free relative displacement calls up."""
-        return self.solve_gap(self.free_gap(relative_displacement), active)
-
-    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:
+    def solve(
+        self, free_gap: Vector, state: ContactState | None = None
+    ) -> tuple[ContactForces, ContactState]:
         """Exchange the sampling points in contact until signs fit.
 
         Raises
@@ -97,15 +96,16 @@ class DeimContact:
             If they never do, which DEIM cannot rule out.
         """
         points = self.deim.points
-        closed = free_gap[points] < 0 if active is None else np.asarray(active)[points]
+        closed = free_gap[points] < 0 if state is None else state.active[points]
         sampled, iterations = _exchange(self.sampled_flexibility, free_gap[points], closed)
         forces = self.deim.interpolation @ sampled
-        return ContactForces(
+        found = ContactForces(
             forces=forces,
             slack=self.flexibility @ forces + free_gap,
             active=forces > 0,
             iterations=iterations,
         )
+        return found, ContactState(active=found.active)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""

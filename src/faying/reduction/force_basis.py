@@ -19,7 +19,9 @@ from scipy.optimize import nnls
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.contact import Contact
-from faying.contact.problem import ContactForces, ContactProblem
+from faying.contact.forces import ContactForces
+from faying.contact.problem import ContactProblem
+from faying.contact.state import ContactState
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.reduction.contact_reduction import ContactReducedModel
@@ -88,22 +90,23 @@ class ForceBasisContact:
         gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
         return gap + self.contact.initial_gap
 
-    def solve(self, relative_displacement: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve for the contact forces that a free relative displacement calls up."""
-        return self.solve_gap(self.free_gap(relative_displacement), active)
-
-    def solve_gap(self, free_gap: Vector, active: Mask | None = None) -> ContactForces:  # noqa: ARG002
-        """Solve for the contact forces; ``active`` says nothing about the coefficients."""
+    def solve(
+        self,
+        free_gap: Vector,
+        state: ContactState | None = None,  # noqa: ARG002  says nothing about the coefficients
+    ) -> tuple[ContactForces, ContactState]:
+        """Solve for the contact forces that a free gap (n_point,) calls up."""
         W = self.basis.vectors
         problem = ContactProblem(H=self.reduced_flexibility, g_free=W.T @ free_gap)
         solution = problem.solve()
         forces = W @ solution.forces
-        return ContactForces(
+        found = ContactForces(
             forces=forces,
             slack=self.flexibility @ forces + free_gap,
             active=forces > 0,
             iterations=solution.iterations,
         )
+        return found, ContactState(active=found.active)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""

@@ -17,7 +17,13 @@ from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.contact import Contact
 from faying.exceptions import ModelError
 from faying.joint.load_pattern import LoadPattern, pattern_forces
-from faying.joint.system import PortCompliance, System, boundary_dofs, elongations
+from faying.joint.system import (
+    PortCompliance,
+    System,
+    boundary_dofs,
+    elongations,
+    static_contact_of,
+)
 from faying.linalg.compressed import plus, symmetrized
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
@@ -49,7 +55,7 @@ class PortableJoint:
     @cached_property
     def static_contact(self) -> CondensedContact:
         """The static contact problem of the full model."""
-        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
+        return static_contact_of(self)
 
 
 @final
@@ -90,7 +96,7 @@ class PortableModel:
     @cached_property
     def static_contact(self) -> CondensedContact:
         """The static contact problem of the reduced model."""
-        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
+        return static_contact_of(self)
 
     def factorize_static(self) -> Factorization:
         """Return the Cholesky factorization of K."""

@@ -11,7 +11,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.model import Model
-from faying.joint.system import PortCompliance
+from faying.joint.system import PortCompliance, static_contact_of
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import Factorization, factorize
 from faying.model.bolt import Bolt
@@ -66,7 +66,7 @@ class ReducedModel:
     @cached_property
     def static_contact(self) -> CondensedContact:
         """The static contact problem of the reduced model."""
-        return CondensedContact(contact=self.contact, compliance=self.port_compliance.relative)
+        return static_contact_of(self)
 
     def factorize_static(self) -> Factorization:
         """Return the Cholesky factorization of K."""

@@ -13,7 +13,7 @@ from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.static import solve_static_cases
-from faying.simulation.transient import transient_solver
+from faying.simulation.stepping import transient_solver
 
 
 @dataclass(frozen=True, kw_only=True)

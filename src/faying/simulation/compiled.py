@@ -11,13 +11,19 @@ from importlib.util import find_spec
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Matrix, Vector
 from faying.contact.condensed import CondensedContact
-from faying.contact.sprung_pairs import MOST_CHANGED, MOST_RENEWALS, SprungPairs
+from faying.contact.state import ContactState
+from faying.contact.supported_pairs import (
+    MOST_CHANGED,
+    MOST_RENEWALS,
+    SupportedCompliance,
+    SupportedPairs,
+)
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.linalg.factorization import Factorization
-from faying.simulation.history import History, Trend
+from faying.simulation.history import History
 from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.step_contact import EndContact
 
@@ -28,9 +34,6 @@ It takes 15 s once per installation and half a second per process; a step of a s
 0.1 ms faster, of a large one several times that.
 """
 
-MANY_PAIRS = 1500
-"""Pairs above which only long runs are compiled: a new E of 3000 takes two seconds."""
-
 MOST_FAILURES = 3
 """Steps in a row that the loop could not do, after which it is not tried again."""
 
@@ -39,25 +42,16 @@ LOOP = "faying.simulation.compiled_steps"
 _log = logging.getLogger("faying")
 
 
-def compile_steps() -> None:
-    """Compile the time steps of reduced models now, for all transients of this process.
-
-    Without this only runs of 20 000 steps and more are compiled. Results are the same up to
-    round-off.
+def check_compiler() -> None:
+    """Refuse to compile time steps where numba is missing.
 
     Raises
     ------
     ModelError
-        If numba is not installed.
-
-    Notes
-    -----
-    Some 15 s the first time after an installation, half a second in later processes.
     """
     if find_spec("numba") is None:
         message = "compiled time steps need numba; pip install 'faying[compiled]'"
         raise ModelError(message)
-    import_loop()
 
 
 @cache
@@ -70,11 +64,9 @@ def import_loop() -> Callable[..., int]:
     return loop
 
 
-def worth_compiling(n_step: int, n_pair: int) -> bool:
-    """Say whether the loop pays for so many steps, or is there already and no worse."""
-    if n_step >= PAYING_STEPS:
-        return find_spec("numba") is not None
-    return n_pair <= MANY_PAIRS and import_loop.cache_info().currsize > 0
+def worth_compiling(n_step: int) -> bool:
+    """Say whether compiling pays for so many steps."""
+    return n_step >= PAYING_STEPS and find_spec("numba") is not None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -91,52 +83,59 @@ class CompiledSteps:
     """
 
     model: dict[str, Matrix]
-    pairs: SprungPairs
+    pairs: SupportedPairs
     initial_gap: Vector
 
     def advance(
         self,
         motion: Vector,
-        guess: Mask,
-        trend: Trend,
+        state: ContactState,
+        trend: Vector,
         applied: Matrix,
         history: History,
         first: int,
-    ) -> int:
-        """Advance one case until a step does not settle; return the number of steps done.
+    ) -> tuple[int, ContactState]:
+        """Advance one case until a step does not settle.
 
         Parameters
         ----------
         motion : (4 n,)
             u, v, a and f; moved on.
-        guess : (n_point,)
-            Points expected in contact; moved on.
-        trend
+        state
+            Where contact stands.
+        trend : (n_point,)
             Moved on.
         applied : (n_step, n)
             External forces.
         history
             Of this case; written from the instant ``first`` on.
+
+        Returns
+        -------
+        int
+            Steps done.
+        ContactState
+            Where contact stands after them.
         """
-        loop = import_loop()
-        last = np.full(len(guess), np.nan) if trend.last is None else trend.last[0].copy()
+        loop, guess = import_loop(), state.active.copy()
+        support = self._at_hand(state)
         done, renewals = 0, 0
         while done < len(applied) and renewals <= MOST_RENEWALS:
-            if done or not self.pairs.near(guess):
+            if done or support is None or not self.pairs.near(support.closed, guess):
                 try:
-                    self.pairs.renew(guess)
+                    support = self.pairs.supported(guess)
                 except la.LinAlgError:
                     break
             instants = slice(first + done, first + len(applied))
             steps = loop(
                 **self.model,
-                **self.pairs.arrays(),
+                **self.pairs.arrays(support),
                 initial_gap=self.initial_gap,
                 applied=applied[done:],
                 most_changed=int(MOST_CHANGED * len(self.model["to_pairs"])),
                 motion=motion,
                 guess=guess,
-                trend=last,
+                trend=trend,
                 states=history.states[0, instants],
                 velocities=history.velocities[0, instants],
                 accelerations=history.accelerations[0, instants],
@@ -146,11 +145,17 @@ class CompiledSteps:
             )
             done += steps
             renewals = 0 if steps else renewals + 1
-            if not steps and self.pairs.near(guess):
+            if not steps and self.pairs.near(support.closed, guess):
                 break
-        if done:
-            trend.last = last[None]
-        return done
+        closed = None if support is None else support.closed
+        return done, ContactState(active=guess, supported=closed, steady=True, factor=support)
+
+    def _at_hand(self, state: ContactState) -> SupportedCompliance | None:
+        """Return the E that a state comes with."""
+        if state.supported is None:
+            return None
+        at_hand: SupportedCompliance | None = state.factor
+        return self.pairs.supported(state.supported) if at_hand is None else at_hand
 
 
 def compiled_steps(
@@ -162,21 +167,16 @@ def compiled_steps(
 ) -> CompiledSteps | None:
     """Return what the loop needs; None where it has nothing to offer.
 
-    It has not for full models, for mean contact forces, where contact is hard, and where the
-    compliance between pairs is compressed or singular.
+    It has not for full models, for mean contact forces, where contact is hard, where the
+    compliance between pairs is compressed, and where points are fewer than relative displacements.
     """
-    P, contact, S = system.contact.relative_operator, system.contact, condensed.total
-    if not (isinstance(P, np.ndarray) and isinstance(S, np.ndarray)):
+    P, contact = system.contact.relative_operator, system.contact
+    if not isinstance(P, np.ndarray):
         return None
     if not isinstance(scheme.step_contact(condensed), EndContact):
         return None
-    if not (contact.flexibility > 0).all():
-        return None
-    try:
-        pairs = SprungPairs(
-            N=contact.interpolation, S=S, D=contact.flexibility, own=condensed.space.diagonal
-        )
-    except la.LinAlgError:
+    pairs = condensed.supported_pairs
+    if pairs is None or pairs.S.shape[0] != P.shape[0]:
         return None
     n = P.shape[1]
     inverse = effective.solve(np.eye(n))

@@ -1,7 +1,7 @@
 """Time steps of a reduced model, compiled: what :mod:`.stepping` does, without Python in between.
 
-Contact is solved from pairs on springs, as :class:`~faying.contact.sprung_pairs.SprungPairs` does
-it, whose docstring has the equations. What that cannot settle ends the loop and is left to the
+Contact is solved from a similar problem, as :mod:`~faying.contact.supported_pairs` does it, whose
+docstring has the equations. What that cannot settle ends the loop and is left to the
 solvers in Python: points that change sides in large numbers, and what round-off spoils.
 
 Importing this module compiles it, or reads what was compiled before. Everything is in one file
@@ -12,8 +12,8 @@ import numba
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.pivoting import ROUND_OFF
-from faying.contact.sprung_pairs import CLOSED, LOOSE, MOST_REFINEMENTS, MOST_SYSTEMS
+from faying.contact.active_set import ROUND_OFF
+from faying.contact.supported_pairs import CLOSED, LOOSE, MOST_REFINEMENTS, MOST_SYSTEMS
 
 SUMS = {"reassoc", "contract"}
 """Sums may be taken in any order, so that the processor adds several terms at once."""

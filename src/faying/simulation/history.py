@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.pivoting import ContactForces
+from faying.contact.forces import ContactForces
 from faying.joint.system import System
 from faying.simulation.integrators import Motion
 from faying.simulation.solution import Solution
@@ -59,20 +59,26 @@ class History:
             self.errors[case, n] = contact.error
 
 
-class Trend:
-    """Which points will be in contact, if forces and slacks go on changing as they did.
+def expected(own: Vector, forces: Matrix, slack: Matrix, before: Matrix) -> tuple[Mask, Matrix]:
+    """Return the points in contact at the next instant if forces and slacks go on as they did.
 
     A point whose force or slack runs out in time is foreseen; where it jumps, nothing is lost.
+
+    Parameters
+    ----------
+    own : (n_point,) [length/force]
+        Gap that a force closes at its own point.
+    forces, slack : (n_case, n_point)
+        At this instant.
+    before : (n_case, n_point)
+        The trend one instant ago; NaN where there is none.
+
+    Returns
+    -------
+    active : (n_case, n_point)
+    trend : (n_case, n_point) [length]
+        Forces as lengths minus slacks, to be handed to the next instant.
     """
-
-    def __init__(self, own: Vector) -> None:
-        self._own = own
-        self.last: Matrix | None = None
-
-    def next(self, forces: Matrix, slack: Matrix) -> Mask:
-        """Return the points expected in contact (n_case, n_point) at the next instant."""
-        # As a length: the force by what it closes at its own point.
-        now = self._own * forces - slack
-        before = now if self.last is None else self.last
-        self.last = now
-        return np.asarray(2 * now - before > 0)
+    now = own * forces - slack
+    earlier = np.where(np.isnan(before), now, before)
+    return np.asarray(2 * now - earlier > 0), now

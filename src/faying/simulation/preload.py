@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
@@ -110,14 +111,14 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
     _check_stiffness(system)
     _check_clamping(system, forces)
     state = initial_bolt_forces(system)
-    active: Mask | None = None
+    contact: ContactState | None = None
     stages: list[str] = []
     history: list[Vector] = []
     for name, target in forces.items():
         chosen = np.array([names.index(name)], dtype=np.int64)
         for fraction in np.arange(1, increments + 1) / increments:
             goal = np.array([fraction * target])
-            state, active, reached = _reach(system, chosen, goal, state, active)
+            state, contact, reached = _reach(system, chosen, goal, state, contact)
             stages.append(f"{name} to {fraction:.0%}")
             history.append(reached)
     if not forces:
@@ -129,7 +130,7 @@ def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10
         )
     chosen = np.array([names.index(name) for name in forces])
     goal = np.array(list(forces.values()))
-    state, active, reached = _reach(system, chosen, goal, state, active)
+    state, contact, reached = _reach(system, chosen, goal, state, contact)
     return Tightening(
         initial_forces=dict(zip(names, state.tolist(), strict=True)),
         bolts=tuple(names),
@@ -180,7 +181,7 @@ def with_sticking(model: Model, sticking: Sticking) -> Model:
     for name, points in model.contact.slices.items():
         interface = model.interfaces[name]
         stuck[name] = stuck_pairs(interface, pressure[points], sticking.threshold)
-        added = added + sticking_stiffness(interface, model.dofs, stuck[name], sticking.stiffness)
+        added = added + sticking_stiffness(interface, stuck[name], sticking.stiffness)
     return model.with_stiffness(added, stuck)
 
 
@@ -195,8 +196,8 @@ def _check(forces: Mapping[str, float], names: list[str]) -> None:
 
 
 def _reach(
-    system: System, chosen: Indices, goal: Vector, state: Vector, active: Mask | None
-) -> tuple[Vector, Mask, Vector]:
+    system: System, chosen: Indices, goal: Vector, state: Vector, contact: ContactState | None
+) -> tuple[Vector, ContactState, Vector]:
     """Newton on the initial forces of the chosen bolts until their forces meet the goal.
 
     Bolt forces are the gradient of a convex function of the initial forces, piecewise linear, so
@@ -207,22 +208,22 @@ def _reach(
     state = state.copy()
     state[chosen] = np.maximum(state[chosen], goal)
     tolerance = FORCE_TOLERANCE * np.abs(goal).max()
-    forces, slope, active = _bolt_forces(system, state, active)
+    forces, slope, contact = _bolt_forces(system, state, contact)
     for _ in range(LIMIT):
         miss = goal - forces[chosen]
         if np.abs(miss).max() <= tolerance:
-            return state, active, forces
+            return state, contact, forces
         resistance = slope[np.ix_(chosen, chosen)]
         if np.linalg.eigvals(resistance).real.min() < NO_RESISTANCE:
             state[chosen] *= 2
-            forces, slope, active = _bolt_forces(system, state, active)
+            forces, slope, contact = _bolt_forces(system, state, contact)
             continue
         change = np.linalg.solve(resistance, miss)
         start, distance = state.copy(), np.abs(miss).max()
         for halving in range(30):
             state = start.copy()
             state[chosen] += change / 2**halving
-            forces, slope, active = _bolt_forces(system, state, active)
+            forces, slope, contact = _bolt_forces(system, state, contact)
             if np.abs(goal - forces[chosen]).max() < distance:
                 break
     worst = int(np.abs(miss).argmax())
@@ -265,12 +266,15 @@ def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
             raise ModelError(message)
 
 
-def _bolt_forces(system: System, state: Vector, active: Mask | None) -> tuple[Vector, Matrix, Mask]:
-    """Bolt forces, their derivative by the initial forces, and the points in contact."""
+def _bolt_forces(
+    system: System, state: Vector, start: ContactState | None
+) -> tuple[Vector, Matrix, ContactState]:
+    """Bolt forces, their derivative by the initial forces, and where contact stands."""
     ports, contact = system.port_compliance, system.contact
     inputs = np.concatenate([np.zeros(ports.n_boundary), state, np.zeros(ports.n_pattern)])
     signed = port_forces(ports, inputs)
-    solution = system.static_contact.solve(signed @ ports.contact_columns, active)
+    gap = system.static_contact.free_gap(signed @ ports.contact_columns)
+    solution, start = system.static_contact.solve(gap, start)
 
     stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
     bolt_rows = ports.contact_columns[ports.bolts]
@@ -282,4 +286,4 @@ def _bolt_forces(system: System, state: Vector, active: Mask | None) -> tuple[Ve
     relieved = coupling.T @ system.static_contact.solve_active(coupling, solution.active)
     own = ports.input_rows[ports.bolts, ports.bolts]
     slope = np.eye(len(state)) - stiffness[:, None] * (own - relieved)
-    return stiffness * elongation + state, slope, solution.active
+    return stiffness * elongation + state, slope, start

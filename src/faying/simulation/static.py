@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Matrix
-from faying.contact.warm_start import experience
+from faying.contact.state import ContactState
 from faying.joint.system import PortCompliance, System, input_forces
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
+from faying.simulation.similar import SimilarProblems
 from faying.simulation.solution import Solution
 
 AT_REST = Load(name="preload")
@@ -52,7 +53,7 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
     Notes
     -----
     Free gaps and displacements of all cases are one matrix product each; the contact problems
-    follow one another, each started from the most similar one the system has solved before.
+    follow one another, each started from the most similar one among those before it.
     """
     start = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, start) for load in loads])
@@ -66,11 +67,12 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     shape = (len(inputs), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(inputs), dtype=np.int64), np.empty(len(inputs))
-    starts = experience(condensed, contact.n_points)
+    similar = SimilarProblems(contact.n_points)
+    state: ContactState | None = None
     with threads_for(contact.n_points):
         for case, gap in enumerate(condensed.free_gap(free)):
-            solution = condensed.solve_gap(gap, starts.nearest(gap))
-            starts.remember(gap, solution.active)
+            solution, state = condensed.solve(gap, similar.start(gap, state))
+            similar.remember(gap, solution.active)
             forces[case], gaps[case] = solution.forces, condensed.gap(solution)
             iterations[case], errors[case] = solution.iterations, solution.error
     external = input_forces(system, inputs) + relative_forces(system, forces)

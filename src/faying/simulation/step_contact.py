@@ -7,9 +7,10 @@ from typing import Protocol, final
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Matrix, Vector
 from faying.contact.condensed import CondensedContact
-from faying.contact.pivoting import ContactForces
+from faying.contact.forces import ContactForces
+from faying.contact.state import ContactState
 from faying.linalg.compressed import Compliance
 
 ROUND_OFF = 1e-9
@@ -20,14 +21,16 @@ class StepContact(Protocol):
     """How contact enters the balance of a step."""
 
     def solve(
-        self, gaps: Matrix, guess: Mask, last: Matrix
-    ) -> tuple[Matrix, Sequence[ContactForces]]:
-        """Return the new forces of the balance, and contact at the end of the step, of all cases.
+        self, gaps: Matrix, states: Sequence[ContactState], last: Matrix
+    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
+        """Return the new forces of the balance, contact at the end, and its state, of all cases.
 
         Parameters
         ----------
-        gaps, guess : (n_case, n_point)
-            Gaps without the new contact forces; points expected in contact.
+        gaps : (n_case, n_point)
+            Gaps without the new contact forces.
+        states
+            Where the contact of each case stands.
         last : (n_case, n_point)
             Contact forces at the start of the step.
         """
@@ -44,12 +47,12 @@ class EndContact:
     def solve(
         self,
         gaps: Matrix,
-        guess: Mask,
+        states: Sequence[ContactState],
         last: Matrix,  # noqa: ARG002
-    ) -> tuple[Matrix, Sequence[ContactForces]]:
+    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one contact problem for each case."""
-        contacts = list(map(self.condensed.solve_gap, gaps, guess))
-        return np.array([contact.forces for contact in contacts]), contacts
+        contacts, after = zip(*map(self.condensed.solve, gaps, states), strict=True)
+        return np.array([contact.forces for contact in contacts]), contacts, after
 
 
 @final
@@ -70,16 +73,17 @@ class MeanContact:
     condensed: CondensedContact
 
     def solve(
-        self, gaps: Matrix, guess: Mask, last: Matrix
-    ) -> tuple[Matrix, Sequence[ContactForces]]:
+        self, gaps: Matrix, states: Sequence[ContactState], last: Matrix
+    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one contact problem for each case, and the law at the end where forces would pull.
 
         Hard contact without residual compliance has no force that belongs to an instant: the mean
         over the step stands for that at its end.
         """
-        means = list(map(self.condensed.solve_gap, gaps - self._given_way(last), guess))
+        solved = map(self.condensed.solve, gaps - self._given_way(last), states)
+        means, after = zip(*solved, strict=True)
         ends = [self._at_end(mean, forces) for mean, forces in zip(means, last, strict=True)]
-        return np.array([mean.forces for mean in means]), ends
+        return np.array([mean.forces for mean in means]), ends, after
 
     def _at_end(self, mean: ContactForces, last: Vector) -> ContactForces:
         D = self.condensed.contact.flexibility
@@ -95,7 +99,7 @@ class MeanContact:
         if not wrong.any():
             return replace(mean, forces=forces, active=forces > 0)
         gap = mean.slack - self._given_way(forces[None])[0]
-        end = self._law.solve_gap(gap, forces > 0)
+        end, _ = self._law.solve(gap, ContactState(active=forces > 0))
         return replace(
             end,
             iterations=mean.iterations + end.iterations,

@@ -1,14 +1,15 @@
 """Steps of transients side by side: one factorization, and what is linear done for all at once."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, SparseMatrix, Vector
+from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
-from faying.contact.pivoting import ContactForces
+from faying.contact.forces import ContactForces
+from faying.contact.state import ContactState
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
 from faying.linalg.budget import pairs_fit
@@ -17,14 +18,16 @@ from faying.linalg.threads import threads_for
 from faying.simulation.compiled import (
     MOST_FAILURES,
     CompiledSteps,
+    check_compiler,
     compiled_steps,
     stacked,
     unstacked,
     worth_compiling,
 )
-from faying.simulation.history import History, Trend
+from faying.simulation.history import History, expected
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
+from faying.simulation.restart import Restart, each_of, side_by_side
 from faying.simulation.solution import Solution
 from faying.simulation.static import relative_forces, solve_static
 from faying.simulation.step_contact import StepContact
@@ -45,27 +48,12 @@ AT_ONCE = 2000
 """Steps of the compiled loop between two looks at progress and the keyboard: a second at most."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Restart:
-    """Where a transient stands.
-
-    Attributes
-    ----------
-    done
-        Steps behind it.
-    motion
-        Displacement, velocity, acceleration and force there.
-    active : (n_point,)
-        Points in contact.
-    """
-
-    done: int
-    motion: Motion
-    active: Mask
-
-
 def transient_solver(
-    system: System, *, step: float, integrator: Integrator | None = None
+    system: System,
+    *,
+    step: float,
+    integrator: Integrator | None = None,
+    compiled: bool | None = None,
 ) -> "TransientSolver":
     """Factorize what all transients of a system with one time step share.
 
@@ -74,11 +62,13 @@ def transient_solver(
     step : [time]
     integrator
         :class:`ImplicitEuler` unless given.
+    compiled
+        Whether the steps of a reduced model are compiled; unless given, where that pays.
 
     Raises
     ------
     ModelError
-        If the step is not positive.
+        If the step is not positive, or compiled steps are asked for without numba.
 
     Notes
     -----
@@ -86,6 +76,8 @@ def transient_solver(
     steps left to do.
     """
     check_times(step, step)
+    if compiled:
+        check_compiler()
     scheme = ImplicitEuler() if integrator is None else integrator
     effective = factorize(scheme.effective_matrix(system, step), ports=_dense_ports(system))
     return TransientSolver(
@@ -94,6 +86,7 @@ def transient_solver(
         step=step,
         effective=effective,
         condensed=_condense_step(system, scheme, effective),
+        compiled=compiled,
     )
 
 
@@ -130,6 +123,8 @@ class TransientSolver:
         Factorization of its effective matrix.
     condensed
         Contact problem of one step.
+    compiled
+        Whether steps are compiled; None decides by their number.
     """
 
     system: System
@@ -137,6 +132,7 @@ class TransientSolver:
     step: float
     effective: Factorization
     condensed: CondensedContact
+    compiled: bool | None = None
 
     def solve(
         self,
@@ -190,11 +186,10 @@ class TransientSolver:
             starts = self._starts([load], None if initial is None else [initial])
             here = self._begin([load], starts)[0]
         size = max(last - here.done, 1) if length is None else length
-        ahead = last - here.done
         while here.done < last:
             end = min(here.done + size, last)
             times = self.step * np.arange(here.done + 1, end + 1, dtype=np.float64)
-            (piece,), (here,) = self._advanced([here], [load], times, starts, progress, ahead)
+            (piece,), (here,) = self._advanced([here], [load], times, starts, progress, last)
             starts = []
             yield piece, here
 
@@ -221,7 +216,8 @@ class TransientSolver:
             a = factorize(averaging).solve(applied + contact - system.K @ u)
         kept = self.scheme.kept_force(applied, contact)
         motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), forces.T)
-        return _each(0, motion, forces > 0)
+        nothing = np.full(forces.shape, np.nan)
+        return each_of(0, motion, [ContactState(active=closed) for closed in forces > 0], nothing)
 
     def _advanced(
         self,
@@ -230,11 +226,11 @@ class TransientSolver:
         times: Vector,
         starts: Sequence[Solution],
         progress: Callable[[int], object] | None,
-        ahead: int,
+        whole: int,
     ) -> tuple[list[Solution], list[Restart]]:
         """Return the instants ``times``, after the starts where there are any, and their ends.
 
-        ``ahead`` are the steps of the whole run, of which these are a part.
+        ``whole`` is the number of steps of the run that these are a part of.
         """
         system = self.system
         inputs = np.array([load.inputs(system, times) for load in loads])
@@ -242,11 +238,11 @@ class TransientSolver:
         first = int(bool(starts))
         history = History.empty(len(loads), first + len(times), system)
         if starts:
-            history.begin(_side_by_side([one.motion for one in here]), starts)
+            history.begin(side_by_side([one.motion for one in here]), starts)
             inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
             times = np.concatenate([[0.0], times])
         with threads_for(self.condensed.order):
-            ends = self._walk(here, external, history, first, progress, ahead)
+            ends = self._walk(here, external, history, first, progress, whole)
         history.gaps[:, first:] -= system.contact.flexibility * history.forces[:, first:]
         solutions = [
             Solution(
@@ -273,32 +269,31 @@ class TransientSolver:
         history: History,
         first: int,
         progress: Callable[[int], object] | None,
-        ahead: int,
+        whole: int,
     ) -> list[Restart]:
         """Write the instants from ``first`` on; compiled where that pays, else side by side."""
         n_case, n_step = external.shape[:2]
-        n_pair = self.system.contact.relative_operator.shape[0]
-        if worth_compiling(ahead, n_pair) and self._compiled is not None:
-            walk = partial(self._walk_compiled, self._compiled)
+        if (loop := self._loop(whole)) is not None:
+            walk = partial(self._walk_compiled, loop)
             cases = zip(here, external, strict=True)
             return [
                 walk(start, applied, history.of_case(case), first, progress)
                 for case, (start, applied) in enumerate(cases)
             ]
-        motion = _side_by_side([one.motion for one in here])
-        guess = np.array([one.active for one in here])
-        trend = Trend(own=self.condensed.space.diagonal)
+        motion = side_by_side([one.motion for one in here])
+        states = [one.contact for one in here]
+        trend = np.array([one.trend for one in here])
         for n in range(n_step):
-            motion, guess, contacts = self._step(motion, guess, trend, external[:, n].T)
+            motion, states, trend, contacts = self._step(motion, states, trend, external[:, n].T)
             history.note(first + n, motion, contacts)
             if progress is not None:
                 progress(n_case)
-        return _each(here[0].done + n_step, motion, [contact.active for contact in contacts])
+        return each_of(here[0].done + n_step, motion, states, trend)
 
     def _step(
-        self, motion: Motion, guess: Mask, trend: Trend, applied: Matrix
-    ) -> tuple[Motion, Mask, Sequence[ContactForces]]:
-        """Return the motion one step on, the points expected in contact after it, and contact.
+        self, motion: Motion, states: list[ContactState], trend: Matrix, applied: Matrix
+    ) -> tuple[Motion, list[ContactState], Matrix, Sequence[ContactForces]]:
+        """Return the motion one step on, where contact stands after it, and its forces.
 
         What is linear is done for all cases at once, with one case a column.
         """
@@ -306,14 +301,26 @@ class TransientSolver:
         right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
         free = system.contact.relative_operator @ self.effective.solve(right)
         gaps = condensed.free_gap(free.T)
-        acting, contacts = self._step_contact.solve(gaps, guess, motion.contact.T)
+        acting, contacts, after = self._step_contact.solve(gaps, states, motion.contact.T)
         forces = np.array([contact.forces for contact in contacts])
         slack = np.array([contact.slack for contact in contacts])
         from_contact = relative_forces(system, acting).T
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         kept = scheme.kept_force(applied, from_contact)
         motion = replace(scheme.advance(motion, u, kept, self.step), contact=forces.T)
-        return motion, trend.next(forces, slack), contacts
+        active, trend = expected(self._own, forces, slack, trend)
+        ahead = [replace(state, active=points) for state, points in zip(after, active, strict=True)]
+        return motion, ahead, trend, contacts
+
+    @property
+    def _own(self) -> Vector:
+        """Gap of every contact point per force at it (n_point,) [length/force]."""
+        return self.condensed.space.diagonal
+
+    def _loop(self, n_step: int) -> CompiledSteps | None:
+        """Return the compiled loop for a run of so many steps, None where Python does them."""
+        wanted = worth_compiling(n_step) if self.compiled is None else self.compiled
+        return self._compiled if wanted else None
 
     @cached_property
     def _step_contact(self) -> StepContact:
@@ -333,42 +340,25 @@ class TransientSolver:
         progress: Callable[[int], object] | None,
     ) -> Restart:
         """Write the instants of one case; steps that the loop leaves are done here."""
-        motion, guess = stacked(here.motion), np.array(here.active)
-        trend = Trend(own=self.condensed.space.diagonal)
+        motion, state, trend = stacked(here.motion), here.contact, here.trend.copy()
         n, failures = 0, 0
         while n < len(external):
             some, done = external[n : n + AT_ONCE], 0
             if failures < MOST_FAILURES:
-                done = compiled.advance(motion, guess, trend, some, history, first + n)
+                done, state = compiled.advance(motion, state, trend, some, history, first + n)
             failures = 0 if done else failures + 1
             if done < len(some):
-                moved, expected, contacts = self._step(
-                    unstacked(motion[:, None]), guess[None], trend, some[done][:, None]
+                moved, (state,), (trend,), contacts = self._step(
+                    unstacked(motion[:, None]), [state], trend[None], some[done][:, None]
                 )
                 history.note(first + n + done, moved, contacts)
-                motion, guess, done = stacked(moved), expected[0], done + 1
+                motion, done = stacked(moved), done + 1
             n += done
             if progress is not None:
                 progress(done)
-        forces = history.forces[0, first + n - 1]
         u, v, a, force = np.split(motion, 4)
-        end = Motion(u, v, a, force, here.motion.lagging, forces)
-        return Restart(done=here.done + n, motion=end, active=forces > 0)
-
-
-def _side_by_side(motions: Sequence[Motion]) -> Motion:
-    """Return the motions of all cases as one, with one case a column."""
-    names = [field.name for field in fields(Motion)]
-    return Motion(*(np.array([getattr(motion, name) for motion in motions]).T for name in names))
-
-
-def _each(done: int, motion: Motion, active: Iterable[Mask]) -> list[Restart]:
-    """Return where each of the transients side by side stands."""
-    columns = zip(*(values.T for values in vars(motion).values()), strict=True)
-    return [
-        Restart(done=done, motion=Motion(*parts), active=points)
-        for parts, points in zip(columns, active, strict=True)
-    ]
+        end = Motion(u, v, a, force, here.motion.lagging, history.forces[0, first + n - 1])
+        return Restart(done=here.done + n, motion=end, contact=state, trend=trend)
 
 
 def _condense_step(

@@ -1,21 +1,12 @@
 """Transient contact solutions of full and reduced models, Eqs. (15.13) and (15.16)."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 from faying.joint.system import System
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.stepping import Restart, TransientSolver, check_times, transient_solver
-
-__all__ = [
-    "Restart",
-    "TransientSolver",
-    "solve_transient",
-    "solve_transient_cases",
-    "transient_pieces",
-    "transient_solver",
-]
+from faying.simulation.stepping import check_times, transient_solver
 
 
 def solve_transient(
@@ -27,6 +18,7 @@ def solve_transient(
     integrator: Integrator | None = None,
     initial: Solution | None = None,
     progress: Callable[[int], object] | None = None,
+    compiled: bool | None = None,
 ) -> Solution:
     """Integrate the response to a load that acts from t = 0+ on a prestressed joint at rest.
 
@@ -43,6 +35,9 @@ def solve_transient(
         Static solution to start from; by default the joint under its bolts alone.
     progress
         Called with the number of steps done since the last call: one, unless they are compiled.
+    compiled
+        Whether the steps of a reduced model are compiled (extra ``compiled``, 15 to 30 s once per
+        installation); unless given, from 20 000 steps on. The same results up to round-off.
 
     Returns
     -------
@@ -61,7 +56,7 @@ def solve_transient(
     (15.12) there.
     """
     check_times(step, duration)
-    solver = transient_solver(system, step=step, integrator=integrator)
+    solver = transient_solver(system, step=step, integrator=integrator, compiled=compiled)
     return solver.solve(load, duration=duration, initial=initial, progress=progress)
 
 
@@ -74,6 +69,7 @@ def solve_transient_cases(
     integrator: Integrator | None = None,
     initial: Sequence[Solution] | None = None,
     progress: Callable[[int], object] | None = None,
+    compiled: bool | None = None,
 ) -> list[Solution]:
     """Integrate the responses to many loads side by side.
 
@@ -86,6 +82,8 @@ def solve_transient_cases(
         default the joint under its bolts alone.
     progress
         Called with the number of steps done since the last call, those of all loads together.
+    compiled
+        As in :func:`solve_transient`.
 
     Returns
     -------
@@ -104,51 +102,5 @@ def solve_transient_cases(
     together: 3 n_dof + 2 n_point numbers per case and instant.
     """
     check_times(step, duration)
-    solver = transient_solver(system, step=step, integrator=integrator)
+    solver = transient_solver(system, step=step, integrator=integrator, compiled=compiled)
     return solver.solve_cases(loads, duration=duration, initial=initial, progress=progress)
-
-
-def transient_pieces(
-    system: System,
-    load: Load,
-    *,
-    step: float,
-    duration: float,
-    length: int | None,
-    integrator: Integrator | None = None,
-    initial: Solution | None = None,
-    restart: Restart | None = None,
-    progress: Callable[[int], object] | None = None,
-) -> Iterator[tuple[Solution, Restart]]:
-    """Integrate as :func:`solve_transient`, a piece of the instants at a time.
-
-    Parameters
-    ----------
-    length
-        Steps of a piece; None is all at once. Memory is that of one piece.
-    restart
-        Where an earlier run ended, to go on from there.
-
-    Yields
-    ------
-    Solution
-        Consecutive instants: the first piece begins with ``initial``, every later one with the
-        instant after the piece before.
-    Restart
-        Where the piece ended.
-
-    Raises
-    ------
-    ModelError
-        As :func:`solve_transient`.
-    """
-    check_times(step, duration)
-    solver = transient_solver(system, step=step, integrator=integrator)
-    yield from solver.pieces(
-        load,
-        duration=duration,
-        length=length,
-        initial=initial,
-        restart=restart,
-        progress=progress,
-    )

@@ -22,7 +22,8 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
-from faying.simulation.transient import solve_transient, transient_solver
+from faying.simulation.stepping import transient_solver
+from faying.simulation.transient import solve_transient
 from faying.study.checkpoint import Checkpoint
 from faying.study.extras import Extras
 from faying.study.loads import case_load

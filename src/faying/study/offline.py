@@ -22,7 +22,7 @@ from faying.reduction.snapshots import static_snapshots
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
-from faying.simulation.transient import TransientSolver, transient_solver
+from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.study.checkpoint import Checkpoint
 from faying.study.load_model import LoadedModel, build_loaded, load_model
 from faying.study.loads import check_loads, is_trained, training_box

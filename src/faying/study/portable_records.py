@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.assessment.recovery import Recovery, frame_operator, supported_operator
 from faying.contact.contact import Contact
+from faying.contact.laws import normal_law
 from faying.exceptions import StudyError
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.joint.model import Model
@@ -262,7 +263,7 @@ def _contact(
         interpolation=_sparse(ports.interpolation),
         initial_gap=_joined(record.initial_gap for record in records),
         weights=_joined(record.weights for record in records),
-        penalty=_joined(np.full(len(record.weights), record.penalty) for record in records),
+        laws={name: normal_law(record.penalty) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
     )
 

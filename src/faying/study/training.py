@@ -9,7 +9,7 @@ from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.transient import TransientSolver
+from faying.simulation.stepping import TransientSolver
 from faying.study.loads import training_box
 from faying.study.tables import TrainingSection
 from faying.study.timing import time_span, time_step

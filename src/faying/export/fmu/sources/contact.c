@@ -3,7 +3,7 @@
  * S is the compliance between node pairs, N takes it to the contact points, D is the flexibility of
  * the penalty. The active set is found by block principal pivoting with Murty's rule as backup
  * (Judice & Pires 1994); a singular H by the proximal point iteration (Rockafellar 1976). Both are
- * those of faying.contact.pivoting, with the same constants.
+ * those of faying.contact.active_set, with the same constants.
  *
  * Factorizations are kept until the active set changes. They are a function of the set alone, so
  * that a restored state continues with the same bits. */

@@ -7,13 +7,13 @@ Design §3: with the gap flexibility H = S + D and the gap without contact force
 is Eq. (15.7) regularized by Eq. (15.12), or Eq. (15.7) itself where D vanishes (hard contact).
 """
 
-from dataclasses import dataclass
 from typing import Protocol, Self
 
 import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Mask, Matrix, Vector
+from faying.contact.forces import ContactForces
 from faying.exceptions import ConvergenceError
 
 BLOCK_ATTEMPTS = 20
@@ -27,32 +27,6 @@ ROUND_OFF = 1e-13
 
 PROXIMAL_FRACTION = 1e-7
 """Proximal term over the largest diagonal of H; keeps the regularized pivots above the limit."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ContactForces:
-    """Solution of one contact problem.
-
-    Attributes
-    ----------
-    forces : (n_point,) [force]
-        λ = w ∘ p ≥ 0.
-    slack : (n_point,) [length]
-        s = H λ + g_free ≥ 0: the gap plus the penetration that the penalty admits.
-    active : (n_point,)
-        Points in contact; a warm start for a neighbouring problem.
-    iterations
-        Linear systems solved.
-    error
-        Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
-        problem was solved to round-off.
-    """
-
-    forces: Vector
-    slack: Vector
-    active: Mask
-    iterations: int
-    error: float = 0.0
 
 
 class ActiveSetSpace(Protocol):
@@ -75,7 +49,7 @@ class ActiveSetSpace(Protocol):
         """
         ...
 
-    def solve(self, right: Matrix, active: Mask) -> Matrix:
+    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""
         ...
 

@@ -1,0 +1,31 @@
+"""Contact forces are data: the solution of one contact problem."""
+
+from dataclasses import dataclass
+
+from faying._typing import Mask, Vector
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactForces:
+    """Solution of one contact problem.
+
+    Attributes
+    ----------
+    forces : (n_point,) [force]
+        λ = w ∘ p ≥ 0.
+    slack : (n_point,) [length]
+        s = H λ + g_free ≥ 0: the gap plus the penetration that the law admits.
+    active : (n_point,)
+        Points in contact; a warm start for a neighbouring problem.
+    iterations
+        Linear systems solved.
+    error
+        Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
+        problem was solved to round-off.
+    """
+
+    forces: Vector
+    slack: Vector
+    active: Mask
+    iterations: int
+    error: float = 0.0

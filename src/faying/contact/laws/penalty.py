@@ -1,0 +1,57 @@
+"""Penalty contact: pressure in proportion to penetration, Eq. (15.12)."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import ModelError
+
+
+@final
+@dataclass(frozen=True)
+class Penalty:
+    """p = c_n ⟨−g⟩.
+
+    Attributes
+    ----------
+    stiffness : [force/length³]
+        c_n.
+
+    Raises
+    ------
+    ModelError
+        If the stiffness is not a positive number.
+    """
+
+    stiffness: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.stiffness < float("inf"):
+            message = f"the penalty is {self.stiffness:g}; give a positive number, 'auto' or 'hard'"
+            raise ModelError(message)
+
+    @property
+    def name(self) -> str:
+        """Name in studies and files."""
+        return "penalty"
+
+    @property
+    def components(self) -> int:
+        """The normal component alone: no friction."""
+        return 1
+
+    @property
+    def penalty(self) -> float:
+        """c_n."""
+        return self.stiffness
+
+    def compliance(self, weights: Vector) -> Vector:
+        """Return 1 / (c_n w) (n_point,) [length/force]."""
+        result: Vector = 1.0 / (self.stiffness * weights)
+        return result
+
+    def admissible(self, forces: Matrix) -> Matrix:
+        """Return ⟨λ⟩: contact presses, it never pulls."""
+        return np.maximum(forces, 0.0)

@@ -1,0 +1,32 @@
+"""What one contact problem hands to the next: a warm start, and a factorization to be updated."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from faying._typing import Mask
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactState:
+    """Where a sequence of contact problems stands.
+
+    Solvers take a state and return the next one; they remember nothing themselves, so the same
+    problem and state give the same digits whatever was solved before.
+
+    Attributes
+    ----------
+    active : (n_point,)
+        Points expected in contact.
+    supported : (n_point,) or None
+        Closed points that the factorization at hand was made for.
+    steady
+        Whether the last problem ended near the points it began with, as steps of a transient do.
+    factor
+        What the solver made for ``supported``; formed again where it is None, so that a state can
+        be stored as its masks.
+    """
+
+    active: Mask
+    supported: Mask | None = None
+    steady: bool = False
+    factor: Any = None
