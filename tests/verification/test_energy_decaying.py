@@ -6,7 +6,7 @@ import pytest
 import faying as fy
 from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
-from faying.simulation.integrators import Motion, named_integrator
+from faying.simulation.integrators import INTEGRATORS, Motion, named_integrator
 from faying.simulation.transient import transient_pieces
 from small_system import small_system
 
@@ -116,6 +116,10 @@ def test_studies_know_it_by_name():
     assert named_integrator("energy-decaying") == fy.EnergyDecaying()
     assert named_integrator("generalized-alpha") == fy.GeneralizedAlpha()
     assert named_integrator("implicit-euler", None) == fy.ImplicitEuler()
+    assert named_integrator(None) == fy.ImplicitEuler()
+    assert all(named_integrator(name).name == name for name in INTEGRATORS)
+    with pytest.raises(ModelError, match="no integrator 'euler'; they are implicit-euler, "):
+        named_integrator("euler")
     with pytest.raises(ModelError, match="between 0 and 1"):
         fy.EnergyDecaying(1.1)
 

@@ -20,6 +20,7 @@ from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
+from faying.simulation.integrators import named_integrator
 from faying.study.load_model import LoadedModel
 from faying.study.tables import ForceSection, LoadCaseSection, Study
 
@@ -320,4 +321,4 @@ def _timing(case: LoadCaseSection) -> str:
     length = "as the history" if case.duration is None else f"{case.duration:g}"
     if case.periods is not None:
         length = f"{case.periods:g} period{'s' * (case.periods != 1)}"
-    return f"{length}, step {step}, {case.integrator or 'implicit-euler'}"
+    return f"{length}, step {step}, {named_integrator(case.integrator).name}"

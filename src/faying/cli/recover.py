@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from faying.simulation.integrators import Integrator
     from faying.study.recovery_results import RecoveredRecord
     from faying.study.results import Results
 
@@ -44,13 +43,15 @@ def recover(
         ),
     ] = None,
     integrator: Annotated[
-        Literal["implicit-euler", "energy-decaying", "generalized-alpha"] | None,
+        str | None,
         typer.Option(
-            help="Integrator under boundary forces.  [default: implicit-euler]", show_default=False
+            help="Integrator under boundary forces, as studies name it.  [default: implicit-euler]",
+            show_default=False,
         ),
     ] = None,
 ) -> None:
     """Recover contact pressures from a modal or boundary-force history of another program."""
+    from faying.simulation.integrators import named_integrator
     from faying.study.recover import RecoverOptions, results_of
     from faying.study.recover import recover as recover_history
 
@@ -60,18 +61,12 @@ def recover(
         joint_modes=joint_modes,
         derivatives=derivatives,
         step=step,
-        integrator=_integrator(integrator),
+        integrator=named_integrator(integrator) if integrator else None,
     )
     recovered = recover_history(results, history, options)
     _tell(results, recovered)
     for path in _written(results, recovered, folder, history.stem):
         typer.echo(f"Wrote {path}")
-
-
-def _integrator(name: str | None) -> "Integrator | None":
-    from faying.simulation.integrators import named_integrator
-
-    return None if name is None else named_integrator(name)
 
 
 def _tell(results: "Results", recovered: "RecoveredRecord") -> None:

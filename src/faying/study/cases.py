@@ -257,7 +257,7 @@ def full_transients(
 
 def integrator_of(case: LoadCaseSection) -> Integrator:
     """Return the integrator of a transient load case; the seed's implicit Euler by default."""
-    return named_integrator(case.integrator or "implicit-euler", case.rho_infinity)
+    return named_integrator(case.integrator, case.rho_infinity)
 
 
 def respond(solution: Solution, model: Model, seconds: float) -> Response:

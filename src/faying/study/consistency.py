@@ -8,6 +8,7 @@ from faying.exceptions import FormatError, StudyError
 from faying.interface.gap_field import read_gap_table
 from faying.model.assembly import Assembly
 from faying.reduction.methods import METHODS
+from faying.simulation.integrators import DAMPED
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
@@ -274,11 +275,9 @@ def _load_cases(study: Study) -> Iterator[Problem]:
         yield from _not_both(study, location, case)
         yield from _timing(study, location, case)
         yield from _forces(study, location, case)
-        if case.rho_infinity is not None and case.integrator in (None, "implicit-euler"):
-            text = (
-                'only integrator = "energy-decaying" and "generalized-alpha" have it; remove it or '
-                "add the integrator"
-            )
+        if case.rho_infinity is not None and case.integrator not in DAMPED:
+            having = " and ".join(f'"{name}"' for name in DAMPED)
+            text = f"only integrator = {having} have it; remove it or add the integrator"
             yield _problem(study, (*location, "rho_infinity"), text)
 
 

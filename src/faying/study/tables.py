@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
 from faying.reduction.methods import METHODS
+from faying.simulation.integrators import INTEGRATORS
 from faying.study.errors import StudySource, shown
 from faying.study.model_tables import (
     BoltSection,
@@ -192,7 +193,7 @@ class LoadCaseSection(Timed):
     name: Name
     kind: Literal["static", "step", "history"]
     forces: Annotated[tuple[ForceSection, ...], Field(min_length=1)]
-    integrator: Literal["implicit-euler", "energy-decaying", "generalized-alpha"] | None = None
+    integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
 
 

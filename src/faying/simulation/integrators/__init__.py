@@ -4,9 +4,11 @@ from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.generalized_alpha import GeneralizedAlpha
 from faying.simulation.integrators.implicit_euler import ImplicitEuler
 from faying.simulation.integrators.integrator import Integrator, Motion
-from faying.simulation.integrators.named import named_integrator
+from faying.simulation.integrators.named import DAMPED, INTEGRATORS, named_integrator
 
 __all__ = [
+    "DAMPED",
+    "INTEGRATORS",
     "EnergyDecaying",
     "GeneralizedAlpha",
     "ImplicitEuler",

@@ -1,24 +1,37 @@
 """Integrators by the names that studies and the command line give them."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any
 
+from faying.exceptions import ModelError
 from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.generalized_alpha import GeneralizedAlpha
 from faying.simulation.integrators.implicit_euler import ImplicitEuler
 from faying.simulation.integrators.integrator import Integrator
 
-SECOND_ORDER: Mapping[str, Callable[..., Integrator]] = {
-    "energy-decaying": EnergyDecaying,
-    "generalized-alpha": GeneralizedAlpha,
-}
+_SCHEMES: tuple[Any, ...] = (ImplicitEuler, EnergyDecaying, GeneralizedAlpha)
+
+INTEGRATORS: Mapping[str, Callable[..., Integrator]] = {one().name: one for one in _SCHEMES}
+"""Name to integrator."""
+
+DAMPED = [one().name for one in _SCHEMES if "rho_infinity" in {f.name for f in fields(one)}]
+"""Names of those whose damping at infinite frequency is chosen."""
 
 
-def named_integrator(name: str, rho_infinity: float | None = None) -> Integrator:
-    """Return an integrator: ``implicit-euler``, ``energy-decaying`` or ``generalized-alpha``.
+def named_integrator(name: str | None, rho_infinity: float | None = None) -> Integrator:
+    """Return an integrator by its name, the seed's implicit Euler where it is None.
 
-    ``rho_infinity`` is that of the last two; each has a default of its own.
+    ``rho_infinity`` is that of the :data:`DAMPED` ones; each has a default of its own.
+
+    Raises
+    ------
+    ModelError
+        If there is none of that name.
     """
-    if name not in SECOND_ORDER:
+    if name is None:
         return ImplicitEuler()
-    scheme = SECOND_ORDER[name]
-    return scheme() if rho_infinity is None else scheme(rho_infinity)
+    if name not in INTEGRATORS:
+        message = f"there is no integrator '{name}'; they are {', '.join(INTEGRATORS)}"
+        raise ModelError(message)
+    return INTEGRATORS[name]() if rho_infinity is None else INTEGRATORS[name](rho_infinity)
