@@ -95,6 +95,14 @@ def test_transients_compare_over_all_instants(joint):
     assert accuracy.rms_relative_error < accuracy.p999_relative_error <= largest
 
 
+def test_gaps_that_stay_open_are_equal(reference):
+    """Without any pressure there is nothing to be wrong by."""
+    open_ = replace(reference, contact_forces=np.zeros_like(reference.contact_forces))
+    accuracy = fy.compare(open_, open_)
+    assert accuracy.max_relative_error == accuracy.rms_relative_error == 0
+    assert accuracy.max_pressure_ratio == 1
+
+
 def test_refuses_what_does_not_compare(reference, joint):
     with pytest.raises(ModelError, match="cannot be compared; solve the same load case"):
         fy.relative_error(np.zeros(3), np.ones(4))

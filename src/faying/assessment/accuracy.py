@@ -68,7 +68,7 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
     Raises
     ------
     ModelError
-        If the shapes differ or the reference has no pressure at all.
+        If the shapes differ, or the reference has no pressure at all where the other one has some.
     """
     if np.shape(pressure) != np.shape(reference):
         message = (
@@ -77,6 +77,8 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
         )
         raise ModelError(message)
     largest = float(np.max(reference, initial=0.0))
+    if largest <= 0 and not np.any(pressure):
+        return np.zeros(np.shape(reference))  # gaps that stay open in both
     if largest <= 0:
         message = "the reference has no contact pressure, so no relative error exists"
         raise ModelError(message)
@@ -134,7 +136,9 @@ def measure(
         max_relative_error=float(error.max()),
         rms_relative_error=float(np.sqrt((error**2).mean())),
         p999_relative_error=float(np.percentile(error, 99.9)),
-        max_pressure_ratio=float(np.max(pressure) / np.max(reference)),
+        max_pressure_ratio=float(np.max(pressure) / np.max(reference))
+        if np.any(reference)
+        else 1.0,
         displacement_error=_displacement_error(list(displacements)),
     )
 

@@ -22,6 +22,7 @@ def check(
     from faying.cli.description import described
     from faying.joint.diagnosis import check_held, free_parts
     from faying.study.culprit import naming_tables
+    from faying.study.declared import missing_contact
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads
     from faying.study.plausible import doubts
@@ -37,7 +38,11 @@ def check(
     console, free = Console(), free_parts(model)
     for table in described(checked, loaded, model, free):
         console.print(table)
-    for doubt in doubts(loaded.assembly.materials, loaded.units):
+    missing = [
+        missing_contact(name, interface.area, interface.declared_area)
+        for name, interface in model.interfaces.items()
+    ]
+    for doubt in [*doubts(loaded.assembly.materials, loaded.units), *filter(None, missing)]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")

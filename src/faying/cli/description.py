@@ -21,6 +21,7 @@ from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.simulation.integrators import named_integrator
+from faying.study.declared import kept_share
 from faying.study.load_model import LoadedModel
 from faying.study.tables import ForceSection, LoadCaseSection, Study
 
@@ -162,7 +163,8 @@ def _supports(assembly: Assembly) -> dict[str, list[int]]:
 
 
 def _interfaces(model: Model) -> Table:
-    columns = ["name", "faces", "pairs", "points", "rule", "area", "mean gap", "penalty"]
+    columns = ["name", "faces", "pairs", "points", "rule", "area", "of declared"]
+    columns += ["mean gap", "penalty"]
     rows = (_interface(interface) for interface in model.interfaces.values())
     return _table("Interfaces", columns, rows)
 
@@ -180,6 +182,7 @@ def _sides(model: Model) -> Table:
 
 def _interface(interface: Interface) -> tuple[object, ...]:
     penalty = "hard" if np.isinf(interface.penalty) else float(interface.penalty)
+    share = kept_share(interface.area, interface.declared_area)
     return (
         interface.name,
         sum(len(faces.minus) for faces in interface.faces),
@@ -187,6 +190,7 @@ def _interface(interface: Interface) -> tuple[object, ...]:
         interface.n_points,
         interface.quadrature,
         interface.area,
+        "" if share is None else f"{share:.1%}",
         float(interface.weights @ interface.initial_gap) / interface.area,
         penalty,
     )

@@ -5,16 +5,18 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.interface.coupling import whole_weights
 from faying.interface.interface import FacePairs
 from faying.interface.reach import Reach, facet_depths
 from faying.interface.segments import Segments, find_segments
+from faying.interface.selection import select_facets
 from faying.interface.sides import DEFAULT_TOLERANCE, candidates
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_area_vectors
 
-_SHARE = 1e-3
-"""Share of a facet that its neighbour's partner may cover because digits of coordinates end."""
+_SHARE = 2.5 * DEFAULT_TOLERANCE
+"""Share of a facet that its neighbours' partners may cover where nodes miss by the tolerance."""
 
 
 def reach_of(assembly: Assembly, spec: InterfaceSpec, minus: Facets, plus: Facets) -> Reach | None:
@@ -93,6 +95,20 @@ def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices 
     single = (np.sort(nearest, axis=1) == np.arange(minus.shape[1])).all()
     close = (miss <= DEFAULT_TOLERANCE * edges.min(axis=1, initial=np.inf)[:, None]).all()
     return nearest if single and close else None
+
+
+def declared_area(assembly: Assembly, spec: InterfaceSpec) -> float | None:
+    """Return the area of the smaller side among those that name faces; None if none does.
+
+    Sides that name elements, properties or bodies only say who may touch, not where.
+    """
+    named = {*assembly.face_sets, *assembly.mesh.node_sets}
+    sides = [side for side in (spec.minus, spec.plus) if isinstance(side, str) and side in named]
+    areas = [
+        float(whole_weights(assembly.mesh.nodes, select_facets(assembly, side)).sum())
+        for side in sides
+    ]
+    return min(areas, default=None)
 
 
 def declared(assembly: Assembly, spec: InterfaceSpec) -> InterfaceSpec:

@@ -82,6 +82,8 @@ class Interface:
         Name of the rule, e.g. ``"gauss-2"`` or ``"nodal"``.
     coupling
         How the motion of the plus side reaches the pairs; None where the meshes match.
+    declared_area : [length²]
+        Area of the smaller of the sides that were named as faces; None where both are bodies.
     """
 
     name: str
@@ -99,6 +101,7 @@ class Interface:
     law: Law
     quadrature: str
     coupling: Coupling | None = None
+    declared_area: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("pair_normals", "initial_gap", "weights", "points", "normals"):

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
+from faying.interface.across import declared_area
 from faying.interface.doubled import check_not_doubled
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
@@ -186,15 +187,18 @@ def _found(
     assembly: Assembly, dofs: DofMap, spec: InterfaceSpec
 ) -> Iterator[tuple[str, Interface]]:
     """Find where the sides of a spec touch and build the interfaces there."""
+    area = declared_area(assembly, spec)
     if spec.meshes == "non-matching":
         for name, coupling in find_couplings(assembly, spec).items():
             law = _law(spec, partial(coupling_penalty, assembly, coupling))
             own = replace(spec, name=name)
-            yield name, build_mortar_interface(assembly, dofs, own, coupling, law)
+            joint = build_mortar_interface(assembly, dofs, own, coupling, law)
+            yield name, replace(joint, declared_area=area)
     else:
         for name, faces in find_interfaces(assembly, spec).items():
             law = _law(spec, partial(automatic_penalty, assembly, faces))
-            yield name, build_interface(assembly, dofs, replace(spec, name=name), faces, law)
+            joint = build_interface(assembly, dofs, replace(spec, name=name), faces, law)
+            yield name, replace(joint, declared_area=area)
 
 
 def _law(spec: InterfaceSpec, automatic: Callable[[], float]) -> Law:

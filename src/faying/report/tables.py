@@ -9,6 +9,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.report.quantities import number, percent, place, quantity, seconds
 from faying.report.verdict import grade
+from faying.study.declared import kept_share, missing_contact
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.study.summary import timings
 from faying.units import Units, units_of
@@ -95,7 +96,7 @@ def interface_table(results: Results) -> Table:
             f"{len(r.pairs)}",
             f"{len(r.weights)}",
             r.quadrature,
-            quantity(float(r.weights.sum()), units.of("length²"), 4),
+            quantity(float(r.weights.sum()), units.of("length²"), 4) + _of_declared(r),
             "hard" if np.isinf(r.penalty) else quantity(r.penalty, units.of("force/length³")),
             f"{int(r.stuck.sum())}",
             quantity(float(r.preload_pressure.max(initial=0.0)), units.pressure),
@@ -104,6 +105,15 @@ def interface_table(results: Results) -> Table:
         for name, r in results.interfaces.items()
     ]
     return table(columns, rows)
+
+
+def _of_declared(record: InterfaceRecord) -> str:
+    """Say the share of a declared area where something of it is missing."""
+    area = float(record.weights.sum())
+    missing = missing_contact("", area, record.declared_area)
+    return f" ({percent(kept_share(area, record.declared_area) or 0.0)} of the declared)" * bool(
+        missing
+    )
 
 
 def _open(record: InterfaceRecord) -> float:

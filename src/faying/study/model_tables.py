@@ -153,6 +153,7 @@ class InterfaceSection(Section):
     order: Count | None = None
     penalty: Penalty = "auto"
     tolerance: Positive | None = None
+    search_distance: Positive | None = None
     initial_gap: InitialGap | None = None
 
 

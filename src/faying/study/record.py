@@ -101,6 +101,7 @@ def _interface(model: Model, name: str, preload_pressure: Vector) -> InterfaceRe
         preload_pressure=preload_pressure[points],
         face_coverage=None if coupling is None else coupling.face_coverage,
         overlap=None if coupling is None else coupling.segments.partial,
+        declared_area=interface.declared_area,
     )
 
 

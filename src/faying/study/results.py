@@ -130,6 +130,8 @@ class InterfaceRecord:
         where the meshes match, and every facet is wholly covered.
     overlap : (n_triangle, 3, 3), optional
         Triangles of the common part on facets that are covered in part.
+    declared_area : optional
+        Area of the smaller side that was named as faces; None where both were bodies.
     """
 
     points: Matrix
@@ -147,6 +149,7 @@ class InterfaceRecord:
     preload_pressure: Vector
     face_coverage: Vector | None = None
     overlap: Matrix | None = None
+    declared_area: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -197,6 +197,9 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "length",
             "(n_triangle, 3, 3)",
         ),
+        "declared_area": Meaning(
+            "area of the smaller side that was named as faces; absent where none was", "length²"
+        ),
     },
     FacePairs: {
         "kind": Meaning("tri3, tri6, quad4 or quad8"),

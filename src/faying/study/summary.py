@@ -140,6 +140,7 @@ def _interface(face: InterfaceRecord) -> dict[str, Any]:
         "pairs": len(face.pairs),
         "points": len(face.weights),
         "area": float(face.weights.sum()),
+        "declared_area": face.declared_area,
         "penalty": "hard" if hard else face.penalty,
         "quadrature": face.quadrature,
         "stuck_pairs": int(face.stuck.sum()),

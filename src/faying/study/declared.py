@@ -1,0 +1,21 @@
+"""How much of the contact area that was declared is there."""
+
+ALMOST_ALL = 0.99
+"""Share of a declared area below which something of it was left out: facets follow curves."""
+
+
+def kept_share(area: float, declared_area: float | None) -> float | None:
+    """Return the share of a declared area that is in contact; None where none was declared."""
+    return None if not declared_area else min(area / declared_area, 1.0)
+
+
+def missing_contact(name: str, area: float, declared_area: float | None) -> str:
+    """Say of an interface what is missing of its declared area; nothing if it is all there."""
+    share = kept_share(area, declared_area)
+    if share is None or share >= ALMOST_ALL:
+        return ""
+    return (
+        f"interface '{name}': {share:.0%} of the declared contact area is paired ({area:.6g} of "
+        f"{declared_area:.6g}, the smaller side); the rest sees nothing of the other side along "
+        "its normal, or lies beyond the search distance"
+    )
