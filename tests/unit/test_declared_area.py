@@ -78,6 +78,17 @@ def test_a_study_sets_the_search_distance(said):
     assert "50% of the declared" in said("check", "", STUDY + own)
 
 
+def test_gaps_that_no_load_closes(said, tmp_path):
+    """A run without any contact has results and no error, but nothing to judge the penalty by."""
+    small = STUDY.replace("value = 1.0", "value = 1e-3")
+    assert "Report:" in said("run", "", small)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    case = summary["load_cases"]["press"]
+    assert case["reference"]["max_pressure"] == case["reference"]["contact_force"] == 0
+    assert case["methods"]["compliance"]["0"]["max_relative_error"] == 0
+    assert summary["validation"].get("penalty") is None
+
+
 def test_bodies_declare_no_area():
     model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
     assert model.interfaces["joint"].declared_area is None

@@ -155,6 +155,10 @@ def penalty_sweep(
     final = _final_forces(model)
     hard = _tightened(_hard(model, HARD * max(centre, float(values.max()))), final)
     yardstick = solve_static_cases(hard, loads)
+    for load, forces in zip(loads, yardstick.contact_forces, strict=True):
+        if not forces.any():
+            message = f"load '{load.name}' has no contact pressure, which no penalty changes"
+            raise ModelError(message)
     fits = {name: PairFit.of(interface) for name, interface in model.interfaces.items()}
     averages = _nodal_averages(hard, yardstick, fits)
     rows: list[list[Vector]] = []

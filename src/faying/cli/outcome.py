@@ -22,7 +22,7 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     for method in methods:
         table.add_row(method, *_row(method, list(cases.values())))
     console.print(table)
-    for name, face in summary["interfaces"].items():
+    for name, face in summary.get("interfaces", {}).items():
         missing = missing_contact(name, face["area"], face["declared_area"])
         if missing:
             console.print(f"Doubtful: {missing}", style="bold", highlight=False)

@@ -17,7 +17,7 @@ from faying.reduction.method import CLASSIC, Method
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import LoadBox
-from faying.simulation.static import solve_static_cases
+from faying.simulation.static import AT_REST, solve_static, solve_static_cases
 from faying.study.extras import Extras
 from faying.study.loads import case_load, training_box, validation_box
 from faying.study.offline import PreparedJoint, TrainedBases
@@ -127,9 +127,15 @@ def _constants(found: WorstCase) -> dict[str, float]:
     return {key: value for key, value in found.load.forces.items() if isinstance(value, float)}
 
 
-def _penalty(study: Study, model: Model, trained: TrainedBases, models: Models) -> PenaltyRecord:
+def _penalty(
+    study: Study, model: Model, trained: TrainedBases, models: Models
+) -> PenaltyRecord | None:
     """Sweep the contact stiffness over the study's static load cases (or its preload)."""
-    loads = [case_load(case) for case in study.load_cases if case.kind == "static"]
+    loads = [case_load(case) for case in study.load_cases if case.kind == "static"] or [AT_REST]
+    # Gaps that stay open say nothing of the stiffness of contact.
+    loads = [load for load in loads if solve_static(model, load).contact_forces.any()]
+    if not loads:
+        return None
     methods = {
         name: partial(
             _reduced,
@@ -140,7 +146,7 @@ def _penalty(study: Study, model: Model, trained: TrainedBases, models: Models) 
         for name, sizes in models.items()
         if METHODS[name].forces is None
     }
-    swept = penalty_sweep(model, loads, methods=methods) if loads else penalty_sweep(model)
+    swept = penalty_sweep(model, loads, methods=methods)
     units = units_of(study.units)
     names = UnitNames(penalty=units.of("force/length³"), length=units.length)
     advice = recommend_penalty(swept, units=names)
