@@ -7,8 +7,6 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from faying.study.declared import missing_contact
-
 
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
     """Print one row per method with its largest basis, one column per load case."""
@@ -22,10 +20,6 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     for method in methods:
         table.add_row(method, *_row(method, list(cases.values())))
     console.print(table)
-    for name, face in summary.get("interfaces", {}).items():
-        missing = missing_contact(name, face["area"], face["declared_area"])
-        if missing:
-            console.print(f"Doubtful: {missing}", style="bold", highlight=False)
     report = out / "report.html"
     console.print(f"Results are in {out}", highlight=False, soft_wrap=True)
     if report.exists():

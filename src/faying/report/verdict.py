@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
 from faying.report.style import label
+from faying.study.declared import missing_contacts
 from faying.study.results import CaseResult, MethodResult, Results
 from faying.study.step_check import step_check
 
@@ -185,7 +186,7 @@ def _answer(found: list[MethodVerdict]) -> str:
 
 def reservations(results: Results) -> list[str]:
     """Return what the errors do not say, the pressing ones first."""
-    said = []
+    said = missing_contacts(results)
     if results.warnings:
         said.append(
             f"{len(results.warnings)} solution(s) did not converge or deserve notice; "

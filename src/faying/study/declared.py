@@ -1,5 +1,7 @@
 """How much of the contact area that was declared is there."""
 
+from faying.study.results import Results
+
 ALMOST_ALL = 0.99
 """Share of a declared area below which something of it was left out: facets follow curves."""
 
@@ -19,3 +21,12 @@ def missing_contact(name: str, area: float, declared_area: float | None) -> str:
         f"{declared_area:.6g}, the smaller side); the rest sees nothing of the other side along "
         "its normal, or lies beyond the search distance"
     )
+
+
+def missing_contacts(results: Results) -> list[str]:
+    """Say what is missing of the declared contact of all interfaces of a run."""
+    said = (
+        missing_contact(name, float(face.weights.sum()), face.declared_area)
+        for name, face in results.interfaces.items()
+    )
+    return [text for text in said if text]

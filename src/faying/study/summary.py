@@ -8,6 +8,7 @@ import numpy as np
 
 from faying import __version__
 from faying.reduction.methods import METHODS
+from faying.study.declared import missing_contacts
 from faying.study.results import (
     CaseResult,
     InterfaceRecord,
@@ -34,7 +35,7 @@ def summarize(results: Results) -> dict[str, Any]:
         "units": results.units,
         "converged": not results.warnings,
         "not_converged": list(results.warnings),
-        "warnings": list(results.omissions),
+        "warnings": [*missing_contacts(results), *results.omissions],
         "model": {
             "nodes": len(results.nodes),
             "elements": sum(len(block.ids) for block in results.blocks),
