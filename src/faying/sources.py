@@ -1,13 +1,18 @@
-"""Models in one call: the built-in lap joint, decks, mesh files, matrices."""
+"""Where models come from: the built-in lap joint, decks, mesh files, matrices.
 
-from collections.abc import Mapping, Sequence
+One function for Python and one entry of :data:`SOURCES` for studies each.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Protocol
 
 import numpy as np
 
 from faying.joint.build import build_model
-from faying.joint.lap_joint import lap_joint_assembly
+from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.joint.model import Model
 from faying.model.assembly import Material
 from faying.model.description import JointDescription
@@ -225,3 +230,149 @@ def from_matrices(
         boundaries=boundaries,
         damping=damping,
     )
+
+
+class MaterialWishes(Protocol):
+    """Constants a study gives to a material; None leaves what the source says."""
+
+    @property
+    def E(self) -> float | None:
+        """Young's modulus [force/length²]."""
+        ...
+
+    @property
+    def nu(self) -> float | None:
+        """Poisson's ratio."""
+        ...
+
+    @property
+    def rho(self) -> float | None:
+        """Density [mass/length³]."""
+        ...
+
+
+def overridden(material: Material, wishes: MaterialWishes) -> Material:
+    """Return a material with the constants that a study gives."""
+    return replace(
+        material,
+        youngs_modulus=material.youngs_modulus if wishes.E is None else wishes.E,
+        poissons_ratio=material.poissons_ratio if wishes.nu is None else wishes.nu,
+        density=material.density if wishes.rho is None else wishes.rho,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SourceKeys:
+    """What a study says to its source: keys of [model], and materials by name."""
+
+    file: Path
+    files: Mapping[str, Path | None] = field(default_factory=dict)
+    subcase: int | None = None
+    element: str = "incompatible"
+    separate: tuple[str, ...] = ()
+    lap_joint: Mapping[str, Any] = field(default_factory=dict)
+    materials: Mapping[str, MaterialWishes] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """A source that studies name.
+
+    Attributes
+    ----------
+    name
+        As in ``source = "nastran"``.
+    key
+        Key of [model] that says what to read; sources with ``needs_key`` refuse to go without.
+    read
+        From the keys to what is there.
+    is_deck
+        Whether it has subcases, tightens bolts, and has materials and bricks of its own that a
+        study overrides.
+    has_joint, has_boundaries
+        Whether interfaces and bolts, and boundaries, come with it.
+    has_elements
+        Whether there are elements, hence materials and bolts that are elements.
+    is_mesh
+        Whether materials must be given whole, and groups may be separated.
+    remedy
+        What to do about a bolt that comes with it and is not as wished.
+    """
+
+    name: str
+    key: str
+    read: Callable[[SourceKeys], JointDescription]
+    needs_key: bool = True
+    is_deck: bool = False
+    has_joint: bool = False
+    has_boundaries: bool = False
+    has_elements: bool = True
+    is_mesh: bool = False
+    remedy: str = "remove the key, or change the deck"
+
+
+def _lap_joint(keys: SourceKeys) -> JointDescription:
+    steel = keys.materials.get(STEEL.name)
+    material = STEEL if steel is None else overridden(STEEL, steel)
+    keywords: Mapping[str, Any] = {"element": keys.element, **keys.lap_joint}
+    return lap_joint_assembly(material=material, **keywords)
+
+
+def _nastran(keys: SourceKeys) -> JointDescription:
+    from faying.io.nastran import read_joint
+
+    return read_joint(keys.file, subcase=keys.subcase)
+
+
+def _abaqus(keys: SourceKeys) -> JointDescription:
+    from faying.io.abaqus import read_joint
+
+    return read_joint(keys.file, step=keys.subcase)
+
+
+def _mesh(keys: SourceKeys) -> JointDescription:
+    from faying.io.mesh_files import read_mesh_file
+
+    materials = {name: _whole(name, wishes) for name, wishes in keys.materials.items()}
+    assembly = read_mesh_file(keys.file, materials=materials, separate=keys.separate)
+    return JointDescription(assembly=replace(assembly, element=keys.element))
+
+
+def _whole(name: str, wishes: MaterialWishes) -> Material:
+    """Return a material of a study whose source brings none; that all is given was checked."""
+    return Material(
+        name=name,
+        youngs_modulus=wishes.E or 0.0,
+        poissons_ratio=wishes.nu or 0.0,
+        density=wishes.rho or 0.0,
+    )
+
+
+def _matrices(keys: SourceKeys) -> JointDescription:
+    from faying.io.matrices import read_matrices
+
+    files: Mapping[str, Any] = keys.files
+    return JointDescription(assembly=read_matrices(**files))
+
+
+SOURCES: Mapping[str, Source] = MappingProxyType(
+    {
+        source.name: source
+        for source in (
+            Source(
+                name="lap-joint",
+                key="lap_joint",
+                read=_lap_joint,
+                needs_key=False,
+                has_joint=True,
+                has_boundaries=True,
+                remedy="give measures in [model.lap_joint] (bolt_diameter, washer_radius, ...)",
+            ),
+            Source(name="nastran", key="file", read=_nastran, is_deck=True, has_joint=True),
+            Source(name="abaqus", key="file", read=_abaqus, is_deck=True, has_joint=True),
+            Source(name="mesh", key="file", read=_mesh, is_mesh=True),
+            Source(name="matrices", key="files", read=_matrices, has_elements=False),
+        )
+    }
+)
+"""Name to source."""

@@ -9,16 +9,12 @@ from faying.interface.gap_field import read_gap_table
 from faying.model.assembly import Assembly
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import DAMPED
+from faying.sources import SOURCES, Source
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
 from faying.study.tables import LoadCaseSection, Loading, Study, Timed
-
-MATERIAL_OF_GENERATOR = "steel"
-
-DECKS = ("nastran", "abaqus")
-"""Sources that may define interfaces and bolts themselves."""
 
 
 def inconsistencies(study: Study) -> list[Problem]:
@@ -76,6 +72,10 @@ def _problem(study: Study, location: Location, text: str) -> Problem:
     return Problem(location, f"{study.source.place(location)}: {text}")
 
 
+def _source(study: Study) -> Source:
+    return SOURCES[study.model.source]
+
+
 def _in_table(study: Study, location: Location, text: str) -> Problem:
     return Problem(location, f"{study.source.table(location)}: {text}")
 
@@ -96,24 +96,17 @@ def _unique_names(study: Study) -> Iterator[Problem]:
 
 
 def _model_files(study: Study) -> Iterator[Problem]:
-    wanted = {
-        "lap-joint": "lap_joint",
-        "nastran": "file",
-        "abaqus": "file",
-        "mesh": "file",
-        "matrices": "files",
-    }
-    source, own = study.model.source, wanted[study.model.source]
-    if study.model.subcase is not None and source not in DECKS:
-        text = f"source '{source}' has no subcases; remove it"
+    source = _source(study)
+    if study.model.subcase is not None and not source.is_deck:
+        text = f"source '{source.name}' has no subcases; remove it"
         yield _problem(study, ("model", "subcase"), text)
-    for key in dict.fromkeys(wanted.values()):
+    for key in dict.fromkeys(one.key for one in SOURCES.values()):
         given = key in study.model.model_fields_set
-        if key == own and not given and source != "lap-joint":
-            text = f"source '{source}' needs '{key}'; add it"
+        if key == source.key and not given and source.needs_key:
+            text = f"source '{source.name}' needs '{key}'; add it"
             yield _in_table(study, ("model",), text)
-        if key != own and given:
-            text = f"does not belong to source '{source}'; remove it or change the source"
+        if key != source.key and given:
+            text = f"does not belong to source '{source.name}'; remove it or change the source"
             yield _problem(study, ("model", key), text)
 
 
@@ -125,7 +118,7 @@ def _sets(study: Study) -> Iterator[Problem]:
 
 
 def _interfaces(study: Study) -> Iterator[Problem]:
-    if study.model.source not in ("lap-joint", *DECKS) and not study.interfaces:
+    if not _source(study).has_joint and not study.interfaces:
         text = 'there is no [[interface]]; add one with a name, minus = "auto" and plus = "auto"'
         yield Problem((), f"{study.path.name}: {text}")
     for i, interface in enumerate(study.interfaces):
@@ -143,7 +136,7 @@ def _bolts(study: Study) -> Iterator[Problem]:
     for i, bolt in enumerate(study.bolts):
         location: Location = ("bolt", i)
         ways = [key for key in ("elements", "nodes", "axis") if getattr(bolt, key) is not None]
-        if len(ways) > 1 or (not ways and study.model.source not in ("lap-joint", *DECKS)):
+        if len(ways) > 1 or (not ways and not _source(study).has_joint):
             found = quoted(ways) or "none"
             text = f"found {found}, expected one of 'elements', 'nodes' or 'axis'"
             yield _in_table(study, location, f"{text}; say where bolt '{bolt.name}' is, once")
@@ -155,7 +148,7 @@ def _bolts(study: Study) -> Iterator[Problem]:
             text = "found 'preload' and 'initial_force'; give the final force or the initial one"
             yield _problem(study, (*location, "initial_force"), text)
         untold = bolt.preload is None and bolt.initial_force is None
-        if untold and (ways or study.model.source not in DECKS):
+        if untold and (ways or not _source(study).is_deck):
             text = (
                 "missing key 'preload', the bolt's final force (0 is not tightened), or "
                 "'initial_force'; add one"
@@ -166,7 +159,7 @@ def _bolts(study: Study) -> Iterator[Problem]:
 def _matrix_bolt(study: Study, number: int) -> Iterator[Problem]:
     """Check the keys that bolts of given matrices must have, and no other bolt may."""
     bolt, location = study.bolts[number], ("bolt", number)
-    if study.model.source != "matrices":
+    if _source(study).has_elements:
         for key in ("stiffness", "direction"):
             if getattr(bolt, key) is not None:
                 text = f"only bolts of source 'matrices' have a {key}; remove it"
@@ -190,10 +183,10 @@ def _boundaries(study: Study) -> Iterator[Problem]:
     for i, boundary in enumerate(study.boundaries):
         both = boundary.set is not None and boundary.node is not None
         neither = boundary.set is None and boundary.node is None
-        if both or (neither and study.model.source != "lap-joint"):
+        if both or (neither and not _source(study).has_boundaries):
             text = f"boundary '{boundary.name}' needs either 'set' or 'node'"
             yield _in_table(study, ("boundary", i), f"{text}; {'remove' if both else 'add'} one")
-    if study.boundaries and study.model.source != "lap-joint":
+    if study.boundaries and not _source(study).has_boundaries:
         yield from boundary_problems(study, [boundary.name for boundary in study.boundaries])
 
 
@@ -216,10 +209,10 @@ def _supports(study: Study) -> Iterator[Problem]:
 
 def _mesh_materials(study: Study) -> Iterator[Problem]:
     """Check that the materials of a mesh are whole, for it brings none."""
-    if study.model.separate and study.model.source != "mesh":
+    if study.model.separate and not _source(study).is_mesh:
         text = 'only source "mesh" has groups to separate; remove it'
         yield _problem(study, ("model", "separate"), text)
-    if study.model.source != "mesh":
+    if not _source(study).is_mesh:
         return
     for name, material in study.materials.items():
         missing = [key for key in ("E", "nu", "rho") if getattr(material, key) is None]
@@ -328,16 +321,11 @@ def _repeated(study: Study, location: Location, loads: Sequence[Loading]) -> Ite
 
 
 def _material(study: Study) -> Iterator[Problem]:
-    if study.model.source == "lap-joint":
-        for name in study.materials:
-            if name != MATERIAL_OF_GENERATOR:
-                text = f"the lap joint is of '{MATERIAL_OF_GENERATOR}'; rename the table"
-                yield _in_table(study, ("material", name), text)
     for name, material in study.materials.items():
         if not material.model_fields_set:
             text = "the table is empty; give 'E', 'nu' or 'rho', or remove it"
             yield _in_table(study, ("material", name), text)
-    if study.materials and study.model.source == "matrices":
+    if study.materials and not _source(study).has_elements:
         text = "matrices have no material; remove [material]"
         yield _in_table(study, ("material",), text)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 
+from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.study.errors import Problem, nearest, translated
 from faying.study.tables import Study
 
@@ -28,9 +29,14 @@ def lap_joint_keywords(study: Study) -> dict[str, Any]:
 
 
 def lap_joint_problems(study: Study) -> Iterator[Problem]:
-    """Keywords the generator does not have, and values of a wrong type."""
+    """Keywords the generator does not have, values of a wrong type, and other materials."""
     if study.model.source != "lap-joint":
         return
+    for name in study.materials:
+        if name != STEEL.name:
+            table = study.source.table(("material", name))
+            text = f"{table}: the lap joint is of '{STEEL.name}'; rename the table"
+            yield Problem(("material", name), text)
     schema = _schema()
     for name in study.model.lap_joint:
         location = ("model", "lap_joint", name)
@@ -50,8 +56,6 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
 
 def _schema() -> type[BaseModel]:
     """Mirror the signature of the generator."""
-    from faying.joint.lap_joint import lap_joint_assembly
-
     parameters = inspect.signature(lap_joint_assembly).parameters.values()
     keys: dict[str, Any] = {
         parameter.name: (parameter.annotation, parameter.default)

@@ -13,12 +13,12 @@ from faying.interface.gap_rule import with_gap_rule
 from faying.interface.interface import Interface
 from faying.joint.build import build_model
 from faying.joint.diagnosis import check_held
-from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.joint.model import Model
 from faying.model.assembly import Assembly, Material
 from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.sources import SOURCES, SourceKeys, overridden
 from faying.study.bolts import (
     bolt_entries,
     check_distinct_bolts,
@@ -30,7 +30,6 @@ from faying.study.consistency import boundary_problems, deck_load_problems, load
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
 from faying.study.loads import check_loads
-from faying.study.model_tables import MaterialSection
 from faying.study.section import Section
 from faying.study.sets import with_study_sets
 from faying.study.supports import with_study_supports
@@ -83,8 +82,7 @@ def load_model(study: Study) -> LoadedModel:
     FormatError, ModelError
         If the source cannot be read or does not make a model.
     """
-    read = SOURCE_READERS[study.model.source]
-    described = read(study)
+    described = _described(study)
     assembly = with_study_supports(with_study_sets(described.assembly, study), study)
     bolts = _merged(study, "bolt", described.bolts, bolt_entries(study, assembly))
     check_distinct_bolts(study, bolts)
@@ -171,65 +169,21 @@ def build(study: Study) -> Model:
     return model
 
 
-def _lap_joint(study: Study) -> JointDescription:
-    overrides = study.materials.get(STEEL.name, MaterialSection())
-    return lap_joint_assembly(
-        element=study.model.element,
-        material=_overridden(STEEL, overrides),
-        **lap_joint_keywords(study),
-    )
-
-
-def _nastran(study: Study) -> JointDescription:
-    from faying.io.nastran import read_joint
-
-    return _as_wished(read_joint(_file(study), subcase=study.model.subcase), study)
-
-
-def _abaqus(study: Study) -> JointDescription:
-    from faying.io.abaqus import read_joint
-
-    return _as_wished(read_joint(_file(study), step=study.model.subcase), study)
-
-
-def _mesh(study: Study) -> JointDescription:
-    from faying.io.mesh_files import read_mesh_file
-
-    materials = {
-        name: Material(
-            name=name,
-            # a mesh has no material to override; that all are given was checked
-            youngs_modulus=one.E or 0.0,
-            poissons_ratio=one.nu or 0.0,
-            density=one.rho or 0.0,
+def _described(study: Study) -> JointDescription:
+    """Read what the source says, with the study's materials and formulation of bricks."""
+    source, model = SOURCES[study.model.source], study.model
+    described = source.read(
+        SourceKeys(
+            file=model.file or Path(),
+            files=dict(model.files or {}),
+            subcase=model.subcase,
+            element=model.element,
+            separate=model.separate,
+            lap_joint=lap_joint_keywords(study) if model.lap_joint else {},
+            materials=study.materials,
         )
-        for name, one in study.materials.items()
-    }
-    assembly = read_mesh_file(_file(study), materials=materials, separate=study.model.separate)
-    return JointDescription(assembly=replace(assembly, element=study.model.element))
-
-
-def _matrices(study: Study) -> JointDescription:
-    from faying.io.matrices import read_matrices
-
-    files = dict(study.model.files or {})
-    return JointDescription(assembly=read_matrices(**files))
-
-
-SOURCE_READERS = {
-    "lap-joint": _lap_joint,
-    "nastran": _nastran,
-    "abaqus": _abaqus,
-    "mesh": _mesh,
-    "matrices": _matrices,
-}
-
-
-def _file(study: Study) -> Path:
-    if study.model.file is None:  # refused when the study was read
-        message = f"{study.path.name}: [model] has no file"
-        raise StudyError(message)
-    return study.model.file
+    )
+    return _as_wished(described, study) if source.is_deck else described
 
 
 def _as_wished(described: JointDescription, study: Study) -> JointDescription:
@@ -238,15 +192,6 @@ def _as_wished(described: JointDescription, study: Study) -> JointDescription:
     if "element" in study.model.model_fields_set:
         assembly = replace(assembly, element=study.model.element)
     return replace(described, assembly=assembly)
-
-
-def _overridden(material: Material, section: MaterialSection) -> Material:
-    return replace(
-        material,
-        youngs_modulus=material.youngs_modulus if section.E is None else section.E,
-        poissons_ratio=material.poissons_ratio if section.nu is None else section.nu,
-        density=material.density if section.rho is None else section.rho,
-    )
 
 
 def _with_materials(assembly: Assembly, study: Study) -> Assembly:
@@ -263,7 +208,7 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
 
     def chosen(material: Material, number: int) -> Material:
         section = study.materials.get(str(number), study.materials.get(material.name))
-        return _overridden(material, section) if section else material
+        return overridden(material, section) if section else material
 
     materials = {number: chosen(old, number) for number, old in assembly.materials.items()}
     beams = tuple(
@@ -307,12 +252,6 @@ def _merged(
     return tuple(specs.values())
 
 
-BOLTS_OF_SOURCES = {
-    "lap-joint": "give measures in [model.lap_joint] (bolt_diameter, washer_radius, ...)",
-    "nastran": "remove the key, or change the deck",
-    "abaqus": "remove the key, or change the deck",
-}
-
 PLACES = {
     "interface": {"minus", "plus"},
     "bolt": {"elements", "nodes", "axis"},
@@ -336,7 +275,7 @@ def _refused_overrides(
             location = (table, number, key)
             text = (
                 "the source has this bolt already, and it takes only a preload here; "
-                + BOLTS_OF_SOURCES[study.model.source]
+                + SOURCES[study.model.source].remedy
             )
             yield Problem(location, f"{study.source.place(location)}: {text}")
 

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from faying.sources import SOURCES
 from faying.study.errors import shown
 from faying.study.section import (
     Count,
@@ -21,11 +22,9 @@ from faying.study.section import (
     Section,
     Selection,
     Switch,
+    name_in,
     refusal,
 )
-
-Source = Literal["lap-joint", "nastran", "abaqus", "mesh", "matrices"]
-"""Where a model can come from."""
 
 DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 
@@ -108,7 +107,7 @@ class ModelSection(Section):
         Keywords of :func:`faying.joint.lap_joint.lap_joint_assembly`.
     """
 
-    source: Source
+    source: Annotated[str, name_in(SOURCES)]
     file: ExistingFile | None = None
     subcase: Count | None = None
     files: MatrixFiles | None = None
