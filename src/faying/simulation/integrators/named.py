@@ -9,9 +9,8 @@ from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.generalized_alpha import GeneralizedAlpha
 from faying.simulation.integrators.implicit_euler import ImplicitEuler
 from faying.simulation.integrators.integrator import Integrator
-from faying.simulation.integrators.midpoint_rule import MidpointRule
 
-_SCHEMES: tuple[Any, ...] = (ImplicitEuler, EnergyDecaying, GeneralizedAlpha, MidpointRule)
+_SCHEMES: tuple[Any, ...] = (ImplicitEuler, EnergyDecaying, GeneralizedAlpha)
 
 INTEGRATORS: Mapping[str, Callable[..., Integrator]] = {one().name: one for one in _SCHEMES}
 """Name to integrator."""
