@@ -348,13 +348,6 @@ def _whole(name: str, wishes: MaterialWishes) -> Material:
     )
 
 
-def _boxes(keys: SourceKeys) -> JointDescription:
-    from faying.io.boxes_file import read_boxes
-
-    materials = {name: _whole(name, wishes) for name, wishes in keys.materials.items()}
-    return JointDescription(assembly=read_boxes(keys.file, materials=materials))
-
-
 def _matrices(keys: SourceKeys) -> JointDescription:
     from faying.io.matrices import read_matrices
 
@@ -378,7 +371,6 @@ SOURCES: Mapping[str, Source] = MappingProxyType(
             Source(name="nastran", key="file", read=_nastran, is_deck=True, has_joint=True),
             Source(name="abaqus", key="file", read=_abaqus, is_deck=True, has_joint=True),
             Source(name="mesh", key="file", read=_mesh, is_mesh=True),
-            Source(name="boxes", key="file", read=_boxes, is_mesh=True),
             Source(name="matrices", key="files", read=_matrices, has_elements=False),
         )
     }
