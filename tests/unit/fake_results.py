@@ -141,6 +141,8 @@ def _method(count, error, reference, points, nodes, times):
         joint_modes=count,
         n_modes=16 + count,
         response=response,
+        certified_energy_error=error / 2 if times is None else None,
+        certified_force_error=error / 4 if times is None else None,
         certified_bound=2 * error if times is None else None,
         recovered_error=None if times is None else 0.02,
         accuracy=Accuracy(

@@ -168,6 +168,8 @@ def test_a_certified_bound_is_never_below_the_error(finished):
     for entry in figures:
         # 1e-9: round-off of bound and error where both vanish.
         assert entry["certified_bound"] >= entry["max_relative_error"] - 1e-9
+        assert entry["certified_energy_error"] >= 0
+        assert entry["certified_force_error"] >= 0
 
 
 def test_results_hold_what_the_run_validated(finished):

@@ -68,8 +68,8 @@ def choose_joint_modes(
     tolerance
         As a fraction of the exact solution, in the measure.
     measure
-        ``"energy_error"`` is bounded sharply; ``"max_relative_error"`` (of pressure) several times
-        too high for stiff contact, so more modes than necessary may be chosen.
+        ``"energy_error"`` is bounded sharply; ``"max_relative_error"`` (of pressure) ten to a
+        thousand times too high for stiff contact, so more modes than necessary may be chosen.
 
     Raises
     ------

@@ -33,6 +33,7 @@ def worst_case_table(results: Results) -> Table:
             name,
             f"{case.joint_modes}" if case.joint_modes else "none",
             ", ".join(_force(key, value, units) for key, value in case.forces.items()),
+            percent(case.bound),
             Cell(text=percent(case.max_relative_error), grade=grade(case.max_relative_error)),
             percent(case.certified_bound),
             f"{case.evaluations}",
@@ -40,8 +41,8 @@ def worst_case_table(results: Results) -> Table:
         for name, case in results.validation.worst_cases.items()
     )
     columns = (
-        "method", "joint modes", "worst load found", "max error there, by a full solution",
-        "certified bound there", "loads searched",
+        "method", "joint modes", "worst load found", "certified energy error there",
+        "max error there, by a full solution", "certified max error there", "loads searched",
     )  # fmt: skip
     return table(columns, rows)
 

@@ -11,8 +11,10 @@ from faying.exceptions import FormatError
 from faying.files.atomic import write_text
 from faying.files.names import file_names
 from faying.report.beyond import choice_table, load_space_table, worst_case_table
+from faying.report.certified import sharpness
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
+from faying.report.limits import limits
 from faying.report.meanings import meanings
 from faying.report.quantities import percent, quantity
 from faying.report.tables import (
@@ -32,6 +34,8 @@ from faying.units import Units, units_of
 
 LONG = 22
 """Characters of a cell that may be broken into lines; a number stays with its unit."""
+NARROW = 3
+"""Most columns that a phone shows side by side; wider tables become a card per row there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +89,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
     )
     environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
     environment.filters["instant"] = _instant
-    environment.globals["LONG"] = LONG
+    environment.globals |= {"LONG": LONG, "NARROW": NARROW}
     found = verdicts(results)
     return environment.get_template("report.html.j2").render(
         results=results,
@@ -105,7 +109,8 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         choices=choice_table(results),
         timings=timing_table(results),
         stages=stage_table(results),
-        rules=sorted({record.quadrature for record in results.interfaces.values()}),
+        limits=limits(results),
+        sharpness=sharpness(results),
         figures={
             section: [entry for entry in figures if entry.section == section]
             for section in ("model", "preload", "convergence", "beyond")

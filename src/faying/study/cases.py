@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.accuracy import Accuracy, measure
-from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
 from faying.assessment.recovery import recover_pressure
 from faying.exceptions import ConvergenceError
 from faying.execution.groups import grouped
@@ -84,13 +84,16 @@ class CaseRunner:
                     recovered = _recovered_error(response, reference)
                 if accuracy is None:
                     continue
+                certificate = self._certified(case, response)
                 methods[name][count] = MethodResult(
                     joint_modes=count,
                     n_modes=int(rom.K.shape[0]),
                     response=response,
                     accuracy=accuracy,
                     recovered_error=recovered,
-                    certified_bound=self._certified(case, response),
+                    certified_energy_error=_bound(certificate, "energy_error"),
+                    certified_force_error=_bound(certificate, "contact_force_error"),
+                    certified_bound=_bound(certificate, "max_relative_error"),
                 )
         half_step = None
         with self.extras.attempt(f"{case.name}, half the time step"):
@@ -127,15 +130,14 @@ class CaseRunner:
             return certifier(self.joint.model)
         return None
 
-    def _certified(self, case: LoadCaseSection, response: Response) -> float | None:
-        """Bound the relative pressure error of a static case from the compliance alone."""
+    def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
+        """Bound the errors of a static case from the compliance alone."""
         if case.kind != "static":
             return None
         with self.stages.timed("certificates"), self.extras.attempt(f"{case.name}, bounds"):
             inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
             if self._judge is not None:
-                certificate = self._judge.certify_inputs(inputs, response.pressure)
-                return float(certificate.max_relative_error)
+                return self._judge.certify_inputs(inputs, response.pressure)
         return None
 
     def _reference(self, case: LoadCaseSection) -> Response:
@@ -284,6 +286,10 @@ def _accuracy(model: Model, response: Response, reference: Response) -> Accuracy
         for name, boundary in model.boundaries.items()
     ]
     return measure(response.pressure, reference.pressure, displacements)
+
+
+def _bound(certificate: Certificate | None, measure: Measure) -> float | None:
+    return None if certificate is None else float(certificate.bound(measure))
 
 
 def _recovered_error(response: Response, reference: Response) -> float | None:

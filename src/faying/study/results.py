@@ -63,8 +63,9 @@ class MethodResult:
         Length of the basis.
     recovered_error
         Largest relative error of the recovered pressures, of transients.
-    certified_bound
-        Bound of the largest relative error that needs no full solution, of static cases.
+    certified_energy_error, certified_force_error, certified_bound
+        Bounds that need no full solution, of static cases: of the error in the energy norm, of the
+        total contact force, and of the largest relative error.
     """
 
     joint_modes: int
@@ -72,6 +73,8 @@ class MethodResult:
     response: Response
     accuracy: Accuracy
     recovered_error: float | None = None
+    certified_energy_error: float | None = None
+    certified_force_error: float | None = None
     certified_bound: float | None = None
 
 

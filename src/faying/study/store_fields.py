@@ -227,6 +227,8 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "n_modes": Meaning("length of the basis", "1"),
         "response": Meaning("solution of the reduced model"),
         "accuracy": Meaning("errors against the full model"),
+        "certified_energy_error": Meaning("bound of the error in the energy norm", "1"),
+        "certified_force_error": Meaning("bound of the error of the contact force", "1"),
         "certified_bound": Meaning("bound of max_relative_error without full solution", "1"),
         "recovered_error": Meaning("max |p - p_ref| / max p_ref of recovered pressures", "1"),
     },

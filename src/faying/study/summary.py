@@ -185,6 +185,12 @@ def _method(result: MethodResult) -> dict[str, float]:
     figures = asdict(result.accuracy)
     if result.recovered_error is not None:
         figures["recovered_max_relative_error"] = result.recovered_error
-    if result.certified_bound is not None and np.isfinite(result.certified_bound):
-        figures["certified_bound"] = result.certified_bound
+    certified = {
+        "certified_energy_error": result.certified_energy_error,
+        "certified_force_error": result.certified_force_error,
+        "certified_bound": result.certified_bound,
+    }
+    figures |= {
+        name: bound for name, bound in certified.items() if bound is not None and np.isfinite(bound)
+    }
     return figures
