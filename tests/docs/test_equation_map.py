@@ -1,4 +1,4 @@
-"""docs/theory/equation_map.md: every equation of the seed, its function and its test."""
+"""docs/theory/equation_map.md: equations of the seed and of our own, functions and tests."""
 
 import ast
 import inspect
@@ -12,8 +12,14 @@ import pytest
 from pages import DOCS, ROOT
 
 TEXT = (DOCS / "theory" / "equation_map.md").read_text(encoding="utf-8")
-ROWS = re.findall(r"^\| \((15\.\d+)\) \| .* \| (\S+) \| (\S+) \|$", TEXT, re.MULTILINE)
+ROWS = re.findall(r"^\| \((15\.\d+|[A-Z]\d+)\) \| .* \| (\S+) \| (\S+) \|$", TEXT, re.MULTILINE)
 NAMED = [(number, name.strip("`"), test.strip("`")) for number, name, test in ROWS if name != "—"]
+
+
+OWN = {"M": "method", "R": "recovery", "C": "certificate"}
+"""Letter of our own equation numbers to the page that they are of."""
+
+CITED_OWN = re.compile(rf"\(([{''.join(OWN)}]\d+)\)")
 
 
 def resolved(name: str) -> Any:
@@ -35,7 +41,7 @@ def cited(text: str) -> set[str]:
     numbers = {int(n) for n in re.findall(r"\(15\.(\d+)[a-d]?\)", text)}
     for first, last in re.findall(r"\(15\.(\d+)\) to \(15\.(\d+)\)", text):
         numbers |= set(range(int(first), int(last) + 1))
-    return {f"15.{n}" for n in numbers}
+    return {f"15.{n}" for n in numbers} | set(CITED_OWN.findall(text))
 
 
 def names_of_tests(path: Path) -> set[str]:
@@ -51,7 +57,8 @@ def names_of_tests(path: Path) -> set[str]:
 
 
 def test_all_equations_of_the_seed_are_there():
-    assert [number for number, *_ in ROWS] == [f"15.{n}" for n in range(1, 32)]
+    seed = [number for number, *_ in ROWS if number.startswith("15.")]
+    assert seed == [f"15.{n}" for n in range(1, 32)]
     assert len(NAMED) > 20
 
 
@@ -65,3 +72,27 @@ def test_function_cites_its_equation_and_the_test_exists(number, name, test):
     assert number in cited("\n".join(texts))
     file, _, function = test.partition("::")
     assert function in names_of_tests(ROOT / file)
+
+
+def test_every_equation_of_our_own_that_is_cited_stands_on_its_page():
+    numbers = {letter: numbers_of(DOCS / "theory" / f"{page}.md") for letter, page in OWN.items()}
+    texts = [path for folder in ("src", "tests", "docs") for path in (ROOT / folder).rglob("*")]
+    unknown = [
+        f"{path.relative_to(ROOT)}: ({number})"
+        for path in texts
+        if path.suffix in {".py", ".md"}
+        for number in CITED_OWN.findall(path.read_text(encoding="utf-8"))
+        if number not in numbers[number[0]]
+    ]
+    assert not unknown
+
+
+def numbers_of(page: Path) -> set[str]:
+    """Numbers that a page gives to its equations: in a tag, or at the end of a sentence."""
+    text = page.read_text(encoding="utf-8")
+    return set(re.findall(r"\\tag\{([A-Z]\d+)\}", text)) | set(CITED_OWN.findall(text))
+
+
+def test_all_tagged_equations_of_the_method_are_in_the_map():
+    tagged = re.findall(r"\\tag\{(M\d+)\}", (DOCS / "theory" / "method.md").read_text("utf-8"))
+    assert [number for number, *_ in ROWS if number.startswith("M")] == tagged

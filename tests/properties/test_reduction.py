@@ -180,7 +180,7 @@ def test_residual_compliance_is_positive_semidefinite(name, bases, joint):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_residual_compliance_is_what_the_basis_misses(name, bases, joint):
-    """P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, by the definition of design §3."""
+    """P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, by its definition, (M5)."""
     rom = fy.reduce(joint, bases[name])
     missing = joint.port_compliance.relative - rom.port_compliance.relative
     small = 1e-9 * np.abs(joint.port_compliance.relative).max()  # condition of K
@@ -194,7 +194,7 @@ def test_statics_with_compliance_are_exact(name, bases, joint, values):
     load = drawn_load(values, joint)
     rom = fy.reduce(joint, bases[name], compliance=True)
     fast, full = fy.solve_static(rom, load), fy.solve_static(joint, load)
-    # Design §3; round-off times the condition of K, 1e-11 is usual.
+    # Exact by (M5); round-off times the condition of K, 1e-11 is usual.
     small = 1e-8 * full.max_pressure
     np.testing.assert_allclose(fast.pressure, full.pressure, rtol=0, atol=small)
     small = 1e-9 * np.abs(full.displacement("tip")).max()

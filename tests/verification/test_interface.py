@@ -242,7 +242,7 @@ def test_a_facet_without_area_is_refused():
 def test_the_seeds_joint_has_its_pairs_and_the_designs_penalty():
     joint = lap_joint_assembly()
     (faces,) = find_interfaces(joint.assembly, joint.interfaces[0]).values()
-    # Design §5: 10 E/h = 8.4e5 on 2.5 mm bricks, 148 pairs with the hole.
+    # 10 E/h = 8.4e5 on 2.5 mm bricks, 148 pairs with the hole.
     assert automatic_penalty(joint.assembly, faces) == pytest.approx(8.4e5, rel=1e-12)
     built = build_interface(
         joint.assembly,

@@ -1,4 +1,4 @@
-"""Certified error of any contact pressure, without the full solution (design §3).
+"""Certified error of any contact pressure, without the full solution, (C6).
 
 For a candidate λ̂ ≥ 0 of the problem s = Hλ + g_free ≥ 0, λ ≥ 0, λᵀs = 0 and *any* z ≥ 0,
 
@@ -159,7 +159,7 @@ def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosu
 
     Notes
     -----
-    The best of three z: s⁺ (design §3); s⁺ where λ̂ = 0 and 0 elsewhere, (C8), second order in the
+    The best of three z: s⁺, (C18); s⁺ where λ̂ = 0 and 0 elsewhere, (C8), second order in the
     error and usually the sharpest; and the minimizer point by point, (s − λ̂/(H⁻¹)_kk)⁺, (C9).
     O(n²) a candidate.
     """

@@ -1,4 +1,4 @@
-"""Pressure recovery: trustworthy contact pressures from any reduced trajectory (design §3).
+"""Pressure recovery: trustworthy contact pressures from any reduced trajectory, (R5).
 
 A reduced trajectory is poor in pressure because its few trial vectors must carry the contact. Its
 inertia and damping forces are good all the same, as they are spread over the whole structure.

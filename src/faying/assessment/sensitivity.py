@@ -1,7 +1,7 @@
 """Derivatives of a static contact solution by loads, bolt forces and initial gaps.
 
 Where no point is about to open or close, the points A in contact stay the same and the condensed
-problem of design §3 is linear there:
+problem, (M3) of ``docs/theory/method.md``, is linear there:
 
     H_AA δλ_A = −δg_A,    δg = G K⁻¹ δf + δg₀,    δλ = 0 elsewhere.
 

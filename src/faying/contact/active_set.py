@@ -1,6 +1,7 @@
 """Which contact points are closed: an active set that cannot cycle, for any form of H.
 
-Design §3: with the gap flexibility H = S + D and the gap without contact forces g_free,
+(M3) of ``docs/theory/method.md``: with the gap flexibility H = S + D, (M2), and the gap without
+contact forces g_free,
 
     s = H λ + g_free ≥ 0,   λ ≥ 0,   λᵀ s = 0
 

@@ -187,7 +187,7 @@ class CondensedContact:
 
     @cached_property
     def flexibility(self) -> Matrix:
-        """H = S + D (n_point, n_point), residual compliance included; design §3.
+        """H = S + D (n_point, n_point), residual compliance included, (M2).
 
         Raises
         ------

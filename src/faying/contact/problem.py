@@ -1,6 +1,7 @@
 """The condensed contact problem: convex, dense, the same for every model.
 
-Design §3: with the gap flexibility H = S + D and the gap without contact forces g_free,
+(M3) of ``docs/theory/method.md``: with the gap flexibility H = S + D, (M2), and the gap without
+contact forces g_free,
 
     s = H λ + g_free ≥ 0,   λ ≥ 0,   λᵀ s = 0
 
@@ -22,7 +23,7 @@ __all__ = ["ContactForces", "ContactProblem", "contact_problem"]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactProblem:
-    """min ½ λᵀ H λ + g_freeᵀ λ over λ ≥ 0.
+    """min ½ λᵀ H λ + g_freeᵀ λ over λ ≥ 0, (M4).
 
     Attributes
     ----------

@@ -23,9 +23,10 @@ PENALTY_FACTOR = 10.0
 
 
 def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float:
-    """Return c_n = 10 E/h [force/length³] of the elements adjoining an interface; design §5.
+    """Return c_n = 10 E/h [force/length³] of the elements adjoining an interface.
 
-    E is the smallest Young's modulus among them, h their mean extent normal to their facet.
+    E is the smallest Young's modulus among them, h their mean extent normal to their facet. What
+    that does to pressures: ``docs/how-to/choose_the_penalty.md``.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from faying.linalg.partial import port_compliance
 
 
 def interface_compliance(model: Model, factor: Factorization | None = None) -> Matrix:
-    """Compute S = G K⁻¹ Gᵀ (n_point, n_point) [length/force], design §3.
+    """Compute S = G K⁻¹ Gᵀ (n_point, n_point) [length/force], (M1).
 
     Parameters
     ----------

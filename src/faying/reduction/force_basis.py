@@ -1,8 +1,8 @@
 """Contact forces as nonnegative combinations of nonnegative vectors, with exact compliance.
 
 λ = W μ with μ ≥ 0 puts the reduced forces inside the cone of admissible ones: no pull, whatever
-the load. The condensed problem of design §3 becomes one of the same form and of the size of the
-basis,
+the load. The condensed problem (M4) of ``docs/theory/method.md`` becomes one of the same form and
+of the size of the basis,
 
     min ½ μᵀ (Wᵀ H W) μ + (Wᵀ g_free)ᵀ μ   over μ ≥ 0,
 

@@ -133,7 +133,7 @@ def reduced_ports(rom: System, factor: Factorization) -> PortCompliance:
 
 
 def with_residual(model: PortableModel, joint: PortableJoint) -> PortableModel:
-    """Return a portable model that keeps the interface compliance its basis lacks (design §3).
+    """Return a portable model that keeps the interface compliance its basis lacks, (M5).
 
     R = P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, here from the compliance of the full joint.
     """

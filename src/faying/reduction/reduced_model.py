@@ -98,7 +98,7 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
         Trial vectors; boundary rows [I 0] where it has constraint modes.
     compliance
         Keep the compliance between contact points that the basis lacks, as a massless spring
-        between contact forces and gaps (design §3): static solutions are then exact.
+        between contact forces and gaps, (M5): static solutions are then exact.
 
     Returns
     -------
@@ -132,10 +132,11 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
 def residual_compliance(model: Model, basis: Basis) -> Compliance:
     """Compliance R (n_relative, n_relative) between contact pairs that a basis cannot express.
 
-    R = P K_ii⁻¹ Pᵀ − PΦ_f (Φ_fᵀ K Φ_f)⁻¹ (PΦ_f)ᵀ with Φ_f the shapes that vanish on the boundary.
-    Constraint modes are exact and K-orthogonal to Φ_f, so this equals P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ
-    where the structure is held, and exists where it is not. Positive semidefinite: it is the
-    compliance of the structure with its boundary and Φ_f held.
+    R = P K_ii⁻¹ Pᵀ − PΦ_f (Φ_fᵀ K Φ_f)⁻¹ (PΦ_f)ᵀ, (M6), with Φ_f the shapes that vanish on the
+    boundary.
+    Constraint modes are exact and K-orthogonal to Φ_f, so this equals (M5),
+    P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, where the structure is held, and exists where it is not. Positive
+    semidefinite: it is the compliance of the structure with its boundary and Φ_f held.
     """
     fixed = basis.of_kind(*VANISHING)
     seen = model.structure.relative_operator @ fixed

@@ -31,7 +31,7 @@ def solve_static(system: System, load: Load = AT_REST) -> Solution:
 
     Notes
     -----
-    Design §3. One dense contact problem and one back-substitution; the compliance of the system is
+    One dense contact problem and one back-substitution; the compliance of the system is
     formed at the first call and kept.
     """
     cases = solve_static_cases(system, [load])

@@ -72,8 +72,8 @@ def transient_solver(
 
     Notes
     -----
-    One factorization and the compliance of a step; :meth:`TransientSolver.solve` then has only the
-    steps left to do.
+    One factorization and the compliance of a step, (M7) of ``docs/theory/method.md``;
+    :meth:`TransientSolver.solve` then has only the steps left to do.
     """
     check_times(step, step)
     if compiled:

@@ -1,4 +1,4 @@
-"""The figures of a run in one JSON document, keys as in design §6."""
+"""The figures of a run in one JSON document, keys as in ``docs/results.md``."""
 
 from collections.abc import Mapping
 from dataclasses import asdict

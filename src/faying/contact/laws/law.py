@@ -35,7 +35,7 @@ class Law(Protocol):
         ...
 
     def compliance(self, weights: Vector) -> Vector:
-        """Return c′(x) (n_point,) [length/force] of the normal component; D of design §3.
+        """Return c′(x) (n_point,) [length/force] of the normal component; D of (M2).
 
         Parameters
         ----------
