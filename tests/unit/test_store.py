@@ -8,7 +8,7 @@ import pytest
 from fake_results import fake_results
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from hypothesis.extra.numpy import array_shapes, arrays
+from hypothesis.extra.numpy import arrays
 
 from faying.exceptions import FormatError
 from faying.study import store
@@ -52,25 +52,39 @@ names = texts.filter(bool)
 numbers = st.floats(allow_nan=False)
 
 
-# The folder is shared by all examples; each replaces the file.
+POINTS = RESULTS.cases["LC1"].reference.pressure.shape
+
+
+# The folder is shared by all examples; each replaces the file. What is read must fit together, so
+# arrays of one record have one length: pressures that of the contact points, tried numbers of joint
+# modes any.
 @settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(
-    values=arrays(float, array_shapes(max_dims=2, min_side=0, max_side=40), elements=numbers),
-    timings=st.dictionaries(names, numbers | st.dictionaries(names, numbers, max_size=3)),
+    pressure=arrays(float, POINTS, elements=st.floats(allow_nan=False, allow_infinity=False)),
+    bounds=arrays(float, st.integers(0, 100), elements=numbers),
+    timings=st.dictionaries(names, numbers),
     words=st.dictionaries(names, texts, max_size=5),
     lines=st.lists(texts, max_size=4).map(tuple),
     number=numbers,
 )
-def test_reading_returns_anything_that_was_written(tmp_path, values, timings, words, lines, number):
+def test_reading_returns_anything_that_was_written(
+    tmp_path, pressure, bounds, timings, words, lines, number
+):
+    whole = RESULTS.cases["LC1"]
+    moved = whole.reference.displacements["tip"]
     response = replace(
-        RESULTS.cases["LC1"].reference,
-        pressure=values,
-        displacements=dict.fromkeys(words, values),
+        whole.reference,
+        pressure=pressure,
+        displacements=dict.fromkeys(words, moved),
         nodal_displacement=None,
     )
-    case = replace(RESULTS.cases["LC1"], reference=response, methods={})
+    components = dict.fromkeys(words, whole.components["tip"])
+    case = replace(whole, reference=response, components=components, methods={})
+    tried = np.arange(len(bounds))
+    choice = replace(RESULTS.validation.choices["jim-b"], counts=tried, bounds=bounds)
+    bolt = replace(RESULTS.bolts["bolt"], history=np.arange(len(lines), dtype=float))
     results = replace(
         RESULTS,
         mass=number,
@@ -78,8 +92,10 @@ def test_reading_returns_anything_that_was_written(tmp_path, values, timings, wo
         provenance=words,
         warnings=lines,
         tightening_stages=lines,
+        bolts={"bolt": bolt},
         blocks=(),
         cases=dict.fromkeys(words, case),
+        validation=replace(RESULTS.validation, choices=dict.fromkeys(words, choice)),
     )
     write_results(results, tmp_path / "results.h5")
     assert_same(read_results(tmp_path / "results.h5"), results)

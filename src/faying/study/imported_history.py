@@ -22,6 +22,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_text
+from faying.files.hdf5 import open_hdf5
 from faying.joint.system import boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.reduction.portable import PortableJoint
@@ -241,12 +242,8 @@ def _check_times(path: Path, times: Vector, places: Sequence[str]) -> None:
 
 
 def _read_hdf5(path: Path, joint: PortableJoint) -> ImportedHistory:
-    try:
-        with h5py.File(path, "r") as file:
-            return _members(path, file, joint)
-    except OSError:
-        message = f"{path} is not an HDF5 file, or was cut off"
-        raise FormatError(message) from None
+    with open_hdf5(path, "a history", "write it again") as file:
+        return _members(path, file, joint)
 
 
 def _members(path: Path, file: h5py.File, joint: PortableJoint) -> ImportedHistory:

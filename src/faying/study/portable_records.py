@@ -260,7 +260,7 @@ def _contact(
     records = list(interfaces.values())
     return Contact(
         relative_operator=relative,
-        interpolation=_sparse(ports.interpolation),
+        interpolation=sparse_matrix(ports.interpolation),
         initial_gap=_joined(record.initial_gap for record in records),
         weights=_joined(record.weights for record in records),
         laws={name: normal_law(record.penalty) for name, record in interfaces.items()},
@@ -296,7 +296,8 @@ def _sparse_record(matrix: SparseMatrix) -> SparseRecord:
     )
 
 
-def _sparse(record: SparseRecord) -> SparseMatrix:
+def sparse_matrix(record: SparseRecord) -> SparseMatrix:
+    """Return the matrix of a record."""
     parts = (record.values, record.columns, record.row_starts)
     return sp.csr_array(parts, shape=record.shape)
 

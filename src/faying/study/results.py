@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
@@ -306,7 +305,7 @@ class Results:
     cases
         By load case name.
     timings
-        Seconds by stage; methods have mappings of their own.
+        Seconds by stage.
     provenance
         faying version, Python, NumPy, SciPy, platform, date.
     warnings
@@ -335,7 +334,7 @@ class Results:
     bolts: Mapping[str, BoltRecord]
     tightening_stages: tuple[str, ...]
     cases: Mapping[str, CaseResult]
-    timings: Mapping[str, Any]
+    timings: Mapping[str, float]
     provenance: Mapping[str, str]
     warnings: tuple[str, ...] = field(default=())
     omissions: tuple[str, ...] = field(default=())

@@ -27,8 +27,7 @@ arrays shuffled, gzipped and check-summed.
 """
 
 import types
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -40,8 +39,11 @@ import numpy as np
 from faying import __version__
 from faying.exceptions import FormatError
 from faying.files.atomic import replacing
+from faying.files.hdf5 import open_hdf5
+from faying.study.errors import shown
 from faying.study.recovery_results import RecoveredRecord
 from faying.study.results import Results
+from faying.study.results_check import check_results
 from faying.study.store_fields import MEANINGS, Meaning
 from faying.units import Units, units_of
 
@@ -109,30 +111,12 @@ def read_results(path: Path) -> Results:
     if not path.is_file():
         message = f"{path} does not exist; name the results.h5 of a finished run"
         raise FormatError(message)
-    with _opened(path) as file:
+    remedy = "run the study again"
+    with open_hdf5(path, "the results.h5 of a finished run", remedy) as file:
         _check_header(file, path)
-        try:
-            results: Results = _read_value(file, Results)
-        except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-            message = (
-                f"{path} is damaged, or another version of faying wrote it ({error}); "
-                "run the study again"
-            )
-            raise FormatError(message) from None
+        results: Results = _read_value(file, Results)
+        check_results(results)
     return results
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[h5py.File]:
-    try:
-        file = h5py.File(path, "r")
-    except OSError:
-        message = (
-            f"{path} is not an HDF5 file, or was cut off; expected the results.h5 of a finished run"
-        )
-        raise FormatError(message) from None
-    with file:
-        yield file
 
 
 def _write_header(
@@ -153,11 +137,11 @@ def _check_header(file: h5py.File, path: Path) -> None:
     if file.attrs.get("format") != FORMAT:
         message = f"{path} is an HDF5 file but not one of faying's results; name a run's results.h5"
         raise FormatError(message)
-    version = int(file.attrs.get("format_version", 0))
+    version = file.attrs.get("format_version", 0)
     if version != FORMAT_VERSION:
         message = (
-            f"{path} has results format {version}, this faying reads {FORMAT_VERSION}; "
-            f"use faying {file.attrs.get('faying', '')} or run the study again"
+            f"{path} has results format {shown(version)}, this faying reads {FORMAT_VERSION}; "
+            f"use faying {shown(file.attrs.get('faying', ''))} or run the study again"
         )
         raise FormatError(message)
 
@@ -253,20 +237,36 @@ def _read(node: h5py.Group | h5py.Dataset, hint: Any) -> Any:
     if is_dataclass(hint):
         return _read_value(node, hint)  # type: ignore[arg-type]
     if origin is np.ndarray:
+        _check_kind(node, "fiub", "numbers")
         return np.asarray(node[()], dtype=get_args(arguments[1])[0])
     if origin is tuple:
         return _read_tuple(node, arguments)
     if isinstance(origin, type) and issubclass(origin, Mapping):
         key: Callable[[str], Any] = arguments[0]
         return {key(unquote(name)): _read(node[name], arguments[1]) for name in node}
-    return node.asstr()[()] if hint is str or origin is Literal else hint(node[()])
+    if hint is str or origin is Literal:
+        _check_kind(node, "OS", "a text", ndim=0)
+        return node.asstr()[()]
+    _check_kind(node, "fiub", "one number", ndim=0)
+    return hint(node[()])
+
+
+def _check_kind(
+    node: h5py.Group | h5py.Dataset, kinds: str, expected: str, ndim: int | None = None
+) -> None:
+    """Refuse a member that is of another kind."""
+    found = isinstance(node, h5py.Dataset) and node.dtype.kind in kinds
+    if not found or ndim not in (None, node.ndim):
+        message = f"'{node.name}' does not hold {expected}"
+        raise ValueError(message)
 
 
 def _read_tuple(node: h5py.Group | h5py.Dataset, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
     if isinstance(node, h5py.Group):
         return tuple(_read_value(node[name], arguments[0]) for name in node)
-    if node.size == 0:
+    if node.size == 0:  # written as texts, whatever it would hold
         return ()
+    _check_kind(node, "OS" if arguments[0] is str else "fiub", "a list", ndim=1)
     return tuple(node.asstr()[()]) if arguments[0] is str else tuple(node[()].tolist())
 
 

@@ -43,11 +43,14 @@ class Meaning:
         In words, as ``"force/length²"``; ``"1"`` is a plain number; empty for text and groups.
     shape
         Names of the axes; empty for one value.
+    index
+        Axis that whole numbers point into.
     """
 
     description: str
     dimension: str = ""
     shape: str = ""
+    index: str = ""
 
 
 MEANINGS: dict[type, dict[str, Meaning]] = {
@@ -121,7 +124,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "stiffness": Meaning("Φᵀ K Φ", "force/length", "(n_mode, n_mode)"),
         "relative": Meaning("relative displacements of the pairs", "1", "(n_relative, n_mode)"),
         "elongations": Meaning("elongations of the bolts", "1", "(n_bolt, n_mode)"),
-        "boundary": Meaning("coordinate of each boundary dof", "1", "(n_boundary,)"),
+        "boundary": Meaning("coordinate of each boundary dof", "1", "(n_boundary,)", "n_mode"),
         "inertia_recovery": Meaning(
             "port displacements per acceleration, Q K⁻¹ M Φ", "time²", "(n_port, n_mode)"
         ),
@@ -132,7 +135,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
             "whether pairs also move by (S - relative stiffness⁻¹ relativeᵀ) times their forces, "
             "S of ports/compliance"
         ),
-        "shapes": Meaning("which of /shapes each coordinate moves", "1", "(n_mode,)"),
+        "shapes": Meaning("which of /shapes each coordinate moves", "1", "(n_mode,)", "n_shape"),
         "invariants": Meaning(
             "mass integrals of products of the fields 1, x, y, z [length] and the components x, y, "
             "z of each trial vector, for floating frames",
@@ -167,7 +170,9 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
     },
     CellBlock: {
         "kind": Meaning(f"one of {', '.join(SOLIDS)}"),
-        "nodes": Meaning("indices into /nodes, Nastran order", "1", "(n_cell, n_node_per_cell)"),
+        "nodes": Meaning(
+            "indices into /nodes, Nastran order", "1", "(n_cell, n_node_per_cell)", "n_node"
+        ),
         "ids": Meaning("element ids", "1", "(n_cell,)"),
         "properties": Meaning("property ids", "1", "(n_cell,)"),
     },
@@ -177,7 +182,9 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "weights": Meaning("area each contact point stands for", "length²", "(n_point,)"),
         "initial_gap": Meaning("gap before any load", "length", "(n_point,)"),
         "slice": Meaning("first and last + 1 of its points in pressures and gaps", "1", "(2,)"),
-        "pairs": Meaning("touching nodes (minus, plus), indices into /nodes", "1", "(n_pair, 2)"),
+        "pairs": Meaning(
+            "touching nodes (minus, plus), indices into /nodes", "1", "(n_pair, 2)", "n_node"
+        ),
         "pair_points": Meaning("where the pairs are", "length", "(n_pair, 3)"),
         "averaging": Meaning("point values to nodal averages", "1", "(n_pair, n_point)"),
         "faces": Meaning("matched facets, one group per kind"),
@@ -203,8 +210,8 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
     },
     FacePairs: {
         "kind": Meaning("tri3, tri6, quad4 or quad8"),
-        "minus": Meaning("indices into /nodes", "1", "(n_face, n_node_per_face)"),
-        "plus": Meaning("the nodes that touch them", "1", "(n_face, n_node_per_face)"),
+        "minus": Meaning("indices into /nodes", "1", "(n_face, n_node_per_face)", "n_node"),
+        "plus": Meaning("the nodes that touch them", "1", "(n_face, n_node_per_face)", "n_node"),
     },
     BoltRecord: {
         "preload": Meaning("nominal final axial force", "force"),
