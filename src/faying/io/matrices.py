@@ -15,6 +15,7 @@ from faying.io.matrix_checks import RowLabel, check_mass, checked_matrix, symmet
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_labels import aligned
 from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
+from faying.io.turning_rows import turning_nodes
 from faying.model.assembly import (
     Assembly,
     AverageCoupling,
@@ -88,9 +89,12 @@ def matrices_assembly(
     mass, stiffness = checked_matrix("M", M, label), checked_matrix("K", K, label)
     damping = None if C is None else checked_matrix("C", C, label)
     mass, stiffness = symmetric_matrix("M", mass, label), symmetric_matrix("K", stiffness, label)
-    check_mass(mass, label)
+    turning = turning_nodes(stiffness, index, component)
+    component = np.where(np.isin(index, turning), component + 3, component)
+    check_mass(mass, RowLabel(mesh.node_ids[index], component))
     face_sets = {key: _face_set(mesh, key, value) for key, value in (faces or {}).items()}
     notes = [_rowless(mesh, key, side, index) for key, side in face_sets.items()]
+    notes.append(_turning(mesh, turning))
     for key, value in (node_sets or {}).items():
         with naming(f"node set '{key}'"):
             mesh = mesh.with_node_set(key, np.unique(mesh.node_index(np.asarray(value))))
@@ -272,6 +276,17 @@ def _rowless(mesh: Mesh, name: str, faces: FaceSet, present: Indices) -> str:
         return ""
     shown = ", ".join(map(str, missing[:5].tolist())) + (", …" if len(missing) > 5 else "")
     return f"{len(missing)} nodes of face set '{name}' without rows, taken as held: {shown}"
+
+
+def _turning(mesh: Mesh, nodes: Indices) -> str:
+    """Say that rows labelled as displacements were taken as rotations."""
+    if not len(nodes):
+        return ""
+    shown = ", ".join(map(str, mesh.node_ids[nodes][:5].tolist())) + (", …" * (len(nodes) > 5))
+    return (
+        f"rows 1 to 3 of {len(nodes)} nodes, taken as their rotations 4 to 6, for a translation of "
+        f"the structure does not move them: {shown}"
+    )
 
 
 def _stacked(name: str, rows: list[Indices]) -> Indices:
