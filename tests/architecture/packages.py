@@ -53,7 +53,9 @@ NAMES = {dotted(path) for path in MODULES}
 
 def imports(path):
     """Modules of faying that a file imports, inside functions too."""
-    for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
+    # The names that faying itself imports on first use stand in its stub.
+    file = ROOT / ("__init__.pyi" if path == "__init__.py" else path)
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names if name.name.startswith("faying"))
         elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("faying"):

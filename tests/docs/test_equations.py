@@ -6,7 +6,7 @@ import pytest
 import faying as fy
 from faying.reduction.basis import ModeKind
 from faying.reduction.jim_a import unit_pressure_loads
-from faying.reduction.pod import pod_of_gram_matrix
+from faying.reduction.pod import pod, pod_of_gram_matrix
 
 BOX = fy.LoadBox(ranges={"tip.Fz": (-500.0, 500.0), "tip.Mx": (-2e4, 2e4)}, levels=3)
 
@@ -72,7 +72,7 @@ def snapshots(rank=6, count=9, n=40):
 def test_pod_modes_are_orthonormal(weighted):
     Y, W = snapshots()
     inner = W if weighted else np.eye(len(Y))
-    modes = fy.pod(Y, inner=W if weighted else None).vectors
+    modes = pod(Y, inner=W if weighted else None).vectors
     assert modes.shape[1] == 6  # the rank of the snapshots
     np.testing.assert_allclose(modes.T @ inner @ modes, np.eye(6), atol=1e-12)
 
@@ -86,7 +86,7 @@ def test_pod_misses_what_the_discarded_values_say(weighted):
         rest = Y - modes @ (modes.T @ inner @ Y)
         return np.einsum("ij,ij->", rest, inner @ rest) / np.einsum("ij,ij->", Y, inner @ Y)
 
-    found = fy.pod(Y, inner=W if weighted else None, count=3)
+    found = pod(Y, inner=W if weighted else None, count=3)
     assert missed(found.vectors) == pytest.approx(found.discarded, rel=1e-9)
     # No other three directions do better, Eq. (15.20).
     rng = np.random.default_rng(3)
@@ -98,7 +98,7 @@ def test_pod_misses_what_the_discarded_values_say(weighted):
 
 def test_both_pods_agree():
     Y, W = snapshots()
-    by_svd, by_gram = fy.pod(Y, inner=W), pod_of_gram_matrix(Y, inner=W)
+    by_svd, by_gram = pod(Y, inner=W), pod_of_gram_matrix(Y, inner=W)
     # The Gram matrix keeps half of the digits.
     np.testing.assert_allclose(by_gram.singular_values, by_svd.singular_values, rtol=1e-7)
     overlap = np.abs(np.diag(by_gram.vectors.T @ W @ by_svd.vectors))

@@ -16,6 +16,8 @@ from typing import Any
 import pytest
 from pages import PAGES, ROOT, Block, blocks
 
+import faying as fy
+
 SHELL_OF_CHECKOUT = {"README.md", "CONTRIBUTING.md"}
 """Pages whose shell commands set up a checkout; .ci/run runs those."""
 
@@ -134,3 +136,10 @@ def test_pages_are_reached_from_the_index(page):
         for target in re.findall(r"\]\(([^)\s]+)\)", other.read_text(encoding="utf-8"))
     }
     assert page.resolve() in linked or page.name == "index.md"
+
+
+@pytest.mark.parametrize("name", fy.__all__)
+def test_public_names_are_used_on_a_page(name):
+    """In code that test_code_runs runs."""
+    code = [block.text for page in PAGES for block in blocks(page) if block.language == "python"]
+    assert any(re.search(rf"\bfy\.{name}\b", text) for text in code)

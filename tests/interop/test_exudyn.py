@@ -13,6 +13,7 @@ from faying.assessment.recovery import balanced_accelerations
 from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.hand_over import hand_over_of
+from faying.model.assembly import NodalLoads
 
 exu = pytest.importorskip("exudyn", reason="Exudyn is not installed")
 
@@ -344,7 +345,7 @@ def test_two_joints_in_one_system_do_not_disturb_each_other(given, module):
 
 def test_deck_loads_and_their_recovery(joint, tmp_path):
     """A load on many nodes is a load on every coordinate, here as a function of time."""
-    loads = {"7": fy.NodalLoads(nodes=[100, 101], forces=[[0, 60.0, -150.0, 0, 0, 0]] * 2)}
+    loads = {"7": NodalLoads(nodes=[100, 101], forces=[[0, 60.0, -150.0, 0, 0, 0]] * 2)}
     model = joint.with_load_patterns(loads)
     rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=10), compliance=True)
     own = swing.imported(export(hand_over_of(rom), "exudyn", out=tmp_path / "loaded.py")[0])

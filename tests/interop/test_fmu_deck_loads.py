@@ -6,6 +6,7 @@ import pytest
 import faying as fy
 from faying.export import fmu as fmu_export
 from faying.export.hand_over import hand_over_of
+from faying.model.assembly import NodalLoads
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
 
@@ -31,7 +32,7 @@ def loaded(tmp_path_factory):
     """A hand-over with two loads of a deck beside the boundary, and its extracted FMUs."""
     forces = {"7": [0, 60.0, -150.0, 0, 0, 0], "step 2": [0, 0, 200.0, 0, 0, 0]}
     loads = {
-        name: fy.NodalLoads(nodes=[100, 101], forces=[force] * 2) for name, force in forces.items()
+        name: NodalLoads(nodes=[100, 101], forces=[force] * 2) for name, force in forces.items()
     }
     model = fy.lap_joint(element_size=5.0, damping=fy.Rayleigh(alpha=160.0, beta=5e-7))
     joint = fy.preload(model.with_load_patterns(loads), {"bolt": 10e3})

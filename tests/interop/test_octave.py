@@ -14,6 +14,7 @@ import faying as fy
 from faying.assessment.recovery import recover_reduced
 from faying.export.formats import export
 from faying.export.hand_over import HandOver, hand_over_of
+from faying.model.assembly import NodalLoads
 from faying.simulation.solution import Solution
 
 LOADS = np.array([[0.0, 0.0, -500.0, 0.0, 0.0, 0.0], [200.0, 50.0, 900.0, 2e3, -1e3, 3e3]])
@@ -151,8 +152,8 @@ try, faying_static(joint, [tip; 1]); catch e, text = e.message; end
 
 def test_deck_loads_come_behind_the_boundary(program: str, joint: fy.Model, tmp_path: Path) -> None:
     loads = {
-        "7": fy.NodalLoads(nodes=[100, 101], forces=[[0, 40.0, -90.0, 0, 0, 0]] * 2),
-        "step 2": fy.NodalLoads(nodes=[60], forces=[[0, 0, 50.0, 0, 0, 0]]),
+        "7": NodalLoads(nodes=[100, 101], forces=[[0, 40.0, -90.0, 0, 0, 0]] * 2),
+        "step 2": NodalLoads(nodes=[60], forces=[[0, 0, 50.0, 0, 0, 0]]),
     }
     model = joint.with_load_patterns(loads)
     rom = model_of(model, "penalty")

@@ -11,6 +11,7 @@ from faying.assessment.recovery import recover_reduced, recovery_operator
 from faying.io.nastran.reader import read_parts
 from faying.io.nastran.writer import write_deck
 from faying.joint.lap_joint import lap_joint_assembly
+from faying.model.assembly import NodalLoads
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.newton import solve_static_newton
 
@@ -209,7 +210,7 @@ def small(tmp_path_factory):
     )
     forces = [[0, 0, -20.0, 0, 0, 0], [0, 15.0, 0, 0, 0, 0], [0, 0, 30.0, 0, 0, 0]]
     loads = {
-        name: fy.NodalLoads(nodes=nodes, forces=forces)
+        name: NodalLoads(nodes=nodes, forces=forces)
         for name, nodes in {"5": [60, 70, 80], "2": [40, 50, 63]}.items()
     }
     return fy.preload(model.with_load_patterns(loads), {"bolt": 5e3})
