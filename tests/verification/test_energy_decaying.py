@@ -7,7 +7,7 @@ import faying as fy
 from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
 from faying.simulation.integrators import INTEGRATORS, Motion, named_integrator
-from faying.simulation.transient import transient_pieces
+from faying.simulation.stepping import transient_solver
 from small_system import small_system
 
 ROUND_OFF = 1e-12  # of energies of order one, over a thousand steps
@@ -202,8 +202,9 @@ def test_it_goes_on_where_it_was(stiff_joint):
     options = {"step": 1e-5, "duration": 6e-4, "integrator": fy.EnergyDecaying()}
     load = fy.Load({"tip.Mx": -30e3})
     whole = fy.solve_transient(rom, load, **options).contact_forces
-    pieces = list(transient_pieces(rom, load, length=25, **options))
-    rest = list(transient_pieces(rom, load, length=None, restart=pieces[0][1], **options))
+    solver = transient_solver(rom, step=1e-5, integrator=fy.EnergyDecaying())
+    pieces = list(solver.pieces(load, duration=6e-4, length=25))
+    rest = list(solver.pieces(load, duration=6e-4, length=None, restart=pieces[0][1]))
     found = np.concatenate([pieces[0][0].contact_forces, rest[0][0].contact_forces])
     # The same steps; contact may be solved from other factors.
     np.testing.assert_allclose(found, whole, atol=1e-9 * whole.max(), rtol=0)

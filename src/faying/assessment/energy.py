@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Matrix, SparseMatrix, Vector
+from faying._typing import Matrix, Vector
 from faying.exceptions import ModelError
-from faying.joint.load_pattern import pattern_forces
-from faying.joint.system import bolt_input, boundary_dofs, elongations
+from faying.joint.system import bolt_input
+from faying.simulation.energies import contact_energy, half_form, input_displacements
 from faying.simulation.solution import Solution
 
 
@@ -82,41 +82,17 @@ def energy_balance(solution: Solution) -> EnergyBalance:
         )
         raise ModelError(message)
     steps, move = np.diff(solution.times), np.diff(u, axis=0)
-    work = _trapezoidal(solution.inputs, _input_displacements(solution))
+    work = _trapezoidal(solution.inputs, input_displacements(system, u))
     bolts = [bolt_input(system, bolt) for bolt in system.bolts]
     return EnergyBalance(
         times=solution.times,
-        kinetic=_half_form(system.M, v),
-        strain=_half_form(system.K, u),
-        contact=_contact_energy(solution),
-        dissipated=_accumulated(2 * _half_form(system.C, move) / steps),
+        kinetic=half_form(system.M, v),
+        strain=half_form(system.K, u),
+        contact=contact_energy(system.contact, solution.contact_forces),
+        dissipated=_accumulated(2 * half_form(system.C, move) / steps),
         work=_accumulated(np.delete(work, bolts, axis=1).sum(axis=1)),
         bolt_work=_accumulated(work[:, bolts].sum(axis=1)),
     )
-
-
-def _half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
-    """½ xᵀ A x of each row x."""
-    energy: Vector = 0.5 * np.einsum("tn,tn->t", vectors, (matrix @ vectors.T).T)
-    return energy
-
-
-def _contact_energy(solution: Solution) -> Vector:
-    contact = solution.system.contact
-    energy: Vector = 0.5 * solution.contact_forces**2 @ contact.flexibility
-    if contact.residual_compliance is None:
-        return energy
-    at_pairs = (contact.interpolation.T @ solution.contact_forces.T).T
-    return energy + _half_form(contact.residual_compliance, at_pairs)
-
-
-def _input_displacements(solution: Solution) -> Matrix:
-    """Displacements (n_time, n_input) the inputs do work on; N₀ shortens its bolt."""
-    system, u = solution.system, solution.states
-    at_boundary = u[:, boundary_dofs(system.boundaries)]
-    n_dof = u.shape[1]
-    along = (-elongations(system.bolts, n_dof), pattern_forces(system.load_patterns, n_dof))
-    return np.hstack([at_boundary, *(u @ rows.T for rows in along)])
 
 
 def _trapezoidal(forces: Matrix, displacements: Matrix) -> Matrix:

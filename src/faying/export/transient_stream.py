@@ -1,7 +1,7 @@
 """Long transients, written to HDF5 as they are computed: memory is that of one piece."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import asdict, fields
 from os import PathLike
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.exceptions import FormatError, ModelError
 from faying.joint.system import System
+from faying.simulation.energy_guard import EnergyLedger
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart
@@ -57,7 +58,8 @@ def stream_transient(
     path
         HDF5 file: ``times``, ``max_pressure``, ``displacements/BOUNDARY``,
         ``contact_forces/INTERFACE``, ``bolt_forces/BOLT`` and ``fields``, one row an instant.
-        Attribute ``complete`` tells whether the run reached its end.
+        Attribute ``complete`` tells whether the run reached its end, ``energy_gain`` what
+        :class:`~faying.simulation.solution.Solution` has under that name.
     fields
         More to keep of every instant, of :data:`FIELDS`. ``"pressure"`` of a thousand points takes
         8 GB for a million steps.
@@ -158,6 +160,9 @@ def _mark(file: h5py.File, end: Restart) -> None:
     place.attrs["done"] = end.done
     place.attrs["steady"] = contact.steady
     place.attrs["is_supported"] = contact.supported is not None
+    if end.ledger is not None:
+        place.attrs.update(asdict(end.ledger))
+        file.attrs["energy_gain"] = end.ledger.gain
     file.flush()
 
 
@@ -183,7 +188,12 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
     contact = ContactState(
         active=place["active"][()], supported=supported, steady=bool(place.attrs["steady"])
     )
-    return Restart(done=done, motion=motion, contact=contact, trend=place["trend"][()])
+    ledger = EnergyLedger(
+        **{field.name: float(place.attrs[field.name]) for field in fields(EnergyLedger)}
+    )
+    return Restart(
+        done=done, motion=motion, contact=contact, trend=place["trend"][()], ledger=ledger
+    )
 
 
 def _datasets(file: h5py.File) -> list[h5py.Dataset]:

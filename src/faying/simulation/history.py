@@ -49,6 +49,10 @@ class History:
         parts = {name: array[case : case + 1] for name, array in vars(self).items()}
         return History(**parts)
 
+    def instants(self, first: int, end: int) -> "History":
+        """Return the part of some instants, to be written in place."""
+        return History(**{name: array[:, first:end] for name, array in vars(self).items()})
+
     def note(self, n: int, motion: Motion, contacts: Sequence[ContactForces]) -> None:
         """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""
         self.states[:, n], self.velocities[:, n] = motion.u.T, motion.v.T

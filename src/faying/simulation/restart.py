@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.state import ContactState
+from faying.simulation.energy_guard import EnergyLedger
 from faying.simulation.integrators import Motion
 
 
@@ -24,12 +25,15 @@ class Restart:
         Points expected in contact at the next instant, and what their solver hands on.
     trend : (n_point,) [length]
         How forces and slacks changed, see :func:`~.history.expected`; NaN before the first step.
+    ledger
+        Of its energy; None before the first step.
     """
 
     done: int
     motion: Motion
     contact: ContactState
     trend: Vector
+    ledger: EnergyLedger | None = None
 
 
 def side_by_side(motions: Sequence[Motion]) -> Motion:

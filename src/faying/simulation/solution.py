@@ -37,6 +37,9 @@ class Solution:
         Instants of a transient.
     velocities, accelerations : (n_time, n_dof) or None
         Of a transient.
+    energy_gain
+        Of a transient: share of the energy in motion that its integration gained from nothing, at
+        worst; above a tenth its pressures mean nothing (:mod:`~.energy_guard`).
     """
 
     name: str
@@ -50,6 +53,7 @@ class Solution:
     times: Vector | None = None
     velocities: Matrix | None = None
     accelerations: Matrix | None = None
+    energy_gain: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("states", "contact_forces", "gap", "inputs"):

@@ -24,6 +24,7 @@ from faying.simulation.compiled import (
     unstacked,
     worth_compiling,
 )
+from faying.simulation.energy_guard import EnergyGuard
 from faying.simulation.history import History, expected
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
@@ -233,16 +234,28 @@ class TransientSolver:
         ``whole`` is the number of steps of the run that these are a part of.
         """
         system = self.system
-        inputs = np.array([load.inputs(system, times) for load in loads])
-        external = input_forces(system, inputs)
+        since = np.append(here[0].done * self.step, times)
+        inputs = np.array([load.inputs(system, since) for load in loads])
         first = int(bool(starts))
         history = History.empty(len(loads), first + len(times), system)
+        guard = EnergyGuard(
+            system=system,
+            step=self.step,
+            loads=[load.name for load in loads],
+            starts=[one.motion for one in here],
+            ledgers=[one.ledger for one in here],
+            inputs=inputs,
+            history=history.instants(first, first + len(times)),
+        )
+        inputs = inputs[:, 1:]
+        external = input_forces(system, inputs)
         if starts:
             history.begin(side_by_side([one.motion for one in here]), starts)
             inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
             times = np.concatenate([[0.0], times])
-        with threads_for(self.condensed.order):
+        with threads_for(self.condensed.order), guard.watching():
             ends = self._walk(here, external, history, first, progress, whole)
+        ledgers = guard.audit()
         history.gaps[:, first:] -= system.contact.flexibility * history.forces[:, first:]
         solutions = [
             Solution(
@@ -257,10 +270,13 @@ class TransientSolver:
                 times=times,
                 velocities=history.velocities[case],
                 accelerations=history.accelerations[case],
+                energy_gain=ledgers[case].gain,
             )
             for case, load in enumerate(loads)
         ]
-        return solutions, ends
+        return solutions, [
+            replace(end, ledger=ledger) for end, ledger in zip(ends, ledgers, strict=True)
+        ]
 
     def _walk(
         self,

@@ -19,6 +19,7 @@ from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
@@ -66,7 +67,7 @@ class CaseRunner:
         model = self.joint.model
         reference = self._reference(case)
         methods: dict[str, dict[int, MethodResult]] = {}
-        failures = []
+        failures = _gained(f"{case.name}, full model", reference)
         for name, sizes in self.models.items():
             methods[name] = {}
             if case.kind != "static" and not METHODS[name].transient:
@@ -77,9 +78,10 @@ class CaseRunner:
                 except ConvergenceError as error:
                     failures.append(f"{case.name}, {name} with {count} joint modes: {error}")
                     continue
+                label = f"{case.name}, {name} with {count} joint modes"
+                failures += _gained(label, response)
                 accuracy = recovered = None
-                label = f"{case.name}, {name} with {count} joint modes, comparison"
-                with self.stages.timed("comparison"), self.extras.attempt(label):
+                with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
                     accuracy = _accuracy(model, response, reference)
                     recovered = _recovered_error(response, reference)
                 if accuracy is None:
@@ -97,7 +99,7 @@ class CaseRunner:
                 )
         half_step = None
         with self.extras.attempt(f"{case.name}, half the time step"):
-            half_step = self._half_step(case)
+            half_step = _sound(self._half_step(case))
         result = CaseResult(
             name=case.name,
             kind=case.kind,
@@ -274,10 +276,29 @@ def respond(solution: Solution, model: Model, seconds: float) -> Response:
         open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
         iterations=solution.iterations,
         seconds=seconds,
+        energy_gain=solution.energy_gain,
         nodal_displacement=(
             model.dofs.nodal(solution.full_displacement())[:, :3] if static else None
         ),
     )
+
+
+def _gained(what: str, response: Response) -> list[str]:
+    """Say of a transient that its energy grew from nothing, if it did."""
+    gain = response.energy_gain
+    return [f"{what}: {gain_message(gain)}"] if gain > MOST_GAIN else []
+
+
+def _sound(response: Response | None) -> Response | None:
+    """Refuse a transient whose energy grew from nothing.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    if response is not None and response.energy_gain > MOST_GAIN:
+        raise ConvergenceError(gain_message(response.energy_gain))
+    return response
 
 
 def _accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
@@ -299,7 +320,15 @@ def _recovered_error(response: Response, reference: Response) -> float | None:
 
 
 MAPPINGS = ("displacements", "bolt_forces", "contact_forces", "open_fraction")
-ARRAYS = ("pressure", "gap", "iterations", "seconds", "nodal_displacement", "recovered_pressure")
+ARRAYS = (
+    "pressure",
+    "gap",
+    "iterations",
+    "seconds",
+    "nodal_displacement",
+    "recovered_pressure",
+    "energy_gain",
+)
 
 
 def packed(response: Response) -> dict[str, Matrix]:
@@ -331,4 +360,5 @@ def _unpacked(arrays: Mapping[str, Matrix]) -> Response:
         seconds=float(arrays["seconds"]),
         nodal_displacement=arrays.get("nodal_displacement"),
         recovered_pressure=arrays.get("recovered_pressure"),
+        energy_gain=float(arrays["energy_gain"]),
     )

@@ -36,6 +36,8 @@ class Response:
     recovered_pressure : (n_time, n_point), optional
         Of transients of reduced models: recovered from the motion, see
         :mod:`faying.assessment.recovery`.
+    energy_gain
+        Of transients: share of the energy in motion that the time integration gained from nothing.
     """
 
     pressure: Matrix
@@ -48,6 +50,7 @@ class Response:
     seconds: float
     nodal_displacement: Matrix | None = None
     recovered_pressure: Matrix | None = None
+    energy_gain: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

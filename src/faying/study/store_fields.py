@@ -263,6 +263,9 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "recovered_pressure": Meaning(
             "pressure recovered from the motion", "force/length²", "(n_time, n_point)"
         ),
+        "energy_gain": Meaning(
+            "share of the energy in motion that the time integration gained from nothing", "1"
+        ),
     },
     ValidationRecord: {
         "load_space": Meaning("methods at random loads of the training box"),

@@ -1,0 +1,30 @@
+"""The forms that energies take in a model with contact, for many instants at once."""
+
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.contact import Contact
+from faying.joint.load_pattern import pattern_forces
+from faying.joint.system import System, boundary_dofs, elongations
+
+
+def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
+    """½ xᵀ A x of each row x (n_time, n)."""
+    energy: Vector = 0.5 * np.einsum("tn,tn->t", vectors, (matrix @ vectors.T).T)
+    return energy
+
+
+def contact_energy(contact: Contact, forces: Matrix) -> Vector:
+    """½ λᵀ (D + R) λ of contact forces (n_time, n_point): penetration and residual compliance."""
+    energy: Vector = 0.5 * forces**2 @ contact.flexibility
+    if contact.residual_compliance is None:
+        return energy
+    at_pairs = (contact.transposed[0] @ forces.T).T
+    return energy + half_form(contact.residual_compliance, at_pairs)
+
+
+def input_displacements(system: System, states: Matrix) -> Matrix:
+    """Displacements (n_time, n_input) the inputs do work on; N₀ shortens its bolt."""
+    at_boundary, n_dof = states[:, boundary_dofs(system.boundaries)], states.shape[1]
+    along = (-elongations(system.bolts, n_dof), pattern_forces(system.load_patterns, n_dof))
+    return np.hstack([at_boundary, *(states @ rows.T for rows in along)])
