@@ -16,6 +16,7 @@ NEEDS_COMPILER = pytest.mark.skipif(
 )
 SCHEMES = {
     "implicit-euler": (fy.ImplicitEuler(), {"integrator": 0}),
+    "energy-decaying": (fy.EnergyDecaying(0.6), {"integrator": 2, "rho_infinity": 0.6}),
     "generalized-alpha": (fy.GeneralizedAlpha(0.6), {"integrator": 1, "rho_infinity": 0.6}),
 }
 STEP = 1e-5

@@ -24,7 +24,7 @@ from faying.export.hand_over import HandOver
 from faying.export.linearized import linearized
 
 SOURCES = Path(__file__).parent / "sources"
-SHARED = ("linalg.c", "joint.c", "contact.c", "motion.c", "steps.c", "variables.c")
+SHARED = ("linalg.c", "joint.c", "contact.c", "motion.c", "mean.c", "steps.c", "variables.c")
 
 STEPS_PER_PERIOD = 100
 """Of the lowest mode of the closed joint, where the run has no time step."""

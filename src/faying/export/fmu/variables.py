@@ -168,8 +168,8 @@ def _parameters(given: HandOver, defaults: Defaults) -> Iterator[Variable]:
         causality="parameter",
         type="integer",
         start=defaults.integrator,
-        limits=(0, 1),
-        description="0 implicit Euler, 1 generalized-alpha",
+        limits=(0, 2),
+        description="0 implicit Euler, 1 generalized-alpha, 2 energy-decaying",
     )
     yield Variable(
         name="rho_infinity",
@@ -178,7 +178,7 @@ def _parameters(given: HandOver, defaults: Defaults) -> Iterator[Variable]:
         causality="parameter",
         start=defaults.rho_infinity,
         limits=(0.0, 1.0),
-        description="spectral radius of generalized-alpha at infinite frequency",
+        description="spectral radius at infinite frequency of schemes of second order",
     )
     yield Variable(
         name="start_loaded",

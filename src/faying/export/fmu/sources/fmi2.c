@@ -7,6 +7,7 @@
 #include "joint.c"
 #include "contact.c"
 #include "motion.c"
+#include "mean.c"
 #include "steps.c"
 #include "variables.c"
 

@@ -9,7 +9,7 @@
 #define INITIAL_FRACTION 1e-3
 
 enum mode { MODE_INSTANTIATED, MODE_INITIALIZING, MODE_STEPPING, MODE_TERMINATED };
-enum integrator { IMPLICIT_EULER, GENERALIZED_ALPHA };
+enum integrator { IMPLICIT_EULER, GENERALIZED_ALPHA, ENERGY_DECAYING };
 enum outcome { OUTCOME_OK, OUTCOME_ERROR };
 
 /* Scalars of the state block. */
@@ -41,7 +41,9 @@ struct motion {
     double *inputs, *rates;  /* (n_input) boundary forces, initial bolt forces, factors of deck
                               * loads; their derivatives */
     double *held;            /* (n_bolt) initial forces that acted at the end of the last step */
-    double *q, *v, *a, *f;   /* (n_mode) motion and the forces that act */
+    double *q, *v, *a, *f;   /* (n_mode) motion and the forces that act; energy-decaying: external
+                              * ones alone */
+    double *lagging;         /* (n_mode) velocity that lags behind, energy-decaying */
     double *forces;          /* (n_point) */
     unsigned char *active;   /* (n_point) */
 
@@ -51,7 +53,10 @@ struct motion {
     double *saved; /* (n_state) */
     double *right, *next, *pull, *inertia, *drag; /* (n_mode) */
     double *pairs, *gap, *last;                   /* (n_relative), (n_point), (n_point) */
+    double *before, *way;                         /* (n_point) energy-decaying: see mean.c */
     struct contact contact;
+    struct contact law; /* the law alone, S = R; made when it is first needed */
+    int counts;         /* whether the residual compliance is more than round-off */
 };
 
 static void report(struct motion *m, const char *format, ...)
@@ -77,9 +82,9 @@ static size_t lay_out_state(struct motion *m)
     const struct joint *j = &m->joint;
     double *place = m->state ? m->state + N_SCALAR : NULL;
     const size_t lengths[] = {j->n_interface, m->n_input, m->n_input, j->n_bolt,  j->n_mode,
-                              j->n_mode,      j->n_mode,  j->n_mode,  j->n_point};
+                              j->n_mode,      j->n_mode,  j->n_mode,  j->n_mode, j->n_point};
     double **arrays[] = {&m->penalty, &m->inputs, &m->rates, &m->held,  &m->q,
-                         &m->v,       &m->a,      &m->f,     &m->forces};
+                         &m->v,       &m->a,      &m->f,     &m->lagging, &m->forces};
     size_t total = N_SCALAR;
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
         if (place) {
@@ -114,6 +119,7 @@ static void destroy_motion(struct motion *m)
     if (!m)
         return;
     free_contact(&m->contact);
+    free_contact(&m->law);
     free(m->A);
     free(m->state);
     free(m->name);
@@ -128,7 +134,7 @@ static int allocate(struct motion *m)
     m->n_input = j->n_boundary + j->n_bolt + j->n_pattern;
     m->n_state = lay_out_state(m);
     m->state = calloc(2 * m->n_state, sizeof *m->state);
-    m->A = malloc((n * n + n * r + 5 * n + r + 2 * j->n_point) * sizeof *m->A);
+    m->A = malloc((n * n + n * r + 5 * n + r + 4 * j->n_point) * sizeof *m->A);
     if (!m->state || !m->A || create_contact(&m->contact, j) != 0)
         return -1;
     (void)lay_out_state(m);
@@ -142,6 +148,8 @@ static int allocate(struct motion *m)
     m->pairs = m->drag + n;
     m->gap = m->pairs + r;
     m->last = m->gap + j->n_point;
+    m->before = m->last + j->n_point;
+    m->way = m->before + j->n_point;
     return 0;
 }
 
@@ -262,9 +270,9 @@ static enum outcome check_parameters(struct motion *m)
         report(m, "step_size is %g; it must be positive", step);
     else if (!(rho >= 0.0 && rho <= 1.0))
         report(m, "rho_infinity is %g; it must lie between 0 and 1", rho);
-    else if (scheme != IMPLICIT_EULER && scheme != GENERALIZED_ALPHA)
-        report(m, "integrator is %g; it must be 0 (implicit Euler) or 1 (generalized-alpha)",
-               scheme);
+    else if (scheme != IMPLICIT_EULER && scheme != GENERALIZED_ALPHA && scheme != ENERGY_DECAYING)
+        report(m, "integrator is %g; it must be 0 (implicit Euler), 1 (generalized-alpha) or 2 "
+                  "(energy-decaying)", scheme);
     else {
         for (size_t i = 0; i < m->joint.n_interface; i++)
             if (!(m->penalty[i] > 0.0) || (isinf(m->penalty[i]) && !isinf(m->joint.penalty[i]))) {
@@ -283,7 +291,7 @@ static enum outcome find_acceleration(struct motion *m)
     const struct joint *j = &m->joint;
     const size_t n = j->n_mode;
     const double span = INITIAL_FRACTION * m->state[AT_STEP_SIZE];
-    if (m->state[AT_INTEGRATOR] != GENERALIZED_ALPHA)
+    if (m->state[AT_INTEGRATOR] == IMPLICIT_EULER)
         return OUTCOME_OK;
     for (size_t i = 0; i < n * n; i++)
         m->A[i] = j->M[i] + span * span * j->K[i];
@@ -341,6 +349,11 @@ static enum outcome start_motion(struct motion *m)
         m->active[p] = m->forces[p] > 0.0;
     memcpy(m->held, m->inputs + j->n_boundary, j->n_bolt * sizeof(double));
     outcome = find_acceleration(m);
+    memset(m->lagging, 0, n * sizeof(double));
+    if (m->state[AT_INTEGRATOR] == ENERGY_DECAYING) {
+        memset(m->f, 0, n * sizeof(double));
+        add_external(m, m->f, 1.0, 0.0);
+    }
     if (outcome == OUTCOME_OK)
         m->state[AT_INITIALIZED] = 1.0;
     return outcome;

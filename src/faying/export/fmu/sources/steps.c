@@ -1,5 +1,6 @@
-/* Steps in time by implicit Euler or generalized-alpha (Chung & Hulbert 1993), with the contact
- * problem of every step solved exactly. */
+/* Steps in time by implicit Euler, generalized-alpha (Chung & Hulbert 1993) or the energy-decaying
+ * scheme (faying.simulation.integrators.energy_decaying), with the contact problem of every step
+ * solved exactly. */
 
 /* Steps are whole multiples of this fraction of the nominal one: communication steps that differ
  * by round-off only share their matrices. */
@@ -11,6 +12,7 @@
 
 struct scheme {
     double alpha_m, alpha_f, beta, gamma, force_weight;
+    double lead, follow, stiffness; /* energy-decaying: d^2 / follow, 1/2 + 2 d, 1/2 + lead */
 };
 
 static struct scheme scheme_of(const struct motion *m)
@@ -21,7 +23,15 @@ static struct scheme scheme_of(const struct motion *m)
     s.alpha_f = rho / (rho + 1.0);
     s.gamma = 0.5 - s.alpha_m + s.alpha_f;
     s.beta = 0.25 * (1.0 - s.alpha_m + s.alpha_f) * (1.0 - s.alpha_m + s.alpha_f);
-    s.force_weight = m->state[AT_INTEGRATOR] == IMPLICIT_EULER ? 1.0 : 1.0 - s.alpha_f;
+    const double lag = 0.5 * (1.0 - rho) / (1.0 + rho);
+    s.follow = 0.5 + 2.0 * lag;
+    s.lead = lag * lag / s.follow;
+    s.stiffness = 0.5 + s.lead;
+    s.force_weight = 1.0;
+    if (m->state[AT_INTEGRATOR] == GENERALIZED_ALPHA)
+        s.force_weight = 1.0 - s.alpha_f;
+    else if (m->state[AT_INTEGRATOR] == ENERGY_DECAYING)
+        s.force_weight = 0.5;
     return s;
 }
 
@@ -29,21 +39,28 @@ static struct scheme scheme_of(const struct motion *m)
 static enum outcome prepare_step(struct motion *m, const struct scheme *s, double h)
 {
     const struct joint *j = &m->joint;
-    double mass = 1.0 / (h * h), damping = 1.0 / h;
+    double mass = 1.0 / (h * h), damping = 1.0 / h, stiffness = s->force_weight;
     if (m->step == h)
         return OUTCOME_OK;
     m->step = 0.0;
     if (m->state[AT_INTEGRATOR] == GENERALIZED_ALPHA) {
         mass = (1.0 - s->alpha_m) / (s->beta * h * h);
         damping = (1.0 - s->alpha_f) * s->gamma / (s->beta * h);
+    } else if (m->state[AT_INTEGRATOR] == ENERGY_DECAYING) {
+        mass /= s->stiffness;
+        stiffness = s->stiffness;
     }
     for (size_t i = 0; i < j->n_mode * j->n_mode; i++)
-        m->A[i] = mass * j->M[i] + damping * j->C[i] + s->force_weight * j->K[i];
+        m->A[i] = mass * j->M[i] + damping * j->C[i] + stiffness * j->K[i];
     if (cholesky(m->A, j->n_mode, 0.0) != 0) {
         report(m, "the effective matrix of a step of %g is not positive definite", h);
         return OUTCOME_ERROR;
     }
     condense(m, s->force_weight);
+    if (m->state[AT_INTEGRATOR] == ENERGY_DECAYING && prepare_law(m) != 0) {
+        report(m, "not enough memory for %lu contact points", (unsigned long)j->n_point);
+        return OUTCOME_ERROR;
+    }
     m->step = h;
     return OUTCOME_OK;
 }
@@ -60,6 +77,16 @@ static void right_hand_side(struct motion *m, const struct scheme *s, double h)
             m->inertia[i] = q[i] / (h * h) + v[i] / h;
             m->drag[i] = q[i] / h;
         }
+    } else if (m->state[AT_INTEGRATOR] == ENERGY_DECAYING) {
+        for (size_t i = 0; i < n; i++) {
+            m->inertia[i] = (q[i] / (h * h) + (v[i] - s->lead * h * a[i]) / h) / s->stiffness;
+            m->drag[i] = q[i] / h;
+            m->next[i] = (1.0 - s->stiffness) * q[i] - s->lead * h * m->lagging[i];
+        }
+        memcpy(m->right, m->f, n * sizeof(double));
+        for (size_t i = 0; i < n; i++)
+            m->right[i] *= s->force_weight;
+        add_product(m->right, -1.0, j->K, m->next, n, n);
     } else {
         const double kept = 1.0 - s->alpha_m, weight = 1.0 - s->alpha_f;
         const double a_inertia = kept * (0.5 / s->beta - 1.0) - s->alpha_m;
@@ -87,6 +114,12 @@ static void advance(struct motion *m, const struct scheme *s, double h)
         if (m->state[AT_INTEGRATOR] == IMPLICIT_EULER) {
             v = (m->next[i] - m->q[i]) / h;
             a = (v - m->v[i]) / h;
+        } else if (m->state[AT_INTEGRATOR] == ENERGY_DECAYING) {
+            const double speed = (m->next[i] - m->q[i]) / h;
+            const double change = (speed - m->v[i] + s->lead * h * m->a[i]) / s->stiffness;
+            v = m->v[i] + change;
+            a = m->a[i] + (change / h - m->a[i]) / s->follow;
+            m->lagging[i] += (speed - m->lagging[i]) / s->follow;
         } else {
             a = (m->next[i] - m->q[i] - h * m->v[i]) / (s->beta * h * h)
                 - (0.5 / s->beta - 1.0) * m->a[i];
@@ -102,13 +135,14 @@ static void advance(struct motion *m, const struct scheme *s, double h)
 static enum outcome step_once(struct motion *m, const struct scheme *s, double h, double later)
 {
     const size_t n = m->joint.n_mode;
+    const int decaying = m->state[AT_INTEGRATOR] == ENERGY_DECAYING;
     right_hand_side(m, s, h);
     memset(m->f, 0, n * sizeof(double));
     add_external(m, m->f, 1.0, later);
     add_row(m->right, m->f, s->force_weight, n);
     memcpy(m->next, m->right, n * sizeof(double));
     solve_cholesky(m->A, n, m->next);
-    const enum outcome outcome = solve_forces(m, m->next);
+    const enum outcome outcome = decaying ? solve_mean(m, m->next) : solve_forces(m, m->next);
     if (outcome != OUTCOME_OK)
         return outcome;
     pull_of_contact(m);
@@ -116,6 +150,8 @@ static enum outcome step_once(struct motion *m, const struct scheme *s, double h
     add_row(m->next, m->pull, s->force_weight, n);
     solve_cholesky(m->A, n, m->next);
     advance(m, s, h);
+    if (decaying)
+        return find_end(m);
     add_row(m->f, m->pull, 1.0, n);
     return OUTCOME_OK;
 }
