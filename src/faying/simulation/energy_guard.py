@@ -165,7 +165,9 @@ class EnergyGuard:
             In place of the error that the overflow caused.
         """
         try:
-            yield
+            # What overflows is refused where the next gaps are looked at.
+            with np.errstate(over="ignore", invalid="ignore"):
+                yield
         except ModelError:
             for case, name in enumerate(self.loads):
                 done = int(np.count_nonzero(self.history.iterations[case]))
