@@ -1,9 +1,7 @@
 """Named bundles of arrays in a folder: each is complete or absent, whatever stops the program."""
 
 import hashlib
-import os
 import shutil
-import tempfile
 import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +11,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
+from faying.files.atomic import replacing
 from faying.files.numpy_archive import read_arrays
 
 Arrays = Mapping[str, Matrix]
@@ -67,21 +66,15 @@ class Checkpoint:
         FormatError
             If the folder cannot be written.
         """
-        temporary = None
         try:
-            handle, temporary = tempfile.mkstemp(dir=self.folder, suffix=".tmp")
-            with os.fdopen(handle, "wb") as file:
-                _write(file, arrays)
-            Path(temporary).replace(self._path(key))
+            with replacing(self._path(key)) as temporary:
+                _write(temporary, arrays)
         except OSError as error:
             message = (
                 f"cannot keep the result of '{key}' in {self.folder}: {error.strerror}; "
                 "make room or choose another folder"
             )
             raise FormatError(message) from None
-        finally:
-            if temporary is not None:
-                Path(temporary).unlink(missing_ok=True)
 
     def discard(self) -> None:
         """Remove the folder."""
@@ -91,9 +84,9 @@ class Checkpoint:
         return self.folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
 
 
-def _write(file: object, arrays: Arrays) -> None:
+def _write(path: Path, arrays: Arrays) -> None:
     """Write as ``np.savez`` does, which cannot have an array called ``file``."""
-    with zipfile.ZipFile(file, "w") as archive:  # type: ignore[call-overload]
+    with zipfile.ZipFile(path, "w") as archive:
         for name, value in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.asarray(value), allow_pickle=False)

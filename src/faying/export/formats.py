@@ -15,6 +15,7 @@ from typing import cast
 
 from faying.exceptions import FormatError, StudyError
 from faying.export.hand_over import HandOver, hand_over
+from faying.files.atomic import moved
 from faying.files.names import file_names
 from faying.study.errors import nearest
 
@@ -172,6 +173,4 @@ def _written(given: HandOver, to: str, chosen: Format, path: Path) -> Sequence[P
 
 def _moved(file: Path, place: Path) -> Path:
     place.parent.mkdir(parents=True, exist_ok=True)
-    # temporary files are for their owner alone
-    file.chmod(0o644)
-    return file.replace(place)
+    return moved(file, place)

@@ -15,10 +15,15 @@ def replacing(path: Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        temporary.chmod(0o644)
-        temporary.replace(path)
+        moved(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def moved(temporary: Path, path: Path) -> Path:
+    """Put a complete file into its place, readable by all as temporary files are not."""
+    temporary.chmod(0o644)
+    return temporary.replace(path)
 
 
 def write_text(path: Path, text: str) -> None:

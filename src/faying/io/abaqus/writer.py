@@ -1,6 +1,5 @@
 """Write a joint as an input deck that CalculiX runs, contact and bolts included."""
 
-import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
@@ -10,6 +9,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.files.atomic import replacing
 from faying.io.abaqus.written_bolts import WrittenBeam, written_beam
 from faying.io.abaqus.written_contact import contact_lines
 from faying.io.abaqus.written_nodes import (
@@ -80,13 +80,11 @@ def write_deck(
     wanted = assembly.loads if loads is None else loads
     lines = _lines(description, wanted, modes, title or assembly.name)
     path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
     text = "\n".join(lines) + "\n"
     try:
-        temporary.write_text(text, encoding="ascii", errors="replace")
-        temporary.replace(path)
+        with replacing(path) as temporary:
+            temporary.write_text(text, encoding="ascii", errors="replace")
     except OSError as error:
-        temporary.unlink(missing_ok=True)
         message = f"'{path}' cannot be written: {error.strerror}"
         raise FormatError(message) from error
 

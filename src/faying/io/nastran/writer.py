@@ -1,7 +1,6 @@
 """Write an :class:`~faying.model.assembly.Assembly` as a Nastran deck."""
 
 import os
-import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.files.atomic import replacing
 from faying.io.nastran.components import digits_of, frame_independent
 from faying.io.nastran.fields import format_real
 from faying.io.nastran.layout import Value, large, small
@@ -60,18 +60,8 @@ def write_deck(
     path = Path(path)
     text = _deck(assembly, title or assembly.name, loads, modes)
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent or None)
-        try:
-            with os.fdopen(handle, "w", encoding="ascii", errors="replace") as file:
-                file.writelines(text)
-            # mkstemp makes files private; a deck gets the permissions of any new file.
-            mask = os.umask(0)
-            os.umask(mask)
-            Path(temporary).chmod(0o666 & ~mask)
-            Path(temporary).replace(path)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with replacing(path) as temporary:
+            temporary.write_text("".join(text), encoding="ascii", errors="replace")
     except OSError as error:
         message = f"'{path}' cannot be written: {error.strerror}"
         raise FormatError(message) from error
