@@ -8,7 +8,7 @@ import pytest
 import faying as fy
 from faying.export.formats import export
 from faying.export.hand_over import hand_over, hand_over_of
-from faying.io.vtk_xml import Grid, write_vtu
+from faying.export.vtk_xml import Grid, write_vtu
 from faying.study.interface_surface import nodal_average
 from faying.study.recover import results_of
 

@@ -15,6 +15,7 @@ A folder with
 """
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,9 +24,9 @@ import scipy.linalg as la
 from faying._typing import Indices, Matrix
 from faying.export.hand_over import HandOver
 from faying.export.linearized import linearized
+from faying.export.vtk_xml import Grid, write_pvd, write_vtu
+from faying.export.vtu import averaged, static_fields, surface
 from faying.files.names import file_names
-from faying.io.vtk_xml import Grid, write_pvd, write_vtu
-from faying.study.interface_surface import nodal_average, pair_facets
 from faying.study.results import CaseResult, InterfaceRecord, Response
 from faying.units import Units, units_of
 
@@ -142,44 +143,11 @@ def _interfaces(hand_over: HandOver, folder: Path) -> Iterator[Path]:
     labels = file_names([case.name for case in moving])
     for name, record in hand_over.interfaces.items():
         stem = f"interface_{stems[name]}"
-        yield _written(
-            _surface(record, _static_fields(hand_over, record, units)), folder / f"{stem}.vtu"
-        )
+        static = _cases(hand_over, static=True)
+        fields = static_fields(record, static, partial(_responses, hand_over), units)
+        yield _written(surface(record, fields, None), folder / f"{stem}.vtu")
         for case in moving:
             yield from _series(hand_over, record, case, folder / f"{stem}_{labels[case.name]}")
-
-
-def _surface(
-    record: InterfaceRecord, fields: Mapping[str, Matrix], time: float | None = None
-) -> Grid:
-    fixed = {"normal": _pair_normals(record), "sticking": record.stuck.astype("u1")}
-    return Grid(
-        points=record.pair_points,
-        cells=pair_facets(record),
-        point_data={**fields, **fixed},
-        time=time,
-    )
-
-
-def _pair_normals(record: InterfaceRecord) -> Matrix:
-    """Average the normals of the contact points to the pairs (n_pair, 3)."""
-    mean = record.averaging @ record.normals
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    normals: Matrix = mean / np.where(length > 0, length, 1.0)
-    return normals
-
-
-def _static_fields(hand_over: HandOver, record: InterfaceRecord, units: Units) -> dict[str, Matrix]:
-    fields = {
-        f"preload pressure [{units.pressure}]": record.averaging @ record.preload_pressure,
-        f"initial gap [{units.length}]": record.averaging @ record.initial_gap,
-    }
-    for case in _cases(hand_over, static=True):
-        fields |= {
-            f"{case.name} {name}": values[0]
-            for name, values in _fields(hand_over, record, case, units).items()
-        }
-    return fields
 
 
 def _series(
@@ -191,38 +159,17 @@ def _series(
     instants = np.unique(
         np.linspace(0, len(times) - 1, min(len(times), MOST_INSTANTS)).round().astype(np.int64)
     )
-    fields = _fields(hand_over, record, case, units_of(hand_over.units), instants)
+    responses, units = _responses(hand_over, case), units_of(hand_over.units)
+    fields = averaged(record, responses, units, instants)
     entries = []
     for number, time in enumerate(times[instants].tolist()):
         now = {name: values[number] for name, values in fields.items()}
         file = stem / f"{number:04d}.vtu"
-        yield _written(_surface(record, now, time), file)
+        yield _written(surface(record, now, time), file)
         entries.append((time, file))
     series = stem.parent / f"{stem.name}.pvd"
     write_pvd(entries, series)
     yield series
-
-
-def _fields(
-    hand_over: HandOver,
-    record: InterfaceRecord,
-    case: CaseResult,
-    units: Units,
-    instants: Indices | slice = slice(None),
-) -> dict[str, Matrix]:
-    """Return nodal averages (n_instant, n_pair) by name; a static case is one instant."""
-    fields = {}
-    for label, response in _responses(hand_over, case):
-        quantities = {
-            f"pressure [{units.pressure}]": response.pressure,
-            f"gap [{units.length}]": response.gap,
-            f"recovered pressure [{units.pressure}]": response.recovered_pressure,
-        }
-        for name, values in quantities.items():
-            if values is not None:
-                average = nodal_average(record, np.atleast_2d(values)[instants])
-                fields[f"{label} {name}".strip()] = average
-    return fields
 
 
 def _cases(hand_over: HandOver, *, static: bool) -> list[CaseResult]:

@@ -1,11 +1,13 @@
 """Interfaces with pressures and gaps of the static cases as VTK files (``.vtu``) for ParaView."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
-from faying._typing import Matrix
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.export.vtk_xml import Grid, write_vtu
 from faying.files.names import file_names
-from faying.io.vtk_xml import Grid, write_vtu
 from faying.study.interface_surface import nodal_average, pair_facets
 from faying.study.results import CaseResult, InterfaceRecord, Response, Results
 from faying.units import Units, units_of
@@ -15,7 +17,7 @@ def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
     """Write ``interface_NAME.vtu`` for each interface: the facets of its minus side.
 
     Point data are nodal averages: pressure and gap of each static case by the full model and by
-    each method, the pressure of the preload, and 1 where pairs stick.
+    each method, the pressure of the preload, the initial gap, normals, and 1 where pairs stick.
 
     Parameters
     ----------
@@ -37,7 +39,8 @@ def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
     paths = []
     for name, record in results.interfaces.items():
         path = folder / f"interface_{stems[name]}.vtu"
-        write_fields_vtu(record, dict(_fields(results, record, units)), path)
+        fields = static_fields(record, results.cases.values(), _responses, units)
+        write_fields_vtu(record, fields, path)
         paths.append(path)
     return tuple(paths)
 
@@ -57,23 +60,65 @@ def write_fields_vtu(
     FormatError
         If the file cannot be written.
     """
-    grid = Grid(points=record.pair_points, cells=pair_facets(record), point_data=fields, time=time)
-    write_vtu(grid, path)
+    write_vtu(surface(record, fields, time), path)
 
 
-def _fields(
-    results: Results, record: InterfaceRecord, units: Units
-) -> Iterator[tuple[str, Matrix]]:
-    """Yield the point data by name."""
-    yield f"preload pressure [{units.pressure}]", record.averaging @ record.preload_pressure
-    yield "sticking", record.stuck.astype("u1")
-    for case in results.cases.values():
-        if case.times is not None:
-            continue
-        for label, response in _responses(case):
-            pressure, gap = (nodal_average(record, v) for v in (response.pressure, response.gap))
-            yield f"{case.name} {label} pressure [{units.pressure}]", pressure
-            yield f"{case.name} {label} gap [{units.length}]", gap
+def surface(record: InterfaceRecord, fields: Mapping[str, Matrix], time: float | None) -> Grid:
+    """Return the facets of the minus side with point data, normals and 1 where pairs stick."""
+    fixed = {"normal": _pair_normals(record), "sticking": record.stuck.astype("u1")}
+    return Grid(
+        points=record.pair_points,
+        cells=pair_facets(record),
+        point_data={**fields, **fixed},
+        time=time,
+    )
+
+
+def _pair_normals(record: InterfaceRecord) -> Matrix:
+    """Average the normals of the contact points to the pairs (n_pair, 3)."""
+    mean = record.averaging @ record.normals
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    normals: Matrix = mean / np.where(length > 0, length, 1.0)
+    return normals
+
+
+def static_fields(
+    record: InterfaceRecord,
+    cases: Iterable[CaseResult],
+    responses: Callable[[CaseResult], Iterable[tuple[str, Response]]],
+    units: Units,
+) -> dict[str, Matrix]:
+    """Return the nodal averages (n_pair,) of the preload and of static cases by name."""
+    fields = {
+        f"preload pressure [{units.pressure}]": record.averaging @ record.preload_pressure,
+        f"initial gap [{units.length}]": record.averaging @ record.initial_gap,
+    }
+    for case in cases:
+        if case.times is None:
+            averages = averaged(record, responses(case), units)
+            fields |= {f"{case.name} {name}": values[0] for name, values in averages.items()}
+    return fields
+
+
+def averaged(
+    record: InterfaceRecord,
+    responses: Iterable[tuple[str, Response]],
+    units: Units,
+    instants: Indices | slice = slice(None),
+) -> dict[str, Matrix]:
+    """Return nodal averages (n_instant, n_pair) by name; a static case is one instant."""
+    fields = {}
+    for label, response in responses:
+        quantities = {
+            f"pressure [{units.pressure}]": response.pressure,
+            f"gap [{units.length}]": response.gap,
+            f"recovered pressure [{units.pressure}]": response.recovered_pressure,
+        }
+        for name, values in quantities.items():
+            if values is not None:
+                average = nodal_average(record, np.atleast_2d(values)[instants])
+                fields[f"{label} {name}".strip()] = average
+    return fields
 
 
 def _responses(case: CaseResult) -> Iterator[tuple[str, Response]]:
