@@ -26,7 +26,6 @@ ORDER = (
     "simulation",
     "reduction",
     "assessment",
-    "reference",
     "execution",
     "study",
     "export",

@@ -3,17 +3,16 @@
 import numpy as np
 import pytest
 import scipy.linalg as la
+from hertz import LineContact
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.interface.gap_field import (
-    gap_from_function,
     gap_from_nodes,
     gap_from_points,
     read_gap_field,
     with_gap_offset,
 )
-from faying.reference.hertz import LineContact
 
 
 def offset(model, name, value):
@@ -84,12 +83,10 @@ def crown(points):
     return points[:, 0] ** 2 / (2 * 5e3) + 1e-3 * points[:, 1]
 
 
-def test_function(joint, interface):
-    field = gap_from_function(interface, crown)
+def test_offset_of_each_point(joint, interface):
+    field = crown(interface.points)
     model = offset(joint, "joint", field)
     np.testing.assert_allclose(model.contact.initial_gap, interface.initial_gap + field)
-    with pytest.raises(ModelError, match="one per point"):
-        gap_from_function(interface, lambda points: points[:, :2])
     with pytest.raises(ModelError, match="finite number for each"):
         with_gap_offset(interface, np.zeros(3))
 
@@ -97,7 +94,7 @@ def test_function(joint, interface):
 def test_a_crowned_plate_presses_in_its_middle(joint, interface):
     """A bulge away from the edges takes pressure from where the gap is."""
     flat = fy.solve_static(joint)
-    field = gap_from_function(interface, lambda p: 2e-5 * (p[:, 0] ** 2 + p[:, 1] ** 2))
+    field = 2e-5 * (interface.points[:, 0] ** 2 + interface.points[:, 1] ** 2)
     crowned = offset(joint, "joint", field)
     crowned = crowned.with_bolt_forces(fy.tighten(crowned, {"bolt": 10e3}).initial_forces)
     bulged = fy.solve_static(crowned)

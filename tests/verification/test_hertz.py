@@ -1,10 +1,14 @@
 """Line contact after Hertz: a parabolic gap between two large blocks."""
 
-import numpy as np
-import pytest
-from pressed_layers import STEEL, pressed_layers
+import doctest
 
-from faying.reference.hertz import LineContact, effective_modulus
+import hertz
+import numpy as np
+import oscillator
+import pytest
+import spring_gap
+from hertz import LineContact, effective_modulus
+from pressed_layers import STEEL, pressed_layers
 
 MODULUS = effective_modulus(*[(STEEL.youngs_modulus, STEEL.poissons_ratio)] * 2)
 # Load and radius that give a half width of 1 and a peak of 500 MPa.
@@ -110,3 +114,10 @@ def test_hard_contact_of_meshes_that_do_not_match(minus):
     assert solution.max_pressure == pytest.approx(HERTZ.peak_pressure, rel=3e-3)
     pressed = place[solution.pressure > 0].max()
     assert abs(pressed - HERTZ.half_width) <= 1 / 16
+
+
+@pytest.mark.parametrize("module", [hertz, oscillator, spring_gap], ids=lambda one: one.__name__)
+def test_closed_forms_give_what_their_examples_say(module):
+    result = doctest.testmod(module)
+    assert result.attempted > 0
+    assert result.failed == 0

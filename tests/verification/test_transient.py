@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
+from oscillator import Oscillator
+from spring_gap import SpringGap
 
 import faying as fy
 from faying.assessment.energy import energy_balance
 from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
-from faying.reference.oscillator import Oscillator
-from faying.reference.spring_gap import SpringGap
 from small_system import small_system
 
 FAR = 1e6  # a gap no motion here closes

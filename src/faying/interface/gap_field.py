@@ -1,4 +1,4 @@
-"""Initial gap fields (form error, shim, heat) from a function, points, nodes or a file.
+"""Initial gap fields (form error, shim, heat) of every point, from points, nodes or a file.
 
 A field is an offset added to the geometric gap: positive where material is missing, negative where
 there is too much of it (a shim, an interference).
@@ -11,7 +11,7 @@ remain valid training loads.
 
 import csv
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -52,33 +52,6 @@ def with_gap_offset(interface: Interface, offset: Vector) -> Interface:
         )
         raise ModelError(message)
     return replace(interface, initial_gap=interface.initial_gap + values)
-
-
-def gap_from_function(interface: Interface, function: Callable[[Matrix], Vector]) -> Vector:
-    """Evaluate a function of position at the contact points.
-
-    Parameters
-    ----------
-    function
-        Takes positions (n, 3) [length] and returns gap offsets (n,) [length].
-
-    Returns
-    -------
-    ndarray (n_point,)
-
-    Raises
-    ------
-    ModelError
-        If the function does not return one finite number per point.
-    """
-    values = np.asarray(function(interface.points), dtype=float)
-    if values.shape != (interface.n_points,) or not np.isfinite(values).all():
-        message = (
-            f"interface '{interface.name}': the gap function returned shape {values.shape} for "
-            f"{interface.n_points} points, or values that are not finite; return one per point"
-        )
-        raise ModelError(message)
-    return values
 
 
 def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Vector:

@@ -1,1 +1,0 @@
-"""Exact answers to small contact problems, for tests, documentation and the curious."""
