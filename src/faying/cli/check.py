@@ -21,10 +21,10 @@ def check(
 
     from faying.cli.description import described
     from faying.joint.diagnosis import check_held, free_parts
-    from faying.study.culprit import naming_tables
     from faying.study.declared import missing_contact
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads
+    from faying.study.naming_tables import naming_tables
     from faying.study.plausible import doubts
     from faying.study.schema import read_study
 

@@ -55,7 +55,7 @@ def compute(
     from rich.progress import Progress
 
     from faying.cli.outcome import show_outcome
-    from faying.study.culprit import naming_tables
+    from faying.study.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
 
     console = Console(stderr=True)

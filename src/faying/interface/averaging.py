@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, SparseMatrix, Vector, read_only
 from faying.interface.facets import reference_nodes, shape_functions
-from faying.interface.segment_points import LINEAR
+from faying.model.surface import LINEAR
 
 
 def averaging_operator(

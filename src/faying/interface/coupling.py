@@ -17,9 +17,9 @@ from scipy.spatial import cKDTree
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.interface.arcs import FLATNESS, corner_normals, standing_off
 from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
-from faying.interface.segment_points import LINEAR, FacetPoints, on_side
+from faying.interface.segment_points import FacetPoints, on_side
 from faying.interface.segments import Segments
-from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_normals
+from faying.model.surface import LINEAR, N_CORNERS, N_NODES, Facets, facet_normals
 
 _DEGREE = {"tri3": 1, "quad4": 2, "tri6": 2, "quad8": 3}
 """Polynomial degree of the shape functions on a parallelogram."""

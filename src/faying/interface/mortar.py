@@ -16,13 +16,12 @@ from faying.interface.relative import (
     common_normal,
     unit,
 )
-from faying.interface.segment_points import LINEAR
 from faying.interface.segments import Segments, find_segments
 from faying.interface.sides import candidates, touching_tolerance
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import N_NODES, Facets, facet_area_vectors
+from faying.model.surface import LINEAR, N_NODES, Facets, facet_area_vectors
 
 _COLLAPSED = 1e-9
 """Jacobian at a corner, over the area of the facet, that is rounding."""

@@ -15,10 +15,10 @@ from faying.contact.laws import Law
 from faying.interface.coupling import Coupling, by_kind, whole_weights
 from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
 from faying.interface.relative import unit
-from faying.interface.segment_points import LINEAR, on_side
+from faying.interface.segment_points import on_side
 from faying.interface.zero_thickness import contact_rule
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import N_NODES
+from faying.model.surface import LINEAR, N_NODES
 
 SMALL = 0.2
 """Coverage of a node below which its contact point joins a neighbour's.

@@ -8,10 +8,7 @@ from faying._typing import Indices, Matrix
 from faying.interface.facets import Rule, shape_functions, shape_gradients
 from faying.interface.inverse_map import reference_coordinates
 from faying.interface.segments import Segments
-from faying.model.surface import N_NODES
-
-LINEAR = {"tri3": "tri3", "tri6": "tri3", "quad4": "quad4", "quad8": "quad4"}
-"""Facet on the corners of each kind: relative displacements live there."""
+from faying.model.surface import LINEAR, N_NODES
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

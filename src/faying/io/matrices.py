@@ -29,8 +29,7 @@ from faying.model.assembly import (
     Support,
 )
 from faying.model.mesh import Mesh
-
-FACE_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
+from faying.model.surface import FACE_KINDS
 
 _Path = str | PathLike[str]
 

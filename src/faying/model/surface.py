@@ -16,6 +16,12 @@ N_NODES = {"tri3": 3, "quad4": 4, "tri6": 6, "quad8": 8}
 
 N_CORNERS = {"tri3": 3, "quad4": 4, "tri6": 3, "quad8": 4}
 
+FACE_KINDS = {n: kind for kind, n in N_NODES.items()}
+"""Facet kind by its number of nodes."""
+
+LINEAR = {kind: FACE_KINDS[n] for kind, n in N_CORNERS.items()}
+"""Facet kind of the corners alone: relative displacements between unlike meshes live there."""
+
 WIDTH = max(N_NODES.values())
 
 

@@ -16,9 +16,8 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
 from faying.model.mesh import CellBlock
-from faying.model.surface import N_NODES
+from faying.model.surface import LINEAR, N_NODES
 
-_LINEAR = {"tri3": "tri3", "tri6": "tri3", "quad4": "quad4", "quad8": "quad4"}
 # N times p times the area vector: degree 3 per direction on quad4 (two points), 6 on quad8 (four);
 # on triangles 2 and 5 in all.
 _ORDERS = {"tri3": 2, "tri6": 6, "quad4": 2, "quad8": 4}
@@ -140,7 +139,7 @@ def _forces(
     rule = gauss_rule(kind, _ORDERS[kind])
     coordinates = grids.nodes[table]
     shape = shape_functions(kind, rule.points)
-    intensity = pressures @ shape_functions(_LINEAR[kind], rule.points).T
+    intensity = pressures @ shape_functions(LINEAR[kind], rule.points).T
     area = area_vectors(kind, coordinates, rule.points)
     traction = -area * intensity[:, :, None]
     vector = direction[here]

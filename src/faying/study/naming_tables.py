@@ -1,10 +1,11 @@
 """Where in a study stands what the model builder complains of."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 from faying.exceptions import ModelError
+from faying.study.model_tables import BoltSection, BoundarySection, InterfaceSection
 from faying.study.tables import Study
 
 _NAMED = re.compile(r"^(interface|bolt|boundary) '([^']+)'")
@@ -23,13 +24,13 @@ def naming_tables(study: Study) -> Iterator[None]:
         if named is None:
             raise
         kind, name = named.groups()
-        names = {
-            "interface": [section.name for section in study.interfaces],
-            "bolt": [section.name for section in study.bolts],
-            "boundary": [section.name for section in study.boundaries],
-        }[kind]
-        for number, own in enumerate(names):
-            if own == name:
+        tables: Mapping[str, Sequence[InterfaceSection | BoltSection | BoundarySection]] = {
+            "interface": study.interfaces,
+            "bolt": study.bolts,
+            "boundary": study.boundaries,
+        }
+        for number, section in enumerate(tables[kind]):
+            if section.name == name:
                 message = f"{study.source.table((kind, number))}: {error}"
                 raise ModelError(message) from error
         raise
