@@ -1,0 +1,215 @@
+"""The same study gives the same bits, whatever ran before it and however often it was killed."""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+import faying as fy
+from faying.study.schema import read_study
+from faying.workflow.run import run
+
+SMALL = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 5.0 }
+
+[[interface]]
+name = "joint"
+penalty = PENALTY
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[sticking]
+stiffness = 1e6
+
+[damping]
+beta = 1e-6
+
+[reduction]
+normal_modes = 4
+joint_modes = [4]
+methods = ["craig-bampton", "jim-b", "compliance"]
+
+[reduction.training]
+box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
+levels = 2
+steps_per_period = 20
+
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+periods = 0.5
+steps_per_period = 40
+
+[validation]
+box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
+unseen_loads = 4
+
+[output]
+report = false
+"""
+"""Every stage of a run that solves contact problems, in seconds."""
+
+CLOCKED = ("/timings/", "/provenance/date", "/seconds")
+"""What of results is the clock's."""
+
+RUN = """
+import os, signal, sys, threading, time
+from pathlib import Path
+from threadpoolctl import threadpool_limits
+from faying.study.schema import read_study
+from faying.workflow.run import run
+
+study, out, seconds = read_study(Path(sys.argv[1])), Path(sys.argv[2]), float(sys.argv[3])
+quiet = study.output.model_copy(update={"report": False})
+start = time.process_time()
+
+def kill():
+    while time.process_time() < start + seconds:
+        time.sleep(0.002)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+threading.Thread(target=kill, daemon=True).start()
+with threadpool_limits(1):
+    run(study.model_copy(update={"output": quiet}), out, resume=True)
+print(time.process_time() - start)
+"""
+"""A run that is killed, wherever it is, once it has used so many seconds of a processor.
+
+A clock on the wall would hit other places when other programs run.
+"""
+
+
+def bits(out: Path) -> dict[str, object]:
+    """Type, shape and bytes of every dataset that a run leaves, but for dates and seconds."""
+    found: dict[str, object] = {}
+
+    def note(name: str, node: h5py.Group | h5py.Dataset) -> None:
+        if isinstance(node, h5py.Dataset) and not any(part in f"/{name}" for part in CLOCKED):
+            value = np.asarray(node[()])
+            text = h5py.check_string_dtype(node.dtype) is not None
+            found[name] = value.tolist() if text else (value.dtype, value.shape, value.tobytes())
+
+    with h5py.File(out / "results.h5") as file:
+        file.visititems(note)
+    return found
+
+
+def assert_same(found: Mapping[str, object], expected: Mapping[str, object], what: str) -> None:
+    """Name the datasets that differ, for their bytes tell nobody anything."""
+    names = sorted(found.keys() | expected.keys())
+    differing = [name for name in names if found.get(name) != expected.get(name)]
+    assert not differing, what
+    assert len(names) > 100
+
+
+def here(path: Path, out: Path) -> dict[str, object]:
+    """Run in this process, without the report, which computes nothing."""
+    study = read_study(path)
+    quiet = study.output.model_copy(update={"report": False})
+    with threadpool_limits(1):
+        assert run(study.model_copy(update={"output": quiet}), out).converged
+    return bits(out)
+
+
+def elsewhere(path: Path, out: Path, seconds: float = np.inf) -> subprocess.CompletedProcess[str]:
+    """Run, or resume, in a process of its own; killed after some seconds."""
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", RUN, path, out, str(seconds)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def finished(path: Path, out: Path) -> float:
+    """Run, or resume, in a process of its own to the end; return its processor time."""
+    ended = elsewhere(path, out)
+    assert ended.returncode == 0, ended.stderr
+    return float(ended.stdout)
+
+
+def check_orders(studies: Mapping[str, Path], order: Iterable[str], folder: Path) -> None:
+    """Run studies one after the other, and each in a process of its own."""
+    expected: dict[str, dict[str, object]] = {}
+    for name, path in studies.items():
+        finished(path, folder / name)
+        expected[name] = bits(folder / name)
+    before = "nothing"
+    for place, name in enumerate(order):
+        found = here(studies[name], folder / f"{place}-{name}")
+        assert_same(found, expected[name], f"{name} after {before}")
+        before = name
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory) -> dict[str, Path]:
+    """Studies of seconds whose contact problems differ in size, law and solver."""
+    folder = tmp_path_factory.mktemp("small")
+    hard = SMALL.replace("joint_modes = [4]\n", "").replace('"craig-bampton", "jim-b", ', "")
+    hard = hard[: hard.index("[reduction.training]")] + hard[hard.index("[[load_case]]") :]
+    texts = {
+        "elastic": SMALL.replace("PENALTY", '"auto"'),
+        "hard": hard.replace("PENALTY", '"hard"').replace("unseen_loads = 4\n", ""),
+    }
+    for name, text in texts.items():
+        (folder / f"{name}.toml").write_text(text)
+    return {name: folder / f"{name}.toml" for name in texts}
+
+
+def test_a_study_gives_the_same_bits_after_any_other(small, tmp_path):
+    # Each after itself and after the other.
+    a, b = small
+    check_orders(small, (a, a, b, b, a), tmp_path)
+
+
+def check_kills(path: Path, folder: Path, instants: int) -> None:
+    """Kill a run at so many instants all over it, each time resume: same bits."""
+    whole = finished(path, folder / "whole")
+    expected = bits(folder / "whole")
+    killed = 0
+    for instant in range(instants):
+        out = folder / str(instant)
+        seconds = whole * (instant + 0.5) / instants
+        ended = elsewhere(path, out, seconds)
+        killed += ended.returncode == -signal.SIGKILL
+        finished(path, out)
+        assert_same(bits(out), expected, f"killed after {seconds:.2f} s")
+    # Processor time varies somewhat: the last kills may come too late.
+    assert killed >= 0.6 * instants
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
+def test_a_killed_run_resumes_to_the_bit(small, tmp_path):
+    check_kills(small["elastic"], tmp_path, 5)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
+def test_a_run_killed_anywhere_resumes_to_the_bit(small, tmp_path):
+    check_kills(small["elastic"], tmp_path, 50)
+
+
+@pytest.mark.slow
+def test_all_examples_give_the_same_bits_in_any_order(tmp_path):
+    package, examples = Path(fy.__file__).parent, Path(__file__).parents[2] / "examples"
+    demos = {path.stem: path for path in (package / "study").glob("*.toml")}
+    studies = demos | {path.stem: path for path in examples.glob("*.toml")}
+    assert len(studies) >= 4
+    forth = sorted(studies)
+    check_orders(studies, (*forth, *reversed(forth)), tmp_path)
