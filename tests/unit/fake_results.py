@@ -100,7 +100,7 @@ def _response(points, nodes, error, times):
     sagging[:, 2] = -((nodes[:, 0] / 30.0) ** 2)
     return Response(
         pressure=pressure,
-        gap=-pressure / 1e5,
+        gap=np.where(pressure > 0, -pressure / 1e5, 1e-4 * points[:, 0]),
         displacements={"tip": moving},
         bolt_forces={"bolt": np.asarray(bolts)},
         contact_forces={"joint": np.asarray(25.0 * pressure.sum(axis=-1))},

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_results import NX, NY, fake_results
+from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 import faying.sources
@@ -21,10 +22,12 @@ from faying.report.figures import (
     plot_model,
     plot_peak_pressure,
     plot_pressure,
+    plot_states,
     write_figures,
 )
 from faying.report.figures.deformed import deformed_figure, exaggeration
 from faying.report.figures.error import error_figure, shown_methods
+from faying.report.figures.gap import STATES, gap_figure
 from faying.report.figures.model import model_figure, plot_bodies
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import pressure_figure
@@ -65,12 +68,15 @@ def test_every_picture_of_the_paper_is_drawn(entries):
         "unseen-loads",
         "penalty",
         "case_LC1_pressure",
+        "case_LC1_gap",
         "case_LC1_deformed",
         "case_LC1_error",
         "case_LC2-torsion_pressure",
+        "case_LC2-torsion_gap",
         "case_LC2-torsion_deformed",
         "case_LC2-torsion_error",
         "case_LC2-step_response",
+        "case_LC2-step_gap",
         "case_LC2-step_time-step",
     ]
 
@@ -117,6 +123,43 @@ def test_pressure_scale_starts_at_zero_and_error_scale_is_symmetric():
     (image,) = axes.images
     assert (image.norm.vmin, image.norm.vmax) == (-30.0, 30.0)
     assert image.get_array().min() == pytest.approx(-30.0)
+
+
+def colour_at(axes, x, y):
+    """Return the colour (3,) of a drawn figure at a place in data coordinates."""
+    figure = axes.figure
+    figure.canvas.draw()
+    pixels = np.asarray(figure.canvas.buffer_rgba())[::-1, :, :3] / 255.0
+    column, row = axes.transData.transform((x, y)).astype(int)
+    return pixels[row, column]
+
+
+def test_averages_leave_grey_what_lies_around_open_points():
+    pressure = np.where(JOINT.points[:, 0] < 12.0, 40.0, 0.0)
+    axes = plot_pressure(JOINT, pressure, panel(), MM)
+    grey = np.array(to_rgb(style.OPEN_COLOUR))
+    # Facets from x = 10 to 15: points at 10 press, those at 15 do not; the middle divides them.
+    assert np.abs(colour_at(axes, 14.0, 6.0) - grey).max() < 0.02  # eight bits a colour
+    assert np.abs(colour_at(axes, 11.0, 6.0) - grey).max() > 0.2
+
+
+def test_gap_figure_tells_what_opened_from_what_never_was_pressed():
+    case = RESULTS.cases["LC1"]
+    # The hump of the preload, cut off behind the bolt.
+    pressure = np.where(JOINT.points[:, 0] < 17.0, JOINT.preload_pressure, 0.0)
+    case = replace(case, reference=replace(case.reference, pressure=pressure))
+    axes = plot_states(JOINT, pressure, panel(), MM)
+    before, now = JOINT.preload_pressure > 0, pressure > 0
+    opened, idle = (np.flatnonzero(before & ~now)[0], np.flatnonzero(~before & ~now)[0])
+    for point, state in ((opened, "opened by the load"), (idle, "open before and now")):
+        x, y = JOINT.points[point, :2]
+        inside = (x + (0.9 if x < 15 else -0.9), y + (0.9 if y < 7 else -0.9))  # off the edges
+        expected = np.array(to_rgb(STATES[state]))
+        assert np.abs(colour_at(axes, *inside) - expected).max() < 0.02
+    caption = gap_figure(RESULTS, case).caption
+    assert "largest gap 3.00e-3 mm at (30, 0, 5) mm" in caption
+    closed = replace(case, reference=replace(case.reference, gap=-np.ones(JOINT.points.shape[0])))
+    assert gap_figure(RESULTS, closed) is None
 
 
 def test_error_map_shows_each_point_in_its_place():

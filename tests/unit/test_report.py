@@ -5,6 +5,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
 import pytest
 from fake_results import fake_results
 
@@ -14,6 +15,7 @@ from faying.report.certified import sharpness
 from faying.report.html import render, write_report
 from faying.report.limits import limits
 from faying.report.meanings import meanings
+from faying.report.quantities import percent
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.verdict import headline, reservations, verdicts
 from faying.study.results import ValidationRecord
@@ -68,7 +70,7 @@ def test_page_stands_alone(written):
     path, page = written
     assert path.name == "report.html"
     assert "http" not in path.read_text(encoding="utf-8")
-    assert len(page.images) == 11
+    assert len(page.images) == 13
     for image in page.images:
         assert image.startswith("figures/")
         assert (path.parent / unquote(image)).is_file()
@@ -273,7 +275,25 @@ def test_load_case_table_has_the_peak_and_its_place():
     # The pressure's hump is centred between nodes, four of which share the peak.
     assert cells["LC1"][4].startswith("joint (15, 5, 5) mm")
     assert cells["LC2-step"][4].endswith(" s")
-    assert "…" in cells["LC2-step"][8]
+    assert "…" in cells["LC2-step"][table.columns.index("bolt force")]
+
+
+def test_load_case_table_says_what_the_load_opens_and_where():
+    record, case = RESULTS.interfaces["joint"], RESULTS.cases["LC1"]
+    # The hump of the preload, cut off behind the bolt.
+    pressure = np.where(record.points[:, 0] < 17.0, record.preload_pressure, 0.0)
+    case = replace(case, reference=replace(case.reference, pressure=pressure))
+    table = case_table(replace(RESULTS, cases={**RESULTS.cases, "LC1": case}))
+    cells = {row[0].text: [cell.text for cell in row] for row in table.rows}
+    opened, gap = (table.columns.index(name) for name in ("opened by the load", "largest gap"))
+    before, now = record.preload_pressure > 0, pressure > 0
+    share = (before & ~now).sum() / before.sum()  # all points stand for the same area
+    assert 0.1 < share < 0.9
+    assert cells["LC1"][opened] == percent(share)
+    # The fake gap grows along x; the first of the points at its end is named.
+    assert cells["LC1"][gap] == "3.00e-3 mm at (30, 0, 5) mm"
+    assert cells["LC2-step"][gap].endswith("mm at 0 s")
+    assert cells["LC1"][opened] != cells["LC1"][table.columns.index("without pressure")]
 
 
 def test_unreadable_study_text_is_no_obstacle():

@@ -101,6 +101,12 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
         "max_penetration",
         "iterations",
     } <= set(bend["reference"])
+    opening = bend["reference"]["opening"]["joint"]
+    assert set(opening) == {"opened_fraction", "closed_fraction", "max_gap", "max_gap_point"}
+    # The joint is pressed around the bolt alone, so most of its area is open without any load.
+    assert opening["opened_fraction"] < bend["reference"]["open_fraction"]
+    assert opening["max_gap"] > 0
+    assert 0 < summary["interfaces"]["joint"]["preload_open_fraction"] < 1
     assert set(bend["methods"]["jim-a"]) == {"2", "4"}
     assert set(bend["methods"]["compliance"]) == {"0"}
     assert {

@@ -43,6 +43,7 @@ OTHER_COLOUR = "#7F7F7F"
 # Perceptually uniform; and one that is white at zero, blue and red alike in weight.
 PRESSURE_MAP = "viridis"
 ERROR_MAP = "RdBu_r"
+GAP_MAP = "Purples"
 OPEN_COLOUR = "#E4E4E4"
 BODY_COLOURS = ("#8FB3D9", "#E3C08D", "#A8CDA0", "#C9B2D6", "#D9A9A0", "#B5B5B5")
 BOLT_COLOUR = "#B2182B"

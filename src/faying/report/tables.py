@@ -3,6 +3,7 @@
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,10 +12,12 @@ from faying.report.quantities import number, percent, place, quantity, seconds
 from faying.report.style import label
 from faying.report.verdict import grade
 from faying.study.declared import kept_share, missing_contact
+from faying.study.opening import Opening, opening
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.study.summary import timings
 from faying.units import Units, units_of
 
+Entry = TypeVar("Entry")
 MARKS = {"good": "✓", "fair": "~", "poor": "✗", "": ""}
 
 
@@ -89,7 +92,7 @@ def interface_table(results: Results) -> Table:
     units = units_of(results.units)
     columns = (
         "interface", "node pairs", "contact points", "quadrature", "area", "penalty stiffness",
-        "sticking pairs", "max preload pressure", "open after preload",
+        "sticking pairs", "max preload pressure", "without pressure after preload",
     )  # fmt: skip
     rows = [
         (
@@ -144,8 +147,8 @@ def case_table(results: Results) -> Table:
     units = units_of(results.units)
     loads = applied_loads(results.study_text, units)
     columns = (
-        "load case", "kind", "loads", "max pressure", "where", "contact force", "open area",
-        "max penetration", "bolt force",
+        "load case", "kind", "loads", "max pressure", "where", "contact force",
+        "opened by the load", "largest gap", "without pressure", "max penetration", "bolt force",
     )  # fmt: skip
     rows = [
         (name, case.kind, loads.get(name, "see the study"), *_reference(results, case, units))
@@ -160,12 +163,34 @@ def _reference(results: Results, case: CaseResult, units: Units) -> Iterator[str
     yield quantity(float(pressure.max(initial=0.0)), units.pressure)
     yield _peak_place(results, case, pressure, units)
     yield _each(response.contact_forces, lambda f: _range(f, units.force))
+    yield from _opening(results, case, units)
     yield _each(response.open_fraction, lambda f: _range(100 * np.asarray(f), "%", 2))
     yield quantity(float(np.maximum(-response.gap, 0.0).max(initial=0.0)), units.length)
     yield _each(response.bolt_forces, lambda f: _range(f, units.force))
 
 
-def _each(values: Mapping[str, Matrix], text: Callable[[Matrix], str]) -> str:
+def _opening(results: Results, case: CaseResult, units: Units) -> Iterator[str]:
+    """Yield the share of the pressed area that opened, and the largest gap with its place."""
+    found = {
+        name: (record, one)
+        for name, record in results.interfaces.items()
+        if (one := opening(record, case)) is not None
+    }
+    yield _each({name: one for name, (_, one) in found.items()}, lambda one: percent(one.opened))
+    yield _each(found, lambda pair: _gap(*pair, case, units))
+
+
+def _gap(record: InterfaceRecord, found: Opening, case: CaseResult, units: Units) -> str:
+    if found.gap <= 0:
+        return "none"
+    size = float(np.ptp(record.points, axis=0).max())
+    text = f"{quantity(found.gap, units.length)} at {place(found.point, units.length, size)}"
+    if case.times is None or found.instant is None:
+        return text
+    return f"{text} at {quantity(float(case.times[found.instant]), units.time)}"
+
+
+def _each(values: Mapping[str, Entry], text: Callable[[Entry], str]) -> str:
     """Return one text per name, the name left out where there is only one."""
     return "; ".join(
         f"{name}: {text(value)}" if len(values) > 1 else text(value)

@@ -9,6 +9,7 @@ import numpy as np
 from faying import __version__
 from faying.reduction.methods import METHODS
 from faying.study.declared import missing_contacts
+from faying.study.opening import opening
 from faying.study.results import (
     CaseResult,
     InterfaceRecord,
@@ -50,7 +51,7 @@ def summarize(results: Results) -> dict[str, Any]:
             name: {"preload": bolt.preload, "initial_force": bolt.initial_force}
             for name, bolt in results.bolts.items()
         },
-        "load_cases": {name: _case(case) for name, case in results.cases.items()},
+        "load_cases": {name: _case(results, case) for name, case in results.cases.items()},
         "validation": _validation(results.validation),
         "timings": timings(results),
     }
@@ -145,13 +146,15 @@ def _interface(face: InterfaceRecord) -> dict[str, Any]:
         "penalty": "hard" if hard else face.penalty,
         "quadrature": face.quadrature,
         "stuck_pairs": int(face.stuck.sum()),
+        "preload_open_fraction": float(face.weights[face.preload_pressure <= 0].sum())
+        / float(face.weights.sum()),
     }
 
 
-def _case(case: CaseResult) -> dict[str, Any]:
+def _case(results: Results, case: CaseResult) -> dict[str, Any]:
     summary: dict[str, Any] = {
         "kind": case.kind,
-        "reference": _reference(case.reference),
+        "reference": {**_reference(case.reference), "opening": _openings(results, case)},
         "methods": {
             name: {str(count): _method(result) for count, result in sizes.items()}
             for name, sizes in case.methods.items()
@@ -167,6 +170,21 @@ def _case(case: CaseResult) -> dict[str, Any]:
             "displacement_change": check.change.displacement_error,
         }
     return summary
+
+
+def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
+    """Return what the load opens of each interface that the preload presses."""
+    found = {name: opening(record, case) for name, record in results.interfaces.items()}
+    return {
+        name: {
+            "opened_fraction": one.opened,
+            "closed_fraction": one.closed,
+            "max_gap": one.gap,
+            "max_gap_point": one.point.tolist(),
+        }
+        for name, one in found.items()
+        if one is not None
+    }
 
 
 def _reference(response: Response) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from faying.report.figures.convergence import plot_convergence
 from faying.report.figures.deformed import plot_deformed
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.error import plot_error
+from faying.report.figures.gap import plot_gap, plot_states
 from faying.report.figures.model import plot_model
 from faying.report.figures.preload import plot_sticking
 from faying.report.figures.pressure import plot_point_pressure, plot_pressure
@@ -23,10 +24,12 @@ __all__ = [
     "plot_displacement",
     "plot_error",
     "plot_error_over_time",
+    "plot_gap",
     "plot_model",
     "plot_peak_pressure",
     "plot_point_pressure",
     "plot_pressure",
+    "plot_states",
     "plot_step_check",
     "plot_sticking",
     "plot_tightening",

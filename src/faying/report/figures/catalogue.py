@@ -9,6 +9,7 @@ from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure
+from faying.report.figures.gap import gap_figure
 from faying.report.figures.load_space import load_space_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.penalty import penalty_figure
@@ -97,9 +98,9 @@ def _drawings(results: Results) -> Iterator[Draw]:
         yield _of_run(draw, results)
     for case in results.cases.values():
         for draw_case in (
-            (pressure_figure, deformed_figure, error_figure)
+            (pressure_figure, gap_figure, deformed_figure, error_figure)
             if case.times is None
-            else (response_figure, time_step_figure)
+            else (response_figure, gap_figure, time_step_figure)
         ):
             yield _of_case(draw_case, results, case)
 

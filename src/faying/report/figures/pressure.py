@@ -19,8 +19,6 @@ from faying.report.style import PRESSURE_MAP, heading, new_figure, plain
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
-CLOSED = 1e-9
-"""Averages below this fraction of the largest count as no contact."""
 POINTS = (
     "values at the contact points, each over the area nearest to it, where the cross marks the "
     "largest"
@@ -36,7 +34,7 @@ def plot_pressure(
     *,
     largest: float | None = None,
 ) -> Axes:
-    """Draw a contact pressure as nodal averages over the facets; grey where open.
+    """Draw a contact pressure as nodal averages over the facets; grey around open points.
 
     Parameters
     ----------
@@ -50,7 +48,7 @@ def plot_pressure(
     averages = record.averaging @ pressure
     own = float(averages.max(initial=0.0))
     colours = scale(PRESSURE_MAP, largest or own)
-    draw_averages(axes, record, plane, averages, colours, closed=averages > CLOSED * own)
+    draw_averages(axes, record, plane, averages, colours, open_points=pressure <= 0)
     colour_bar(axes, colours, f"contact pressure [{units.pressure}]")
     return axes
 
@@ -113,7 +111,7 @@ def summary(name: str, record: InterfaceRecord, pressure: Vector, units: Units) 
     return (
         f"{name}{shape}: {described_peak(record, pressure, units)}; "
         f"{described_average(record, pressure, units)}; "
-        f"{percent(open_share(record, pressure))} open"
+        f"{percent(open_share(record, pressure))} without pressure"
     )
 
 

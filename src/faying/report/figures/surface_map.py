@@ -9,7 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.tri import Triangulation
@@ -45,12 +45,12 @@ class Scale:
     Attributes
     ----------
     colours
-        Name of a colour map.
+        A colour map or its name.
     limits
         Values at its ends.
     """
 
-    colours: str
+    colours: str | Colormap
     limits: Normalize
 
 
@@ -105,15 +105,16 @@ def draw_averages(
     values: Vector,
     scale: Scale,
     *,
-    closed: Mask | None = None,
+    open_points: Mask,
 ) -> Axes:
-    """Draw nodal averages, interpolated over each facet; leave fully open facets grey.
+    """Draw nodal averages, interpolated over each facet; leave grey what is open.
 
     Parameters
     ----------
     values : (n_pair,)
-    closed : (n_pair,), optional
-        True where there is contact; facets without any are left out.
+    open_points : (n_point,)
+        Contact points that carry nothing: the area nearest to them stays grey, for an average of
+        zero is no pressure, and one of a neighbour's pressure is none of theirs.
     """
     flat = plane.project(record.pair_points)
     facets = pair_facets(record)
@@ -123,18 +124,21 @@ def draw_averages(
     corners: list[Indices] = [np.empty((0, 3), dtype=np.int64)]
     offset = 0
     for kind, nodes in facets:
-        shown = nodes if closed is None else nodes[closed[nodes].any(axis=1)]
         places, pattern = subdivision(kind, fineness)
         shape = shape_functions(kind, places)
-        points.append(np.einsum("pn,fnk->fpk", shape, flat[shown]).reshape(-1, 2))
-        data.append((values[shown] @ shape.T).ravel())
-        first = offset + len(places) * np.arange(len(shown))
+        points.append(np.einsum("pn,fnk->fpk", shape, flat[nodes]).reshape(-1, 2))
+        data.append((values[nodes] @ shape.T).ravel())
+        first = offset + len(places) * np.arange(len(nodes))
         corners.append((first[:, None, None] + pattern).reshape(-1, 3))
-        offset += len(places) * len(shown)
-    if offset:
-        x, y = np.concatenate(points).T
+        offset += len(places) * len(nodes)
+    if offset and not np.all(open_points):
+        places, triangles = np.concatenate(points), np.concatenate(corners)
+        nearest = cKDTree(plane.project(record.points)).query(places)[1]
+        # Under the grey as well nothing is drawn, or it would shine through at the border.
+        apart = np.asarray(open_points)[nearest][triangles].all(axis=1)
+        x, y = places.T
         field = axes.tripcolor(
-            Triangulation(x, y, np.concatenate(corners)),
+            Triangulation(x, y, triangles, mask=apart),
             np.concatenate(data),
             shading="gouraud",
             cmap=scale.colours,
@@ -143,7 +147,9 @@ def draw_averages(
         )
         if record.overlap is not None:
             _clipped(field, axes, record, plane)
-    draw_edges(axes, record, plane)
+    grey = ListedColormap([OPEN_COLOUR])
+    cover = Scale(colours=grey, limits=Normalize(vmin=0.0, vmax=1.0))
+    draw_points(axes, record, plane, np.where(open_points, 1.0, np.nan), cover)
     return axes
 
 

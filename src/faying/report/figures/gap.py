@@ -1,0 +1,144 @@
+"""What a load opens: where contact was lost or gained since the preload, and the gap."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.patches import Patch
+
+from faying._typing import Vector
+from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
+from faying.report.figures.surface_map import (
+    Scale,
+    colour_bar,
+    draw_points,
+    panel_size,
+    prepare,
+    scale,
+)
+from faying.report.quantities import percent, place, quantity
+from faying.report.style import GAP_MAP, OPEN_COLOUR, heading, new_figure, plain
+from faying.study.opening import Opening, opening
+from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.units import Units, units_of
+
+STATES = {
+    "pressed before and now": "#7FA6C9",
+    "opened by the load": "#D95F02",
+    "closed by the load": "#1B9E77",
+    "open before and now": OPEN_COLOUR,
+}
+"""States of a contact point and their colours, in the order of their numbers."""
+
+
+def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Units) -> Axes:
+    """Draw which contact points the load has opened or closed since the preload.
+
+    Parameters
+    ----------
+    pressure : (n_point,)
+        At the contact points of this interface.
+    """
+    plane = best_plane(record)
+    prepare(axes, record, plane, units)
+    before, now = record.preload_pressure > 0, pressure > 0
+    states = np.select([before & now, before, now], [0.0, 1.0, 2.0], default=3.0)
+    colours = ListedColormap(list(STATES.values()))
+    limits = Normalize(vmin=-0.5, vmax=len(STATES) - 0.5)
+    draw_points(axes, record, plane, states, Scale(colours=colours, limits=limits))
+    return axes
+
+
+def plot_gap(
+    record: InterfaceRecord, gap: Vector, axes: Axes, units: Units, *, largest: float
+) -> Axes:
+    """Draw the gap at the contact points, white where closed, a cross at the largest.
+
+    Parameters
+    ----------
+    gap : (n_point,)
+        At the contact points of this interface.
+    largest
+        Top of the colour scale.
+    """
+    plane = best_plane(record)
+    prepare(axes, record, plane, units)
+    colours = scale(GAP_MAP, largest)
+    draw_points(axes, record, plane, np.maximum(gap, 0.0), colours)
+    if gap.max(initial=0.0) > 0:
+        x, y = plane.project(record.points[[gap.argmax()]])[0]
+        axes.plot(x, y, "x", color="white", ms=9, mew=3.5, zorder=3)
+        axes.plot(x, y, "x", color="black", ms=8, mew=1.5, zorder=3)
+    colour_bar(axes, colours, f"gap [{units.length}]")
+    return axes
+
+
+def described_opening(record: InterfaceRecord, found: Opening, units: Units) -> str:
+    """Return how much opened, how far, and where."""
+    opened = f"{percent(found.opened)} of the area pressed after tightening opened"
+    if found.gap <= 0:
+        return f"{opened}; no gap anywhere"
+    size = float(np.ptp(record.points, axis=0).max())
+    where = place(found.point, units.length, size)
+    return f"{opened}; largest gap {quantity(found.gap, units.length)} at {where}"
+
+
+def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw contact lost and gained, and the gap, one row per interface.
+
+    Returns
+    -------
+    Drawn or None
+        Transients at the instant of their largest gap; None where all is closed.
+    """
+    units, records = units_of(results.units), results.interfaces
+    found = {name: opening(record, case) for name, record in records.items()}
+    openings = {name: one for name, one in found.items() if one is not None}
+    widest = max(openings.values(), key=lambda one: one.gap, default=None)
+    if widest is None or widest.gap <= 0:
+        return None
+    pressure, gap = (
+        np.atleast_2d(field)[widest.instant or 0]
+        for field in (case.reference.pressure, case.reference.gap)
+    )
+    drawn = {name: records[name] for name in openings}
+    sizes = [panel_size(record, best_plane(record), 5.4) for record in drawn.values()]
+    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 0.9)
+    rows = figure.subplots(
+        len(drawn), 2, squeeze=False, height_ratios=[height for _, height in sizes]
+    )
+    notes = []
+    for (left, right), (name, record) in zip(rows, drawn.items(), strict=True):
+        own = slice(*record.slice)
+        plot_states(record, pressure[own], left, units)
+        plot_gap(record, gap[own], right, units, largest=widest.gap)
+        note = f"{name}: {described_opening(record, openings[name], units)}"
+        left.set_title(plain(f"{name}: contact since the preload"), loc="left")
+        right.set_title(plain(f"{name}: gap"), loc="left")
+        notes.append(note)
+    figure.legend(
+        handles=[Patch(color=shade, label=state) for state, shade in STATES.items()],
+        loc="outside lower center",
+        ncols=len(STATES),
+    )
+    when = _when(case, widest, units)
+    figure.suptitle(heading(f"{case.name}: what the load opens, full model{when}"))
+    over_time = "" if case.times is None else " Shares of area are the largest over time."
+    caption = (
+        f"Left: where {case.name} opened or closed contact since the bolts were tightened. Right: "
+        f"the gap, white where closed, a cross at the largest{when}. Values at the contact points, "
+        f"each over the area nearest to it. {'. '.join(notes)}.{over_time}"
+    )
+    return Drawn(
+        figure=figure,
+        stem="gap",
+        title=f"{case.name}: what the load opens",
+        caption=caption,
+        section=case.name,
+    )
+
+
+def _when(case: CaseResult, widest: Opening, units: Units) -> str:
+    if case.times is None or widest.instant is None:
+        return ""
+    return f", at {quantity(float(case.times[widest.instant]), units.time)}"
