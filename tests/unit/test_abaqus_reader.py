@@ -551,3 +551,35 @@ def test_unknown_steps_and_missing_decks_are_refused(read, tmp_path):
         read(DECK, step=2)
     with pytest.raises(FormatError, match=r"'.*none\.inp' is not there"):
         read_joint(tmp_path / "none.inp")
+
+
+def test_materials_that_no_section_names_are_left_out(read):
+    """Libraries come with decks; what is in them need not be linear."""
+    block = (
+        "*MATERIAL, NAME=Rubber\n*HYPERELASTIC, MOONEY-RIVLIN\n0.8, 0.2, 0.1\n"
+        "*MATERIAL, NAME=Soft\n*PLASTIC\n200., 0.\n*USER MATERIAL, CONSTANTS=1\n1.\n"
+        "*MATERIAL, NAME=Hot\n*ELASTIC\n2E5, .3, 20.\n1E5, .3, 500.\n"
+    )
+    described = read(edited(("*MATERIAL, NAME=Steel\n", block + "*MATERIAL, NAME=Steel\n")))
+    assert {material.name for material in described.assembly.materials.values()} == {"Steel"}
+    for name in ("Rubber", "Soft", "Hot"):
+        assert f"material {name}, which no section names" in described.assembly.ignored
+    with pytest.raises(FormatError, match="PLASTIC: the keyword is not supported"):
+        read(edited(("*DENSITY\n7.85E-9\n", "*DENSITY\n7.85E-9\n*PLASTIC\n200., 0.\n")))
+    with pytest.raises(FormatError, match="PLASTIC: the keyword is not supported"):
+        # Behind the block something else is refused as ever.
+        read(
+            edited(
+                ("*SOLID SECTION", block + "*SOLID SECTION"), ("*STEP\n", "*PLASTIC\n1.\n*STEP\n")
+            )
+        )
+
+
+def test_surfaces_of_nothing(read):
+    """They do no harm until something names them."""
+    described = read(
+        edited(("*SURFACE, NAME=HEAD\n", "*SURFACE, NAME=NONE\n*SURFACE, NAME=HEAD\n"))
+    )
+    assert "NONE" not in described.assembly.face_sets
+    with pytest.raises(FormatError, match="there is no surface 'MASTER'; known are SLAVE"):
+        read(edited(("*SURFACE, NAME=MASTER\n2, S1\n", "*SURFACE, NAME=MASTER\n")))

@@ -7,10 +7,11 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.interface.facets import area_vectors, gauss_rule, shape_functions
+from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.loads import note_amplitude, operation
+from faying.io.abaqus.loads import operation
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
 from faying.model.assembly import Assembly
@@ -20,7 +21,12 @@ Key = tuple[str, str]
 
 
 def read_distributed(
-    deck: Deck, assembly: Assembly, sets: NamedSets, surfaces: Surfaces, ignored: list[str]
+    deck: Deck,
+    assembly: Assembly,
+    sets: NamedSets,
+    surfaces: Surfaces,
+    amplitudes: Amplitudes,
+    ignored: list[str],
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
@@ -37,20 +43,23 @@ def read_distributed(
     FormatError
         Naming the line of a load that is not a pressure on a face or gravity.
     """
-    result: dict[Key, Matrix] = {}
+    result: dict[Key, list[tuple[Matrix, Keyword]]] = {}
     for step in range(deck.n_step + 1):
-        here: dict[Key, Matrix] = {}
+        here: dict[Key, list[tuple[Matrix, Keyword]]] = {}
         cleared: set[str] = set()
         for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
             keyword.allow("OP", "AMPLITUDE", "CONSTANT RESULTANT")
-            note_amplitude(keyword, ignored)
+            amplitudes.note(keyword, ignored)
             if operation(keyword) and keyword.name not in cleared:
                 result = {k: v for k, v in result.items() if not k[0].startswith(keyword.name)}
                 cleared.add(keyword.name)
             for key, forces in _lines(keyword, assembly, sets, surfaces):
-                here[key] = here.get(key, 0.0) + forces
+                here.setdefault(key, []).append((forces, keyword))
         result.update(here)
-        yield sum(result.values(), np.zeros((len(assembly.mesh.nodes), 6)))
+        total = np.zeros((len(assembly.mesh.nodes), 6))
+        for forces, keyword in (one for given in result.values() for one in given):
+            total += amplitudes.factor(keyword, step) * forces
+        yield total
 
 
 def _lines(

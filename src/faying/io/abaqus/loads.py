@@ -1,16 +1,18 @@
 """``*CLOAD``: forces on nodes, step by step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from faying._typing import Matrix
+from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
 
 Forces = dict[tuple[int, int], float]
+_Given = tuple[float, Keyword]
 
 
 def operation(keyword: Keyword) -> bool:
@@ -28,15 +30,9 @@ def operation(keyword: Keyword) -> bool:
     return wished == "NEW"
 
 
-def note_amplitude(keyword: Keyword, ignored: list[str]) -> None:
-    """Say that the course over time is left out."""
-    if keyword.has("AMPLITUDE"):
-        note = f"AMPLITUDE={keyword.value('AMPLITUDE')} of *{keyword.name}: full magnitude taken"
-        if note not in ignored:
-            ignored.append(note)
-
-
-def read_concentrated(deck: Deck, dofs: Dofs, ignored: list[str]) -> Iterator[Forces]:
+def read_concentrated(
+    deck: Deck, dofs: Dofs, amplitudes: Amplitudes, ignored: list[str]
+) -> Iterator[Forces]:
     """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
     A later step replaces what it names again; within a step values add up. OP=NEW removes what
@@ -47,34 +43,43 @@ def read_concentrated(deck: Deck, dofs: Dofs, ignored: list[str]) -> Iterator[Fo
     FormatError
         Naming the line of a follower force, an unknown node or a malformed number.
     """
-    found: Forces = {}
-    for new, here in _steps(deck, dofs, ignored):
+    for load in deck.of("CLOAD"):
+        amplitudes.note(load, ignored)
+    found: dict[tuple[int, int], list[_Given]] = {}
+    for step, (new, here) in enumerate(_steps(deck, dofs)):
         found = {**({} if new else found), **here}
-        yield found
+        yield _at(found, amplitudes, step)
 
 
-def last_given(deck: Deck, dofs: Dofs) -> Forces:
+def last_given(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Forces:
     """Return the last value of each *CLOAD up to now, removed or not.
 
     A bolt keeps the force it was tightened to when it is locked and the force is removed.
     """
     found: Forces = {}
-    for _, here in _steps(deck, dofs, []):
-        found.update(here)
+    for step, (_, here) in enumerate(_steps(deck, dofs)):
+        found.update(_at(here, amplitudes, step))
     return found
 
 
-def _steps(deck: Deck, dofs: Dofs, ignored: list[str]) -> Iterator[tuple[bool, Forces]]:
+def _at(given: Mapping[tuple[int, int], list[_Given]], amplitudes: Amplitudes, step: int) -> Forces:
+    """Return the forces at the end of a step."""
+    return {
+        place: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
+        for place, values in given.items()
+    }
+
+
+def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int], list[_Given]]]]:
     """Yield for each step whether it removes earlier forces, and those it names."""
     for step in range(deck.n_step + 1):
-        here: Forces = {}
+        here: dict[tuple[int, int], list[_Given]] = {}
         new = False
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
             keyword.allow("OP", "AMPLITUDE")
-            note_amplitude(keyword, ignored)
             new |= operation(keyword)
             for place, value in _values(keyword, dofs):
-                here[place] = here.get(place, 0.0) + value
+                here.setdefault(place, []).append((value, keyword))
         yield new, here
 
 

@@ -1,9 +1,13 @@
 """``*MATERIAL``: isotropic linear elasticity and density."""
 
+from dataclasses import replace
+
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.harmless import HARMLESS as HARMLESS_KEYWORDS
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword_names import READ
 from faying.model.assembly import Material
 
 HARMLESS = frozenset(
@@ -12,6 +16,26 @@ HARMLESS = frozenset(
 """Properties without effect at constant temperature."""
 
 MEMBERS = ("ELASTIC", "DENSITY", "DAMPING", *sorted(HARMLESS))
+
+
+def without_unused(deck: Deck, ignored: list[str]) -> Deck:
+    """Leave out the materials that no section names, whatever is in them.
+
+    A block ends at the next keyword that is read for something else.
+    """
+    used = {keyword.value("MATERIAL").upper() for keyword in deck.keywords}
+    kept, unused = [], False
+    for keyword in deck.keywords:
+        if keyword.name == "MATERIAL":
+            name = keyword.value("NAME")
+            unused = bool(name) and name.upper() not in used
+            if unused:
+                ignored.append(f"material {name}, which no section names")
+        elif keyword.name in READ | HARMLESS_KEYWORDS and keyword.name not in MEMBERS:
+            unused = False
+        if not unused:
+            kept.append(keyword)
+    return replace(deck, keywords=kept)
 
 
 def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.io.abaqus import contact, materials, pretension
+from faying.io.abaqus.amplitudes import read_amplitudes
 from faying.io.abaqus.beams import read_beams
 from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
 from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh
@@ -39,6 +40,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     FormatError
         With file and line.
     """
+    deck = materials.without_unused(deck, ignored)
     check_supported(deck, ignored)
     nodes = read_nodes(deck)
     elements = read_elements(deck, nodes)
@@ -57,7 +59,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     sections = pretension.read_sections(deck, dofs, elements, by_element)
     mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, ignored)
     surfaces = read_surfaces(deck, mesh, by_element, by_node)
-    forces = list(read_concentrated(deck, dofs, ignored))
+    amplitudes = read_amplitudes(deck)
+    forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
     pairs = contact.read_pairs(deck, surfaces, by_node, ignored)
     assembly = Assembly(
         mesh=mesh,
@@ -75,7 +78,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         nodal_forces({place: f for place, f in here.items() if place[0] not in apart}, dofs)
         for here in forces
     )
-    distributed = read_distributed(deck, assembly, by_element, surfaces, ignored)
+    distributed = read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored)
     loads = _loads(deck, concentrated, distributed)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces)
     assembly = close_cuts(assembly, cuts)
@@ -92,7 +95,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
         bolts=bolts,
-        preloads=pretension.preloads(sections, last_given(deck, dofs)),
+        preloads=pretension.preloads(sections, last_given(deck, dofs, amplitudes)),
         initial_gaps=offsets,
         gap_rules=rules,
         selected_load=_name(deck.n_step) if _name(deck.n_step) in loads else None,

@@ -54,7 +54,7 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
     for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
         if key in surfaces:
             return surfaces[key]
-    known = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none"
+    known = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none that has faces"
     message = f"there is no surface '{name}'; known are {known}"
     raise keyword.error(message, row)
 
@@ -93,8 +93,7 @@ def read_surfaces(
             message = f"{problem} is not supported; list element faces or nodes"
             raise keyword.error(message)
         if not keyword.data:
-            message = f"surface '{name}' has no data lines"
-            raise keyword.error(message)
+            continue  # meshers write surfaces of nothing; whoever names one is told
         if kind == "NODE":
             found[name.upper()] = _of_nodes(keyword, name, mesh, by_node)
         else:

@@ -55,14 +55,20 @@ class _Level:
 
 
 def parameter_lines(lines: Lines) -> Lines:
-    """Return the PARAM lines of case control."""
-    kept = [i for i, line in enumerate(lines.text) if line.lstrip()[:5] == b"PARAM"]
+    """Return the PARAM lines of case control; DMAP in front of CEND has others."""
+    start = _behind_cend(lines)
+    kept = [i for i in range(start, len(lines.text)) if lines.text[i].lstrip()[:5] == b"PARAM"]
     return Lines(
         text=[lines.text[i].lstrip() for i in kept],
         number=lines.number[kept],
         file=lines.file[kept],
         files=lines.files,
     )
+
+
+def _behind_cend(lines: Lines) -> int:
+    """Return the first line behind CEND; 0 without one."""
+    return next((i + 1 for i, line in enumerate(lines.text) if line.strip()[:4] == b"CEND"), 0)
 
 
 def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = None) -> CaseControl:
@@ -79,7 +85,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
         If a selection is no number, the subcase is not there, or matrices from DMIG enter the
         structure.
     """
-    start = next((i for i, line in enumerate(lines.text) if line.strip()[:4] == b"CEND"), -1)
+    start = _behind_cend(lines) - 1
     common = _Level(where="")
     subcases: dict[int, _Level] = {}
     combinations: dict[int, str] = {}

@@ -11,6 +11,8 @@ Property = tuple[BeamSection, Material]
 
 _DIMENSIONS = {"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4}
 _MASS_REMEDY = "put it into the density of a material of its own (RHO + NSM / A)"
+_DIGITS = 1e-3
+"""Relative difference of an entry that eight columns with an exponent leave open: 1.23-10."""
 _STATIONS = ("YES", "YESA", "NO")
 
 
@@ -104,12 +106,17 @@ def _pbeam(card: Card, _: Material) -> BeamSection:
 
 def _check_station(card: Card, row: int) -> None:
     for j in range(2, 8):
-        if card.text(row + j) and card.real(row + j) != card.real(j, 0.0):
+        if card.text(row + j) and _differ(card.real(row + j), card.real(j, 0.0)):
             text = (
                 f"the section changes along the beam (field {j + 2}); tapered beams are not "
                 "supported, split the beam into constant pieces"
             )
             raise card.error(text, row + j)
+
+
+def _differ(one: float, other: float) -> bool:
+    """Say whether two ends differ by more than the digits of a field."""
+    return not math.isclose(one, other, rel_tol=_DIGITS, abs_tol=0.0)
 
 
 def _pbarl(card: Card, material: Material) -> BeamSection:
@@ -129,7 +136,7 @@ def _pbeaml(card: Card, material: Material) -> BeamSection:
             raise card.error(text, field)
         for j, size in enumerate((*sizes, 0.0)):
             here = field + 2 + j
-            if card.text(here) and card.real(here) != size:
+            if card.text(here) and _differ(card.real(here), size):
                 text = "a section that changes along the beam is not supported, split the beam"
                 raise card.error(text, here)
         field += 3 + len(sizes)

@@ -11,6 +11,7 @@ from faying.io.deck_lines import DeckFiles, Lines
 
 _INCLUDE = re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?", re.IGNORECASE)
 _BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
+_CEND = re.compile(rb"^\s*CEND\b")
 _END = re.compile(rb"^\s*ENDDATA\b")
 _CONTROL = re.compile(rb"^\s*(?:CEND\b|SOL\s+\S|SUBCASE\s+\d)")
 _DEEPEST = 20
@@ -49,8 +50,10 @@ def read_source(path: Path) -> Source:
 
 def _sections(lines: Lines, path: Path) -> Source:
     begin, end = 0, len(lines.text)
+    # DMAP in front of CEND has a BEGIN of its own.
+    cend = next((i for i, text in enumerate(lines.text) if _CEND.match(text)), -1)
     # Only lines that start like the keyword reach the regular expression.
-    begins = [i for i, t in enumerate(lines.text) if t.lstrip()[:5] == b"BEGIN" and _BEGIN.match(t)]
+    begins = [i for i, t in enumerate(lines.text) if _is_begin(t) and i > cend]
     if begins:
         begin = begins[0] + 1
         for i in begins:
@@ -70,6 +73,10 @@ def _sections(lines: Lines, path: Path) -> Source:
             end = i
             break
     return Source(control=lines[: max(begin - 1, 0)], bulk=lines[begin:end])
+
+
+def _is_begin(text: bytes) -> bool:
+    return text.lstrip()[:5] == b"BEGIN" and _BEGIN.match(text) is not None
 
 
 def _shown(line: bytes) -> str:

@@ -13,6 +13,7 @@ from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields
+from faying.io.nastran.free_lines import unfolded
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
 _COLUMNS = 80
@@ -34,15 +35,15 @@ def read_cards(lines: Lines) -> Bulk:
     -----
     About 1 µs a line, 130 bytes of memory a line.
     """
-    text = [_without_comment(line) for line in lines.text]
+    text, origin = unfolded([_without_comment(line) for line in lines.text])
     for i, line in enumerate(text):
         if b"\t" in line:
-            text[i] = _without_tabs(line, lines, i)
+            text[i] = _without_tabs(line, lines, int(origin[i]))
     letters = _letters(text)
-    kept = np.flatnonzero((letters != _BLANK).any(axis=1))
-    letters = letters[kept]
+    rows = np.flatnonzero((letters != _BLANK).any(axis=1))
+    letters, kept = letters[rows], origin[rows]
     free = (letters == _COMMA).any(axis=1)
-    split = {int(i): _split_free(text[kept[i]], lines, int(kept[i])) for i in np.flatnonzero(free)}
+    split = {int(i): _split_free(text[rows[i]], lines, int(kept[i])) for i in np.flatnonzero(free)}
     head = letters[:, :8].copy()
     for i, parts in split.items():
         head[i] = np.frombuffer(parts[0].ljust(8)[:8], dtype=np.uint8)

@@ -1,0 +1,61 @@
+"""Free-field lines as programs fold them, and equations that are no fields at all."""
+
+import numpy as np
+
+from faying._typing import Indices
+
+_DATA = 8
+"""Data fields of a line."""
+
+_LONG = frozenset((b"CORD2R", b"CORD2C", b"CORD2S"))
+"""Cards whose eleven fields are written in one line; in others a ninth is likely a slip."""
+
+
+def unfolded(text: list[bytes]) -> tuple[list[bytes], Indices]:
+    """Return lines of bulk data with one way of continuing free-field cards, and where they were.
+
+    A line that ends with a comma goes on in the next one, which then begins with data and not with
+    a blank field; and one line may hold the eleven fields of CORD2R. Both become lines of eight. Of
+    DEQATN, whose commas separate arguments, the name is left.
+
+    Parameters
+    ----------
+    text
+        Without comments.
+    """
+    lines: list[bytes] = []
+    origin: list[int] = []
+    i = 0
+    while i < len(text):
+        end, found = i + 1, [text[i]]
+        if text[i][:6] == b"DEQATN":
+            found = [b"DEQATN"]
+            while end < len(text) and text[end][:1] in (b" ", b"+", b"*", b"\t", b""):
+                end += 1
+        elif b"," in text[i]:
+            while end < len(text) and _folded(text[end - 1], text[end]):
+                end += 1
+            found = _rows(text[i:end])
+        lines += found
+        origin += range(i, end) if len(found) == end - i else [i] * len(found)
+        i = end
+    return lines, np.array(origin, dtype=np.int64)
+
+
+def _folded(line: bytes, following: bytes) -> bool:
+    """Whether a line goes on in the next one, which begins with a number."""
+    first = following.lstrip()[:1]
+    return line.rstrip().endswith(b",") and b"," in following and first.isdigit()
+
+
+def _rows(lines: list[bytes]) -> list[bytes]:
+    """Fold the fields of one card, or of one line of it, into lines of eight."""
+    parts = [part.strip() for line in lines for part in line.rstrip().rstrip(b",").split(b",")]
+    name, data = parts[0], parts[1:]
+    if len(data) <= _DATA or (len(lines) == 1 and name not in _LONG):
+        return lines
+    if b"*" in name or b" " in name:
+        return lines
+    rows = [data[k : k + _DATA] for k in range(0, len(data), _DATA)]
+    heads = [name] + [b""] * (len(rows) - 1)
+    return [b",".join([head, *row]) for head, row in zip(heads, rows, strict=True)]

@@ -1,0 +1,109 @@
+"""Ways of writing a Nastran deck that its programs take: folded lines, DMAP, rounded sections."""
+
+import re
+
+import numpy as np
+import pytest
+
+from faying.exceptions import FormatError
+from faying.io.nastran import read_joint
+
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+CUBES = "".join(
+    f"GRID,{10 * part + 4 * top + i + 1},,{x}.,{y}.,{part + top}.\n"
+    for part in (0, 1)
+    for top in (0, 1)
+    for i, (x, y) in enumerate(SQUARE)
+)
+SOLIDS = """CHEXA,1,1,1,2,3,4,5,6
+,7,8
+CHEXA,2,1,11,12,13,14,15,16
+,17,18
+PSOLID,1,1
+MAT1,1,210000.,,.3,7.8-9
+"""
+BULK = CUBES + SOLIDS
+
+
+@pytest.fixture
+def read(tmp_path):
+    def call(*cards, head="", bulk=BULK):
+        path = tmp_path / "a.bdf"
+        begin = "BEGIN BULK\n" if head else ""
+        path.write_text(head + begin + bulk + "\n".join(cards) + "\nENDDATA\n")
+        return read_joint(path)
+
+    return call
+
+
+def test_lines_that_end_with_a_comma_go_on_with_data(read):
+    """Not a card called 2."""
+    many = "".join(f"CHEXA,{100 + i},1,1,2,3,4,5,6\n,7,8\n" for i in range(17))
+    folded = "BSURF, 7,1,100,101,102,103,104,\n105,106,107,108,109,110,111,112,\n113,114,115,116"
+    mesh = read(folded, bulk=BULK + many).assembly.mesh
+    assert mesh.element_sets["bsurf:7"].tolist() == [1, *range(100, 117)]
+    # As ever: a line that ends with a comma and stands alone, and one with a mark.
+    assert read("BSURF,7,1,2,").assembly.mesh.element_sets["bsurf:7"].tolist() == [1, 2]
+    with pytest.raises(FormatError, match=r"a\.bdf:24: 9: the card is not supported"):
+        read("BSURF,7,1,2", "9,9")
+
+
+def test_a_coordinate_system_in_one_line(read):
+    long = "CORD2C,5,0,1.,2.,3.,1.,2.,4.,2.,2.,3."
+    folded = "CORD2C,5,0,1.,2.,3.,1.,2.,4.\n,2.,2.,3."
+    point = "GRID,99,5,2.,90.,1."
+    places = [read(card, point).assembly.mesh.nodes for card in (long, folded)]
+    np.testing.assert_array_equal(*places)
+    np.testing.assert_allclose(places[0][-1], [1.0, 4.0, 4.0], atol=1e-12)
+    with pytest.raises(FormatError, match="more than 8 data fields"):
+        read("GRID,99,,1.,0.,0.,,,,9,9")
+
+
+def test_equations_of_an_optimization_are_no_fields(read):
+    cards = ("DEQATN  5       F(A,B,C) = A - B +", "        2.0*C", "DEQATN  6       F(A)=A")
+    joint = read(*cards, "GRID,99,,1.,0.,0.")
+    assert any("DEQATN" in note for note in joint.assembly.ignored)
+    assert 99 in joint.assembly.mesh.node_ids
+
+
+def test_dmap_in_front_of_cend(read):
+    head = (
+        "ID A,B\nAPP DMAP\nBEGIN $\nPARAM //C,N,ADD/V,N,X/C,N,1/C,N,2 $\nEND $\nCEND\n"
+        "TITLE = A\nPARAM,WTMASS,2.\n"
+    )
+    joint = read(head=head)
+    (material,) = joint.assembly.materials.values()
+    assert material.density == pytest.approx(2 * 7.8e-9)
+
+
+BEAM = (
+    "GRID,21,,0.,0.,5.\nGRID,22,,0.,0.,9.\nCBEAM,41,5,21,22,1.,0.,0.\n"
+    "PBEAM,5,1,28.2743,63.6173,63.6173,,127.235\n"
+)
+
+
+@pytest.mark.parametrize(
+    "end",
+    [
+        "YESA,1.,28.2743,63.6173,63.6173,,127.235",
+        "NO,1.,28.27,63.62,63.62,0.,127.2",  # rounded otherwise
+        "YESA,1.,,,,,",
+    ],
+)
+def test_ends_of_a_beam_agree_within_their_digits(read, end):
+    beam = read(BEAM + f",{end}").assembly.beams[0]
+    assert beam.section.area == 28.2743
+
+
+@pytest.mark.parametrize("end", ["NO,1.,28.0,63.6173,63.6173,,127.2", "NO,1.,28.2743,63.0"])
+def test_tapered_beams_are_refused(read, end):
+    with pytest.raises(FormatError, match=re.escape("tapered beams are not supported")):
+        read(BEAM + f",{end}")
+
+
+def test_sections_by_dimensions_agree_within_their_digits(read):
+    beam = BEAM.splitlines()[:3]
+    card = "PBEAML,5,1,,TUBE\n,3.,1.99,,YES,1.,3.001,1.99"
+    assert read(*beam, card).assembly.beams[0].section.area == pytest.approx(np.pi * (9 - 1.99**2))
+    with pytest.raises(FormatError, match="changes along the beam"):
+        read(*beam, card.replace("3.001", "3.01"))
