@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.interface.facets import gauss_rule, surface
+from faying.interface.facets import gauss_rule, shape_functions, surface
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.elements import Elements
@@ -14,10 +14,12 @@ from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
-from faying.model.assembly import AverageCoupling, RigidCoupling
+from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
 
 MEMBERS = ("KINEMATIC", "DISTRIBUTING")
 _ALL = tuple(range(6))
+_ROUNDING = 1e-12
+"""Share of a node over the largest of its facet that is rounding."""
 
 
 def read_couplings(
@@ -25,7 +27,7 @@ def read_couplings(
 ) -> tuple[list[RigidCoupling], list[AverageCoupling]]:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
-    Distributing couplings weight nodes by their share of the surface's area.
+    Distributing couplings weight nodes by their share of the surface's area, ∫N dA.
 
     Raises
     ------
@@ -52,12 +54,13 @@ def read_couplings(
             continue
         member.allow("COUPLING", "WEIGHTING METHOD")
         _check_distributing(member)
+        weights = _areas(found, dofs.nodes.coordinates)[found.nodes != reference]
         average.append(
             AverageCoupling(
                 id=number,
                 reference=reference,
-                nodes=nodes,
-                weights=_areas(found, dofs.nodes.coordinates)[found.nodes != reference],
+                nodes=nodes[weights != 0],
+                weights=weights[weights != 0],
                 reference_components=tuple(sorted({0, 1, 2, *components})),
             )
         )
@@ -87,12 +90,16 @@ def _components(member: Keyword) -> tuple[int, ...]:
 
 
 def _areas(found: DeckSurface, coordinates: Matrix) -> Vector:
-    """Share of the area of each node; facets share theirs equally among their nodes."""
+    """Return the share of the area of each node, ∫N dA, as a uniform pressure has it.
+
+    Corners of six-node facets have none, those of eight-node facets a negative one.
+    """
     shares = np.zeros(len(coordinates))
     for kind, facets in found.facets.items():
-        areas = surface(kind, coordinates[facets], gauss_rule(kind)).areas.sum(axis=1)
-        share = np.repeat(areas / facets.shape[1], facets.shape[1])
-        shares += np.bincount(facets.ravel(), share, minlength=len(coordinates))
+        rule = gauss_rule(kind)
+        share = surface(kind, coordinates[facets], rule).areas @ shape_functions(kind, rule.points)
+        share[np.abs(share) < _ROUNDING * share.max(axis=1, keepdims=True)] = 0.0
+        shares += np.bincount(facets.ravel(), share.ravel(), minlength=len(coordinates))
     if not found.facets:
         shares[found.nodes] = 1.0
     weights: Vector = shares[found.nodes]
@@ -100,22 +107,30 @@ def _areas(found: DeckSurface, coordinates: Matrix) -> Vector:
 
 
 def read_distributing(
-    deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets, first_id: int
-) -> list[AverageCoupling]:
+    deck: Deck,
+    dofs: Dofs,
+    elements: Elements,
+    sets: NamedSets,
+    first_id: int,
+    ignored: list[str],
+) -> list[Equation]:
     """Read all *DISTRIBUTING COUPLING: one DCOUP3D element, then nodes or sets and weights.
+
+    As in CalculiX the displacement of the element's node is the weighted mean, and nothing turns;
+    Abaqus turns it too, as *COUPLING with *DISTRIBUTING does in both.
 
     Raises
     ------
     FormatError
         Naming the line of a missing element or node, or a weight that is not positive.
     """
-    found = []
+    found: list[Equation] = []
     reference_of = {
         int(i): int(node)
         for block in elements.of("DCOUP3D")
         for i, node in zip(block.ids, block.nodes[:, 0], strict=True)
     }
-    for number, keyword in enumerate(deck.of("DISTRIBUTING COUPLING"), start=first_id):
+    for keyword in deck.of("DISTRIBUTING COUPLING"):
         keyword.allow("ELSET")
         members = sets.find(keyword, keyword.required("ELSET")).tolist()
         if len(members) != 1 or members[0] not in reference_of:
@@ -133,13 +148,14 @@ def read_distributing(
             weights.update(dict.fromkeys(dofs.find(keyword, row, fields[0]).tolist(), weight))
         reference = reference_of[members[0]]
         weights.pop(reference, None)
-        found.append(
-            AverageCoupling(
-                id=number,
-                reference=reference,
-                nodes=np.array(list(weights), dtype=np.int64),
-                weights=np.array(list(weights.values())),
-            )
+        total = sum(weights.values())
+        for c in range(3):
+            terms = [(reference, c, 1.0)]
+            terms += [(node, c, -weight / total) for node, weight in weights.items()]
+            found.append(Equation(id=first_id + len(found), terms=tuple(terms)))
+        ignored.append(
+            f"rotations of *DISTRIBUTING COUPLING {keyword.value('ELSET')}: the mean displacement "
+            "as in CalculiX; Abaqus turns it too, as *COUPLING with *DISTRIBUTING does"
         )
     return found
 

@@ -80,7 +80,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     )
     distributed = read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored)
     loads = _loads(deck, concentrated, distributed)
-    assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces)
+    assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
     bolts = pretension.bolts(sections, [spring.id for spring in closing])
@@ -142,6 +142,7 @@ def _tied(
     elements: Elements,
     by_element: NamedSets,
     surfaces: Mapping[str, DeckSurface],
+    ignored: list[str],
 ) -> Assembly:
     """Add couplings and equations."""
     equations = list(read_equations(deck, dofs))
@@ -150,7 +151,7 @@ def _tied(
     bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
     kinematic, average = read_couplings(deck, dofs, surfaces, first + len(bodies))
     first += len(bodies) + len(kinematic) + len(average)
-    average += read_distributing(deck, dofs, elements, by_element, first)
+    means = read_distributing(deck, dofs, elements, by_element, first, ignored)
     rigid = [*links, *bodies, *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
@@ -160,7 +161,7 @@ def _tied(
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
     return replace(
         assembly,
-        equations=(*equations, *more),
+        equations=(*equations, *more, *means),
         rigid_couplings=with_real_rotations(rigid, rotating),
         average_couplings=tuple(average),
     )

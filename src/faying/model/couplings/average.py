@@ -75,7 +75,8 @@ def _average(
     centre = weights @ nodes / weights.sum()
     arms, to_reference = nodes - centre, assembly.mesh.nodes[coupling.reference] - centre
     # Rotations are counted as displacements at this distance.
-    size = float(np.sqrt(weights @ np.sum(arms**2, axis=1) / weights.sum())) or 1.0
+    # Corners of quadratic faces have negative weights.
+    size = float(np.sqrt(np.abs(weights) @ np.sum(arms**2, axis=1) / weights.sum())) or 1.0
     distance = float(np.linalg.norm(arms - to_reference, axis=1).mean()) or 1.0
     components = np.unique(np.asarray(coupling.components, dtype=np.int64))
     motions = _motions(arms, size)[:, components].reshape(-1, 6)
@@ -109,8 +110,12 @@ def _inverse(gram: Matrix) -> tuple[Matrix, Matrix]:
 def _check(assembly: Assembly, coupling: AverageCoupling) -> None:
     label = f"average coupling {coupling.id}"
     weights: Vector = coupling.weights
-    if not len(coupling.nodes) or weights.shape != coupling.nodes.shape or not np.all(weights > 0):
-        message = f"{label}: needs at least one node and one positive weight for each node"
+    given = len(coupling.nodes) and weights.shape == coupling.nodes.shape
+    if not given or not np.all(weights != 0) or not weights.sum() > 0:
+        message = (
+            f"{label}: needs at least one node and one positive weight for each node; negative "
+            "ones stand only beside larger positive ones"
+        )
         raise ModelError(message)
     if np.any(coupling.nodes == coupling.reference):
         message = (
