@@ -47,6 +47,8 @@ class DensePoints:
 
     def solve_active(self, right: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""
+        if not active.any():
+            return np.zeros((0, right.shape[1]))
         factor, regular = self._factorized(active)
         if not regular:
             return np.asarray(la.lstsq(self.H[np.ix_(active, active)], right)[0])

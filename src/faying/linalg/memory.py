@@ -10,7 +10,7 @@ _log = logging.getLogger("faying")
 
 
 class NotEnoughMemoryError(ModelError):
-    """The factors would not fit into the memory that is free."""
+    """Factors or arrays would not fit into the memory that is free."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +60,28 @@ def require_memory(expected: FactorMemory) -> None:
     _log.warning("%s", message)
 
 
-def gigabytes(n_bytes: int) -> str:
+def require_room(n_bytes: float, what: str, remedy: str) -> None:
+    """Say before arrays are made that they will not fit.
+
+    Parameters
+    ----------
+    what, remedy
+        Subject of the message, in the plural, and what to do.
+
+    Raises
+    ------
+    NotEnoughMemoryError
+        With both figures.
+    """
+    free = free_memory()
+    if free is not None and n_bytes > free:
+        message = (
+            f"{what} take {gigabytes(n_bytes)}, and {gigabytes(free)} of memory are free; {remedy} "
+            "(FAYING_MEMORY overrules what is free)"
+        )
+        raise NotEnoughMemoryError(message)
+
+
+def gigabytes(n_bytes: float) -> str:
     """Return a number of bytes in words."""
     return f"{n_bytes / 1e9:.2g} GB" if n_bytes < 9.95e9 else f"{n_bytes / 1e9:.0f} GB"

@@ -10,6 +10,9 @@ from faying.model.generate import Cells, brick_grid, shaped
 
 PLATE_NAMES = {2: ("lower", "upper"), 3: ("lower", "middle", "upper")}
 
+MOST_BRICKS = 500_000
+"""Bricks of a joint: 1.6 million degrees of freedom, whose factors take tens of gigabytes."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class LapGeometry:
@@ -33,6 +36,14 @@ class LapGeometry:
             if not 0 < getattr(self, name) < np.inf:
                 message = f"lap joint: {name} is {getattr(self, name):g}; it must be positive"
                 raise ModelError(message)
+        count = self._count()
+        if count > MOST_BRICKS:
+            message = (
+                f"lap joint: elements of {min(self.element_size, self.upper_element_size):g} "
+                f"divide it into {count:.3g} bricks, and {MOST_BRICKS} are the most; enlarge "
+                "element_size or correct the measures"
+            )
+            raise ModelError(message)
         if not self.overlap < self.length:
             message = (
                 f"lap joint: the overlap {self.overlap:g} is not shorter than the whole length "
@@ -52,6 +63,19 @@ class LapGeometry:
                     f"|x| <= {self.overlap / 2:g}, |y| <= {self.width / 2:g}"
                 )
                 raise ModelError(message)
+
+    def _count(self) -> float:
+        """Return about how many bricks there are, holes filled."""
+        bricks = np.float64(0.0)
+        with np.errstate(over="ignore"):
+            for number in range(min(self.plates, max(PLATE_NAMES))):
+                last = number == self.plates - 1
+                size = np.float64(self.upper_element_size if last else self.element_size)
+                half = (self.length + self.overlap) / 2
+                bricks += np.prod(
+                    [max(side / size, 1) for side in (half, self.width, self.thickness)]
+                )
+        return float(bricks)
 
     def heights(self) -> Vector:
         """Heights of the plates' surfaces, before bending (plates + 1,)."""

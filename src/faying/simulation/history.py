@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.forces import ContactForces
 from faying.joint.system import System
+from faying.linalg.memory import require_room
 from faying.simulation.integrators import Motion
 from faying.simulation.solution import Solution
 
@@ -61,6 +62,23 @@ class History:
             self.forces[case, n], self.gaps[case, n] = contact.forces, contact.slack
             self.iterations[case, n] = contact.iterations
             self.errors[case, n] = contact.error
+
+
+def require_history_room(n_case: int, n_time: int, system: System) -> None:
+    """Refuse histories that do not fit: displacement, its derivatives, forces and contact.
+
+    Raises
+    ------
+    NotEnoughMemoryError
+        With their size.
+    """
+    n_dof, n_point = system.K.shape[0], system.contact.n_points
+    require_room(
+        8.0 * n_case * n_time * (4 * n_dof + 2 * n_point),
+        f"histories of {n_case} responses with {n_time} instants of {n_dof} degrees of freedom "
+        f"and {n_point} contact points",
+        "shorten them, enlarge the step, or stream them in Python (stream_transient)",
+    )
 
 
 def expected(own: Vector, forces: Matrix, slack: Matrix, before: Matrix) -> tuple[Mask, Matrix]:

@@ -7,6 +7,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.joint.system import PortCompliance, System, input_forces
+from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
 from faying.simulation.similar import SimilarProblems
@@ -63,6 +64,11 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
 def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> Solution:
     """Solve many load cases given as inputs (n_case, n_input)."""
     condensed, contact = system.static_contact, system.contact
+    require_room(
+        8.0 * len(inputs) * (2 * system.K.shape[0] + 4 * contact.n_points),
+        f"solutions of {len(inputs)} load cases",
+        "solve fewer at a time",
+    )
     free = port_forces(system.port_compliance, inputs) @ system.port_compliance.contact_columns
     shape = (len(inputs), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)

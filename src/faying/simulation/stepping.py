@@ -25,7 +25,7 @@ from faying.simulation.compiled import (
     worth_compiling,
 )
 from faying.simulation.energy_guard import EnergyGuard
-from faying.simulation.history import History, expected
+from faying.simulation.history import History, expected, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, each_of, side_by_side
@@ -44,6 +44,9 @@ error of its square.
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
 
+
+MOST_STEPS = 10**9
+"""Steps of a response; even instants alone are eight gigabytes of them."""
 
 AT_ONCE = 2000
 """Steps of the compiled loop between two looks at progress and the keyboard: a second at most."""
@@ -107,6 +110,12 @@ def check_times(step: float, duration: float) -> None:
             "the step must be positive and no longer than the duration"
         )
         raise ModelError(message)
+    if not duration / step <= MOST_STEPS:
+        message = (
+            f"the duration {duration:g} takes {duration / step:.4g} steps of {step:g}, and "
+            f"{MOST_STEPS} are the most; enlarge the step"
+        )
+        raise ModelError(message)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -157,6 +166,7 @@ class TransientSolver:
     ) -> list[Solution]:
         """Integrate responses side by side; see :func:`solve_transient_cases`."""
         check_times(self.step, duration)
+        require_history_room(len(loads), round(duration / self.step) + 1, self.system)
         starts = self._starts(loads, initial)
         times = self.step * np.arange(1, round(duration / self.step) + 1, dtype=np.float64)
         solutions: list[Solution] = []
@@ -187,6 +197,7 @@ class TransientSolver:
             starts = self._starts([load], None if initial is None else [initial])
             here = self._begin([load], starts)[0]
         size = max(last - here.done, 1) if length is None else length
+        require_history_room(1, min(size, last) + 1, self.system)
         while here.done < last:
             end = min(here.done + size, last)
             times = self.step * np.arange(here.done + 1, end + 1, dtype=np.float64)

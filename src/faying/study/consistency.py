@@ -14,6 +14,7 @@ from faying.study.errors import Problem, nearest, quoted
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
+from faying.study.ranges import MOST_LOADS, MOST_STEPS
 from faying.study.tables import LoadCaseSection, Loading, Study, Timed
 
 
@@ -247,6 +248,7 @@ def _reduction(study: Study) -> Iterator[Problem]:
         )
         yield _in_table(study, ("reduction",), text)
     yield from _repeated(study, ("reduction", "training", "box"), training.box)
+    yield from _number_of_loads(study)
     for i, side in enumerate(training.box):
         if not side.min < side.max:
             location = ("reduction", "training", "box", i, "min")
@@ -255,10 +257,29 @@ def _reduction(study: Study) -> Iterator[Problem]:
     yield from _not_both(study, ("reduction", "training"), training)
 
 
+def _number_of_loads(study: Study) -> Iterator[Problem]:
+    training, sides = study.reduction.training, len(study.reduction.training.box)
+    combined = training.levels**sides * len(training.preload_factors)
+    steps = 3**sides - 1 if training.dynamics else 0
+    for count, what in ((combined, "levels"), (steps, "dynamics")):
+        if count > MOST_LOADS:
+            text = (
+                f"the combinations of {sides} sides are {count:.4g} loads, and {MOST_LOADS} are "
+                "the most that are kept; lower 'levels', shorten the box, or set dynamics = false"
+            )
+            yield _problem(study, ("reduction", "training", what), text)
+
+
 def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
     for one, other in (("step", "steps_per_period"), ("duration", "periods")):
         if getattr(timed, one) is not None and getattr(timed, other) is not None:
             text = f"'{one}' and '{other}' say the same twice; remove one"
+            yield _in_table(study, location, text)
+    pairs = ((timed.duration, 1 / (timed.step or 1e30)), (timed.periods, timed.steps_per_period))
+    for length, rate in pairs:
+        count = (length or 0.0) * (rate or 0)
+        if count > MOST_STEPS:
+            text = f"found {count:.4g} time steps, expected at most {MOST_STEPS}; enlarge the step"
             yield _in_table(study, location, text)
 
 

@@ -6,6 +6,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from pydantic_core import PydanticCustomError
+
 from faying.exceptions import StudyError
 from faying.study.positions import Location
 
@@ -14,6 +16,13 @@ OWN_TYPE = "faying"
 
 UNKNOWN_KEY = "unknown_key"
 """Type of the validation error for a key that a table does not have."""
+
+
+def refusal(message: str) -> PydanticCustomError:
+    """Return a validation error whose text is shown as it stands."""
+    # pydantic formats the template with its context; braces of the text itself must survive
+    return PydanticCustomError(OWN_TYPE, "{message}", {"message": message})
+
 
 EXPECTED = {
     "float_type": ("a number", "write it without quotes"),

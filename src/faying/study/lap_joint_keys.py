@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic_core import PydanticCustomError
 
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.study.errors import Problem, nearest, translated
+from faying.study.ranges import all_in_range
 from faying.study.tables import Study
 
 ELSEWHERE = {
@@ -46,6 +48,11 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
         elif name not in schema.model_fields:
             remedy = nearest(name, schema.model_fields)
             yield Problem(location, f"unknown key {study.source.place(location)}; {remedy}")
+        try:
+            all_in_range(study.model.lap_joint[name])
+        except PydanticCustomError as error:
+            yield Problem(location, f"{study.source.place(location)}: {error}")
+            return
     try:
         schema.model_validate_json(_json(study), strict=True)
     except ValidationError as error:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from faying.sources import SOURCES
-from faying.study.errors import shown
+from faying.study.errors import refusal, shown
 from faying.study.section import (
     Count,
     ExistingFile,
@@ -23,7 +23,6 @@ from faying.study.section import (
     Selection,
     Switch,
     name_in,
-    refusal,
 )
 
 DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]

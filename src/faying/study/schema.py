@@ -50,6 +50,9 @@ def parse_study(text: str, path: Path) -> Study:
     except tomllib.TOMLDecodeError as error:
         message = f"{path.name} is not valid TOML: {error}; {_remedy(text, str(error))}"
         raise StudyError(message) from None
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep lists
+        message = f"{path.name} cannot be read ({error}); write shorter numbers and flatter lists"
+        raise StudyError(message) from None
     source = StudySource(path.resolve(), text, line_numbers(text))
     try:
         study = Study.model_validate(data, context=source)
@@ -79,6 +82,8 @@ def _text(path: Path) -> str:
         return file_text(path)
     except UnicodeDecodeError as error:
         message = f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8"
+    except ValueError:
+        message = f"cannot read study file {str(path)!a}: the path has a NUL character; correct it"
     except OSError as error:
         message = f"cannot read study file {path}: {error.strerror}; check the path"
     raise StudyError(message)

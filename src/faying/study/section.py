@@ -20,13 +20,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from faying.study.errors import OWN_TYPE, UNKNOWN_KEY, nearest, one_of, shown
-
-
-def refusal(message: str) -> PydanticCustomError:
-    """Return a validation error whose text is shown as it stands."""
-    # pydantic formats the template with its context; braces of the text itself must survive
-    return PydanticCustomError(OWN_TYPE, "{message}", {"message": message})
+from faying.study.errors import UNKNOWN_KEY, nearest, one_of, refusal, shown
+from faying.study.ranges import LARGEST_ID, countable, identifying, in_range, nameable
 
 
 def check_names(data: dict[str, Any], known: Iterable[str]) -> None:
@@ -88,7 +83,7 @@ def _penalty(value: Any) -> float | str:
         return str(value)
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if number and 0 < value < float("inf"):
-        return float(value)
+        return float(in_range(value))
     message = f"found {shown(value)}, expected a positive number, 'auto' or 'hard'"
     if isinstance(value, str):
         message += f"; {nearest(value, ['auto', 'hard'])}"
@@ -99,14 +94,14 @@ def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
     if isinstance(value, (str, Path)):
         return _existing_file(Path(value), info)
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if number and math.isfinite(value):
-        return float(value)
+    if number and abs(value) < math.inf:
+        return float(in_range(value))
     message = f"found {shown(value)}, expected a finite number or the name of a csv file"
     raise refusal(message)
 
 
 def _is_id(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool)
+    return isinstance(value, int) and not isinstance(value, bool) and abs(value) <= LARGEST_ID
 
 
 def _id_or_name(value: Any) -> str | int:
@@ -125,13 +120,14 @@ def _selection(value: Any) -> str | int | tuple[int, ...]:
     raise refusal(message)
 
 
-Number = Annotated[float, Strict(), AllowInfNan(False)]
+Number = Annotated[float, Strict(), AllowInfNan(False), AfterValidator(in_range)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
-Count = Annotated[int, Strict(), Field(ge=1)]
-Id = Annotated[int, Strict()]
+Count = Annotated[int, Strict(), Field(ge=1), AfterValidator(countable)]
+CountOrNone = Annotated[int, Strict(), Field(ge=0), AfterValidator(countable)]
+Id = Annotated[int, Strict(), AfterValidator(identifying)]
 Switch = Annotated[bool, Strict()]
-Name = Annotated[str, Strict(), StringConstraints(min_length=1)]
+Name = Annotated[str, Strict(), StringConstraints(min_length=1), AfterValidator(nameable)]
 ExistingFile = Annotated[Path, AfterValidator(_existing_file)]
 Penalty = Annotated[float | str, BeforeValidator(_penalty)]
 InitialGap = Annotated[float | Path, BeforeValidator(_initial_gap)]

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_
 
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
-from faying.study.errors import StudySource, shown
+from faying.study.errors import StudySource, refusal, shown
 from faying.study.model_tables import (
     BoltSection,
     BoundarySection,
@@ -23,8 +23,10 @@ from faying.study.model_tables import (
     StickingSection,
     SupportSection,
 )
+from faying.study.ranges import showable
 from faying.study.section import (
     Count,
+    CountOrNone,
     ExistingFile,
     Name,
     NotNegative,
@@ -33,7 +35,6 @@ from faying.study.section import (
     Section,
     Switch,
     name_in,
-    refusal,
 )
 from faying.units import KINDS_OF_UNITS
 
@@ -147,7 +148,7 @@ class ReductionSection(Section):
         meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
     """
 
-    normal_modes: Annotated[int, Field(ge=0, strict=True)] = 20
+    normal_modes: CountOrNone = 20
     joint_modes: Annotated[tuple[Count, ...], BeforeValidator(_joint_modes)] = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
@@ -236,7 +237,7 @@ class ValidationSection(Section):
 
     box: tuple[BoxSide, ...] = ()
     preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (1.0,)
-    unseen_loads: Annotated[int, Field(ge=0, strict=True)] = 100
+    unseen_loads: CountOrNone = 100
     penalty_sweep: Switch = True
     half_step: Switch = True
 
@@ -258,7 +259,7 @@ def _units(label: str) -> str:
 class Study(Section):
     """A study file, read and checked. Paths in it are absolute."""
 
-    title: str = ""
+    title: Annotated[str, AfterValidator(showable)] = ""
     units: Annotated[Name, AfterValidator(_units)] = "mm-t-s"
     model: ModelSection
     materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
