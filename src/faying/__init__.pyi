@@ -47,6 +47,7 @@ from faying.simulation.integrators import ImplicitEuler as ImplicitEuler
 from faying.simulation.load import History as History
 from faying.simulation.load import Load as Load
 from faying.simulation.newton import solve_static_newton as solve_static_newton
+from faying.simulation.path import solve_path as solve_path
 from faying.simulation.preload import Sticking as Sticking
 from faying.simulation.preload import preload as preload
 from faying.simulation.preload import tighten as tighten

@@ -17,6 +17,7 @@ from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
 from faying.contact.elastic import ElasticContact
 from faying.contact.forces import ContactForces
+from faying.contact.frictional import FrictionalContact
 from faying.contact.pair_space import PairSpace
 from faying.contact.state import ContactState
 from faying.contact.supported_pairs import SupportedPairs
@@ -68,6 +69,11 @@ class ContactSolver(Protocol):
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return forces (n_active, k) that close gaps (n_active, k) at the active points."""
+        ...
+
+    @property
+    def frictional(self) -> FrictionalContact:
+        """The solver of increments with friction; refused where contact is itself reduced."""
         ...
 
     def gap(self, solution: ContactForces) -> Vector:
@@ -142,7 +148,8 @@ class CondensedContact:
 
     @cached_property
     def solver(self) -> ContactProblemSolver:
-        """The solver of contact problems one after the other."""
+        """The solver of contact problems one after the other, without friction."""
+        self.contact.check_frictionless()
         space, pairs = self.space, self.supported_pairs
         if isinstance(space, CompressedSpace):
             return space
@@ -173,6 +180,24 @@ class CondensedContact:
             return None
         return self.solver.solve(self.free_gap(self.rest))[1]
 
+    @cached_property
+    def frictional(self) -> FrictionalContact:
+        """The solver of increments with friction.
+
+        Raises
+        ------
+        ModelError
+            If the compliance between pairs is compressed.
+        """
+        total = self.total
+        if isinstance(total, CompressedCompliance):
+            message = (
+                f"friction at {self.contact.n_points} points needs a dense compliance between "
+                "pairs; raise the budget with model.with_dense_budget, or take a coarser interface"
+            )
+            raise ModelError(message)
+        return FrictionalContact(contact=self.contact, S=_finite(total))
+
     @property
     def order(self) -> int:
         """Order of the dense matrices that contact problems are solved with."""
@@ -194,6 +219,7 @@ class CondensedContact:
         ModelError
             If dense matrices of that size exceed the dense budget.
         """
+        self.contact.check_frictionless()
         flexibility = self.contact.at_points(self.total)
         flexibility[np.diag_indices_from(flexibility)] += self.contact.flexibility
         return flexibility

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from faying._typing import Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.laws import Law
 from faying.exceptions import ModelError
 from faying.linalg.budget import default_budget, points_fit
@@ -33,6 +33,11 @@ class Contact:
         Relative displacement per contact force that the basis of a reduced model cannot express.
     places : (n_relative, 3) or None
         Where the relative displacements are [length].
+    shear : (2, n_rubbing, n_relative) sparse, stacked, or None
+        Tangential displacements of the points of interfaces with friction, all along the first
+        tangents, then all along the second; None where there is no friction.
+    tangents : (2, n_point, 3) or None
+        Directions of the tangential components.
     dense_budget
         Memory that dense matrices between pairs or contact points may take [bytes].
     """
@@ -45,6 +50,8 @@ class Contact:
     slices: Mapping[str, slice]
     residual_compliance: Compliance | None = None
     places: Matrix | None = None
+    shear: SparseMatrix | None = None
+    tangents: Matrix | None = None
     dense_budget: int = field(default_factory=default_budget)
 
     @property
@@ -61,9 +68,49 @@ class Contact:
     @cached_property
     def flexibility(self) -> Vector:
         """Diagonal of D [length/force]: what the laws add; 1 / (c_n w), or zero where hard."""
-        values = self._by_point(lambda law, points: law.compliance(self.weights[points]))
+        values = self._by_point(lambda law, points: law.compliance(self.weights[points])[0])
         flexibility: Vector = frozen(values)
         return flexibility
+
+    @cached_property
+    def rubbing(self) -> Indices:
+        """Contact points (n_rubbing,) of interfaces with friction."""
+        found = [
+            np.arange(points.start, points.stop)
+            for name, points in self.slices.items()
+            if self.laws[name].components > 1
+        ]
+        return np.concatenate([np.empty(0, dtype=np.int64), *found])
+
+    def check_frictionless(self) -> None:
+        """Refuse friction, for what knows normal forces alone.
+
+        Raises
+        ------
+        ModelError
+            Naming an interface with friction.
+        """
+        rubbing = [name for name, law in self.laws.items() if law.components > 1]
+        if rubbing:
+            message = (
+                f"interface '{rubbing[0]}' has friction, which solve_path alone knows: tighten "
+                "bolts before with_friction, and take the model without friction for single "
+                "static cases, transients, certificates and hand-overs"
+            )
+            raise ModelError(message)
+
+    @cached_property
+    def tangential_flexibility(self) -> Vector:
+        """Diagonal of D of one tangential component (n_rubbing,) [length/force]."""
+        values = self._by_point(lambda law, points: law.compliance(self.weights[points])[-1])
+        flexibility: Vector = frozen(values[self.rubbing])
+        return flexibility
+
+    @cached_property
+    def friction(self) -> Vector:
+        """Coefficients of friction (n_rubbing,)."""
+        friction: Vector = frozen(self._by_point(lambda law, _: law.friction)[self.rubbing])
+        return friction
 
     @cached_property
     def penalty(self) -> Vector:
@@ -75,7 +122,7 @@ class Contact:
         """Return the admissible contact forces (..., n_point) nearest to given ones."""
         result = np.array(forces, dtype=float)
         for name, points in self.slices.items():
-            result[..., points] = self.laws[name].admissible(result[..., points])
+            result[..., points] = self.laws[name].admissible(result[None, ..., points])[0]
         return result
 
     def _by_point(self, value: Callable[[Law, slice], Vector | float]) -> Vector:

@@ -4,7 +4,7 @@ Signs and units: ``docs/conventions.md``. In short, the normal points out of the
 gap g = g₀ + n·(u⁺ − u⁻) ≥ 0 is open, and pressure p ≥ 0 is compression.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,7 +17,7 @@ from faying.contact.laws import Law, normal_law
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
-from faying.interface.relative import along_normals, times_normals
+from faying.interface.relative import along_normals, tangents_of, times_normals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,17 +118,41 @@ class Interface:
     def relative_operator(self) -> SparseMatrix:
         """P (n_relative, n_dof): the components of the relative displacement that gaps depend on.
 
-        One along the normal for each pair of a flat interface, all three of a curved one, whose
-        normal changes between the pairs.
+        One along the normal for each pair of a flat interface without friction; all three of a
+        curved one, whose normal changes between the pairs, and where tangential forces act.
         """
-        if self.flat:
+        if self._along_one_normal:
             return along_normals(self.pair_normals, self.motion_operator)
         return self.motion_operator
 
     @cached_property
     def interpolation(self) -> SparseMatrix:
-        """N (n_point, n_relative): shape functions, times the normal where it is curved."""
-        return self.point_shape if self.flat else times_normals(self.point_shape, self.normals)
+        """N (n_point, n_relative): shape functions, times the normal where all components are."""
+        if self._along_one_normal:
+            return self.point_shape
+        return times_normals(self.point_shape, self.normals)
+
+    @cached_property
+    def tangents(self) -> Matrix:
+        """Two unit tangents at every contact point (2, n_point, 3), orthogonal to its normal."""
+        first = tangents_of(self.normals)
+        return np.stack([first, np.cross(self.normals, first)])
+
+    @property
+    def shear(self) -> SparseMatrix:
+        """Tangential displacements (2 n_point, n_relative), the first tangents before the second.
+
+        Without rows where the law has no tangential component.
+        """
+        if self.law.components == 1:
+            return sp.csr_array((0, self.relative_operator.shape[0]))
+        return sp.vstack(
+            [times_normals(self.point_shape, along) for along in self.tangents]
+        ).tocsr()
+
+    @property
+    def _along_one_normal(self) -> bool:
+        return self.flat and self.law.components == 1
 
     @cached_property
     def gap_operator(self) -> SparseMatrix:
@@ -194,12 +218,27 @@ class Interface:
             If the penalty is not positive.
         """
         with naming(f"interface '{self.name}'"):
-            return replace(self, law=normal_law(penalty))
+            return self.with_law(normal_law(penalty))
+
+    def with_law(self, law: Law) -> "Interface":
+        """Return a copy with another law."""
+        return replace(self, law=law)
 
     def with_initial_gap(self, initial_gap: Vector) -> "Interface":
         """Return a copy with another initial gap at every contact point."""
         gap = np.broadcast_to(np.asarray(initial_gap, dtype=float), self.initial_gap.shape)
         return replace(self, initial_gap=gap)
+
+
+def _stacked_shear(members: Sequence[Interface]) -> SparseMatrix | None:
+    """Return the first tangential rows of all interfaces, then the second, or None."""
+    halves: list[list[SparseMatrix]] = [[], []]
+    for member in members:
+        half = member.shear.shape[0] // 2
+        for rows, place in zip(halves, (slice(0, half), slice(half, None)), strict=True):
+            rows.append(member.shear[place])
+    blocks = [sp.block_diag(rows) for rows in halves]
+    return read_only(sp.vstack(blocks).tocsr()) if blocks[0].shape[0] else None
 
 
 def stack(interfaces: Mapping[str, Interface]) -> Contact:
@@ -212,6 +251,8 @@ def stack(interfaces: Mapping[str, Interface]) -> Contact:
         initial_gap=frozen(np.concatenate([m.initial_gap for m in members])),
         weights=frozen(np.concatenate([m.weights for m in members])),
         laws={name: member.law for name, member in interfaces.items()},
+        shear=_stacked_shear(members),
+        tangents=frozen(np.concatenate([member.tangents for member in members], axis=1)),
         places=frozen(np.concatenate([m.relative_places for m in members])),
         slices={
             name: slice(int(start), int(stop))

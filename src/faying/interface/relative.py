@@ -77,3 +77,9 @@ def unit(vectors: Matrix) -> Matrix:
     """Return vectors (n, 3) scaled to length one."""
     scaled: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     return scaled
+
+
+def tangents_of(normals: Matrix) -> Matrix:
+    """Return a unit tangent to each of the normals (n, 3), the same for normals that are equal."""
+    axes = np.eye(3)[np.abs(normals).argmin(axis=1)]
+    return unit(np.cross(np.cross(normals, axes), normals))

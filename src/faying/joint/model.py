@@ -3,11 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.exceptions import ModelError
+from faying.contact.laws import normal_law
+from faying.contact.laws.coulomb import Coulomb, automatic_tangential_penalty
+from faying.exceptions import ModelError, naming
 from faying.interface.interface import Interface, stack
 from faying.joint.load_pattern import (
     LoadPattern,
@@ -132,6 +135,58 @@ class Model:
         return self.with_interfaces(
             {name: interface.with_penalty(penalty) for name, interface in self.interfaces.items()}
         )
+
+    def with_friction(
+        self, friction: float, tangential_penalty: float | Literal["auto"] = "auto"
+    ) -> "Model":
+        """Return a copy with Coulomb friction on all interfaces.
+
+        Parameters
+        ----------
+        friction
+            Coefficient μ.
+        tangential_penalty : [force/length³]
+            c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the model's materials,
+            and infinite where normal contact is hard.
+
+        Raises
+        ------
+        ModelError
+            If a number is out of range, or ``"auto"`` finds no material.
+
+        Notes
+        -----
+        Tangential displacements are more ports: the structure is factorized anew when used.
+        """
+        rubbing = {
+            name: interface.with_law(self._rubbing(interface, friction, tangential_penalty))
+            for name, interface in self.interfaces.items()
+        }
+        stacked = stack(rubbing)
+        structure = replace(
+            self.structure, relative_operator=stacked.relative_operator, places=stacked.places
+        )
+        return replace(self, interfaces=rubbing, structure=structure)
+
+    def _rubbing(
+        self, interface: Interface, friction: float, tangential_penalty: float | Literal["auto"]
+    ) -> Coulomb:
+        with naming(f"interface '{interface.name}'"):
+            shear = tangential_penalty
+            if shear == "auto":
+                shear = automatic_tangential_penalty(interface.penalty, self._poissons_ratio)
+            return Coulomb(normal_law(interface.penalty), friction, float(shear))
+
+    @property
+    def _poissons_ratio(self) -> float:
+        ratios = [one.poissons_ratio for one in self.assembly.materials.values()]
+        if not ratios:
+            message = (
+                "tangential_penalty = 'auto' needs materials, and the model has none; give the "
+                "penalty as a number [force/length³] (0.8 times the normal one is usual)"
+            )
+            raise ModelError(message)
+        return min(ratios)
 
     def with_initial_gap(self, name: str, initial_gap: Vector) -> "Model":
         """Return a copy with other initial gaps (n_point,) on one interface."""

@@ -20,6 +20,7 @@ import scipy.linalg as la
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
+from faying.contact.frictional import FrictionalContact
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
@@ -106,6 +107,17 @@ class DeimContact:
             iterations=iterations,
         )
         return found, ContactState(active=found.active)
+
+    @property
+    def frictional(self) -> FrictionalContact:
+        """Refuse: sampled contact knows no tangential forces.
+
+        Raises
+        ------
+        ModelError
+        """
+        message = "DEIM reduces normal contact forces and knows no friction; take another method"
+        raise ModelError(message)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""

@@ -20,6 +20,7 @@ from scipy.optimize import nnls
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
+from faying.contact.frictional import FrictionalContact
 from faying.contact.problem import ContactProblem
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
@@ -107,6 +108,19 @@ class ForceBasisContact:
             iterations=solution.iterations,
         )
         return found, ContactState(active=found.active)
+
+    @property
+    def frictional(self) -> FrictionalContact:
+        """Refuse: sampled contact knows no tangential forces.
+
+        Raises
+        ------
+        ModelError
+        """
+        message = (
+            "a force basis reduces normal contact forces and knows no friction; take another method"
+        )
+        raise ModelError(message)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""

@@ -40,6 +40,12 @@ class Solution:
     energy_gain
         Of a transient: share of the energy in motion that its integration gained from nothing, at
         worst; above a tenth its pressures mean nothing (:mod:`~.energy_guard`).
+    shear_forces : (..., 2, n_point) or None [force]
+        Tangential components of the contact forces of a joint with friction.
+    shear_slip : (..., 2, n_point) or None [length]
+        Tangential components of the slip.
+    dissipation : (...)
+        Energy that friction took in each increment [force·length].
     """
 
     name: str
@@ -54,6 +60,9 @@ class Solution:
     velocities: Matrix | None = None
     accelerations: Matrix | None = None
     energy_gain: float = 0.0
+    shear_forces: Matrix | None = None
+    shear_slip: Matrix | None = None
+    dissipation: Matrix | float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("states", "contact_forces", "gap", "inputs"):
@@ -64,6 +73,26 @@ class Solution:
         """Contact pressure p (..., n_point) [force/length²], compression positive."""
         pressure: Matrix = self.contact_forces / self.system.contact.weights
         return pressure
+
+    @property
+    def traction(self) -> Matrix:
+        """Traction on the plus side in the tangent plane (..., n_point, 3) [force/length²]."""
+        weights = self.system.contact.weights[:, None]
+        traction: Matrix = self._along_tangents(self.shear_forces) / weights
+        return traction
+
+    @property
+    def slip(self) -> Matrix:
+        """Slip of the plus side over the minus side (..., n_point, 3) [length]."""
+        return self._along_tangents(self.shear_slip)
+
+    def _along_tangents(self, components: Matrix | None) -> Matrix:
+        """Return vectors (..., n_point, 3) of tangential components (..., 2, n_point)."""
+        tangents = self.system.contact.tangents
+        if components is None or tangents is None:
+            return np.zeros((*self.contact_forces.shape, 3))
+        vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
+        return vectors
 
     @property
     def max_pressure(self) -> Matrix:

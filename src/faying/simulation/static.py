@@ -101,8 +101,21 @@ def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
     return signed
 
 
-def relative_forces(system: System, contact_forces: Matrix) -> Matrix:
-    """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11)."""
-    to_pairs, to_dofs = system.contact.transposed
-    forces: Matrix = (to_dofs @ (to_pairs @ np.asarray(contact_forces).T)).T
+def relative_forces(
+    system: System, contact_forces: Matrix, shear_forces: Matrix | None = None
+) -> Matrix:
+    """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11).
+
+    Parameters
+    ----------
+    shear_forces : (..., 2, n_point)
+        Tangential components, which act through the tangential displacements in the same way.
+    """
+    contact = system.contact
+    to_pairs, to_dofs = contact.transposed
+    pairs = to_pairs @ np.asarray(contact_forces).T
+    if shear_forces is not None and contact.shear is not None:
+        rubbing = shear_forces[..., contact.rubbing]
+        pairs = pairs + contact.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
+    forces: Matrix = (to_dofs @ pairs).T
     return forces

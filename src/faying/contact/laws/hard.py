@@ -28,9 +28,14 @@ class Hard:
         """Infinite."""
         return float("inf")
 
-    def compliance(self, weights: Vector) -> Vector:
-        """Return zeros (n_point,)."""
-        return np.zeros_like(weights)
+    @property
+    def friction(self) -> float:
+        """None."""
+        return 0.0
+
+    def compliance(self, weights: Vector) -> Matrix:
+        """Return zeros (1, n_point)."""
+        return np.zeros((1, len(weights)))
 
     def admissible(self, forces: Matrix) -> Matrix:
         """Return ⟨λ⟩: contact presses, it never pulls."""

@@ -34,8 +34,13 @@ class Law(Protocol):
         """Contact stiffness c_n [force/length³] of Eq. (15.12); ``inf`` is Eq. (15.7)."""
         ...
 
-    def compliance(self, weights: Vector) -> Vector:
-        """Return c′(x) (n_point,) [length/force] of the normal component; D of (M2).
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction μ; zero without friction."""
+        ...
+
+    def compliance(self, weights: Vector) -> Matrix:
+        """Return c′(x) (components, n_point) [length/force], the diagonal of D of (M2).
 
         Parameters
         ----------
@@ -45,5 +50,5 @@ class Law(Protocol):
         ...
 
     def admissible(self, forces: Matrix) -> Matrix:
-        """Return the admissible forces (..., n_point) nearest to given ones."""
+        """Return the admissible forces (components, ..., n_point) nearest to given ones."""
         ...

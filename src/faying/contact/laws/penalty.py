@@ -47,9 +47,14 @@ class Penalty:
         """c_n."""
         return self.stiffness
 
-    def compliance(self, weights: Vector) -> Vector:
-        """Return 1 / (c_n w) (n_point,) [length/force]."""
-        result: Vector = 1.0 / (self.stiffness * weights)
+    @property
+    def friction(self) -> float:
+        """None."""
+        return 0.0
+
+    def compliance(self, weights: Vector) -> Matrix:
+        """Return 1 / (c_n w) (1, n_point) [length/force]."""
+        result: Matrix = 1.0 / (self.stiffness * weights[None])
         return result
 
     def admissible(self, forces: Matrix) -> Matrix:

@@ -1,0 +1,227 @@
+"""Paths with Coulomb friction, against programs made without faying and against closed forms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_reference_cantilever import AXIAL, generated, node_map, reference_pressure
+
+import faying as fy
+from faying.contact.frictional import ROUND_OFF, FrictionalContact
+from faying.contact.laws import Coulomb, Hard, Penalty
+from faying.contact.laws.coulomb import automatic_tangential_penalty
+from faying.exceptions import ModelError
+
+FRICTION, TANGENTIAL = 0.2, 8e5
+LOADS = {
+    "P": fy.Load(),
+    "LC1": fy.Load({"tip.Fz": -500.0}),
+    "LC2": fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}),
+    "PULL": fy.Load({"tip.Fx": 3000.0}),
+}
+
+
+@pytest.fixture(scope="module")
+def mesh(data):
+    return np.load(data / "lap_joint" / "mesh.npz")
+
+
+@pytest.fixture(scope="module", params=["gauss2", "lobatto"])
+def rubbing(request, mesh):
+    smooth = generated(request.param)
+    model = smooth.with_friction(FRICTION, tangential_penalty=TANGENTIAL)
+    return request.param, model, node_map(smooth, mesh)
+
+
+@pytest.fixture(scope="module")
+def gauss():
+    return generated("gauss2").with_friction(FRICTION, tangential_penalty=TANGENTIAL)
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    model = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
+    return model.with_friction(0.3)
+
+
+@pytest.mark.parametrize("case", LOADS)
+def test_single_increments_are_those_of_the_reference(rubbing, mesh, data, case):
+    """Displacement and bolt force to 1e-6, pressure and traction to 1e-5 of their peaks."""
+    rule, model, order = rubbing
+    solution = fy.solve_path(model, [LOADS[case]])
+    expected = np.load(data / "friction" / f"G1_mu0.2_{case}.npz")
+    u = model.dofs.nodal(solution.states[0])[order, :3]
+    largest = np.abs(expected[f"u__{rule}"]).max()
+    # The reference leaves 2e-12 of its forces; 6e-10 is measured here.
+    np.testing.assert_allclose(u, expected[f"u__{rule}"], rtol=0, atol=1e-6 * largest)
+    head, nut = (expected[f"aux__{rule}"][i] for i in (0, 2))
+    bolt = 8000.0 + AXIAL * (head[2] - nut[2])
+    np.testing.assert_allclose(solution.bolt_force("bolt"), bolt, rtol=1e-6)
+    points = model.interfaces["joint"].points
+    if rule == "gauss2":
+        pressure = reference_pressure(mesh, points, expected["p_quad__gauss2"], rule)
+        peak = pressure.max()
+        np.testing.assert_allclose(solution.pressure[0], pressure, rtol=0, atol=1e-5 * peak)
+        resisting = np.array(
+            [reference_pressure(mesh, points, t, rule) for t in expected["t_quad__gauss2"].T]
+        )
+        # The reference gives what resists the plus side; the plus side receives the opposite.
+        np.testing.assert_allclose(
+            -resisting.T, solution.traction[0, :, :2], rtol=0, atol=1e-5 * FRICTION * peak
+        )
+
+
+def test_a_cycle_of_pulls_is_that_of_the_reference(gauss, mesh, data):
+    reference = np.load(data / "friction" / "G1_PULL_mu0.2_gauss2.npz")
+    columns = [str(name) for name in reference["columns"]]
+    factors = np.concatenate(
+        [[0.0], np.linspace(0, 1, 11)[1:], np.linspace(1, -1, 21)[1:], np.linspace(-1, 1, 21)[1:]]
+    )
+    solution = fy.solve_path(gauss, [fy.Load({"tip.Fx": 3000.0 * f}) for f in factors])
+    history = reference["history"]
+    tip, slip_work = (history[:, columns.index(name)] for name in ("tip_x", "slip_work"))
+    # Both solve the same increments; 1e-9 is measured.
+    np.testing.assert_allclose(
+        solution.displacement("tip")[:, 0], tip, rtol=0, atol=1e-6 * np.abs(tip).max()
+    )
+    np.testing.assert_allclose(solution.dissipation.sum(), slip_work.sum(), rtol=1e-5)
+
+
+def random_path(rng, count):
+    """Loads that reverse: corners between which the path goes in steps."""
+    corners = rng.uniform(-1, 1, (4, 6)) * [2e3, 5e2, 5e2, 2e4, 2e4, 2e4]
+    names = ("tip.Fx", "tip.Fy", "tip.Fz", "tip.Mx", "tip.My", "tip.Mz")
+    shares = np.linspace(0, 3, count)
+    rows = [np.interp(shares, np.arange(4), column) for column in corners.T]
+    return [
+        fy.Load({}),
+        *(fy.Load(dict(zip(names, row, strict=True))) for row in np.transpose(rows)),
+    ]
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.3, 1.0])
+@pytest.mark.parametrize("penalty", [1e4, 1e6, "hard"])
+def test_paths_of_reduced_models_are_those_of_the_full_one(friction, penalty):
+    """``compliance`` with no joint modes at all, along reversing paths."""
+    model = fy.lap_joint(element_size=5.0, penalty=penalty).with_bolt_forces({"bolt": 8e3})
+    model = model.with_friction(friction)
+    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
+    rng = np.random.default_rng(3)
+    loads = random_path(rng, 10)
+    full, reduced = (fy.solve_path(system, loads) for system in (model, rom))
+    # Round-off of S times the penalty; 1e-9 is measured at the stiffest.
+    for name in ("pressure", "traction"):
+        mine, exact = getattr(reduced, name), getattr(full, name)
+        np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-8 * full.max_pressure.max())
+    np.testing.assert_allclose(reduced.dissipation.sum(), full.dissipation.sum(), rtol=1e-7)
+    check_law(full, friction)
+
+
+def check_law(solution, friction):
+    """No force outside the cone, friction only takes energy, what is open transmits nothing."""
+    normal = solution.contact_forces
+    shear = np.hypot(*np.moveaxis(solution.shear_forces, -2, 0))
+    small = 1e-9 * normal.max()  # the residual that is accepted
+    assert (normal >= -small).all()
+    assert (shear <= friction * normal + small).all()
+    assert (solution.dissipation >= -1e-9 * max(solution.dissipation.max(), 1e-6)).all()
+
+
+def test_a_small_coefficient_is_frictionless(coarse):
+    smooth = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
+    load = LOADS["LC2"]
+    expected = fy.solve_static(smooth, load)
+    for friction in (0.0, 1e-12):
+        found = fy.solve_path(smooth.with_friction(friction), [load])
+        np.testing.assert_allclose(
+            found.pressure[0], expected.pressure, rtol=0, atol=1e-9 * expected.max_pressure
+        )
+    without = fy.solve_path(smooth, [load])  # a path of a joint without friction
+    np.testing.assert_allclose(
+        without.pressure[0], expected.pressure, rtol=0, atol=1e-9 * expected.max_pressure
+    )
+
+
+def test_a_path_that_only_sticks_returns_to_its_start():
+    model = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
+    model = model.with_friction(10.0)
+    small = [fy.Load({"tip.Fx": 10.0 * f}) for f in (0.0, 1.0, -1.0, 1.0, 0.0)]
+    solution = fy.solve_path(model, small)
+    first, last = solution.traction[0], solution.traction[-1]
+    largest = np.abs(solution.traction).max()
+    np.testing.assert_allclose(last, first, rtol=0, atol=1e-8 * largest)
+
+
+def test_turning_the_tangents_changes_nothing(gauss):
+    contact = gauss.contact
+    solver = gauss.static_contact.frictional
+    cosine, sine = np.cos(0.7), np.sin(0.7)
+    half = contact.shear.shape[0] // 2
+    first, second = contact.shear[:half], contact.shear[half:]
+    import scipy.sparse as sp
+
+    turned = sp.vstack([cosine * first + sine * second, cosine * second - sine * first]).tocsr()
+    other = FrictionalContact(contact=replace(contact, shear=turned), S=solver.S)
+    rng = np.random.default_rng(0)
+    z_free = 1e-3 * rng.standard_normal((3, contact.n_points))
+    z_turned = z_free.copy()
+    z_turned[1] = cosine * z_free[1] + sine * z_free[2]
+    z_turned[2] = cosine * z_free[2] - sine * z_free[1]
+    mine, theirs = solver.solve(z_free).forces, other.solve(z_turned).forces
+    back = np.array([cosine * theirs[1] - sine * theirs[2], sine * theirs[1] + cosine * theirs[2]])
+    small = 1e-9 * mine.max()  # the residual, times the condition
+    np.testing.assert_allclose(theirs[0], mine[0], rtol=0, atol=small)
+    np.testing.assert_allclose(back, mine[1:], rtol=0, atol=small)
+
+
+def test_a_path_goes_on_from_an_earlier_one(coarse):
+    loads = [fy.Load({"tip.Fx": f}) for f in (0.0, 1e3, -1e3, 500.0)]
+    whole = fy.solve_path(coarse, loads)
+    begun = fy.solve_path(coarse, loads[:2])
+    rest = fy.solve_path(coarse, loads[2:], initial=begun)
+    np.testing.assert_array_equal(rest.contact_forces, whole.contact_forces[2:])
+    np.testing.assert_array_equal(rest.slip, whole.slip[2:])
+
+
+def test_a_newton_step_is_that_of_the_derivative(coarse):
+    """The derivative of the natural residual by differences along the step."""
+    solver = coarse.static_contact.frictional
+    rng = np.random.default_rng(0)
+    x = 10 * np.abs(rng.standard_normal((3, coarse.contact.n_points)))
+    z_free = 1e-3 * rng.standard_normal(x.shape)
+    z = solver._slack(x, z_free)
+    for bound in (None, 0.3 * x[0]):
+        start = solver._residual(x, z, bound)
+        step = solver._step(x, z, z_free, bound) - x
+        ahead = x + 1e-9 * step
+        change = (solver._residual(ahead, solver._slack(ahead, z_free), bound) - start) / 1e-9
+        # Round-off of the difference quotient; the step is a thousand times the forces.
+        assert np.abs(change + start).max() < 1e-4 * np.abs(start).max()
+
+
+def test_laws_say_what_is_wrong():
+    with pytest.raises(ModelError, match=r"coefficient of friction is -0\.1; give a number from 0"):
+        Coulomb(Penalty(1e5), -0.1, 1e5)
+    with pytest.raises(ModelError, match="tangential penalty is 0; give a positive number"):
+        Coulomb(Hard(), 0.2, 0.0)
+    # Mindlin: 0.8235 at nu 0.3.
+    assert automatic_tangential_penalty(1.0, 0.3) == pytest.approx(1.4 / 1.7, rel=1e-15)
+
+
+def test_what_knows_no_friction_refuses_it(coarse):
+    for attempt in (
+        lambda: fy.solve_static(coarse),
+        lambda: fy.solve_transient(coarse, LOADS["LC1"], step=1e-5, duration=1e-4),
+        lambda: fy.preload(coarse, {"bolt": 8e3}),
+        lambda: fy.certify(coarse, LOADS["LC1"], np.zeros(coarse.contact.n_points)),
+    ):
+        with pytest.raises(ModelError, match="'joint' has friction, which solve_path alone knows"):
+            attempt()
+
+
+def test_increments_are_solved_to_round_off(gauss):
+    solver = gauss.static_contact.frictional
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        z_free = 1e-3 * rng.standard_normal((3, gauss.contact.n_points))
+        assert solver.solve(z_free).residual <= 100 * ROUND_OFF
