@@ -114,6 +114,8 @@ def test_paths_of_reduced_models_are_those_of_the_full_one(friction, penalty):
         mine, exact = getattr(reduced, name), getattr(full, name)
         np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-8 * full.max_pressure.max())
     np.testing.assert_allclose(reduced.dissipation.sum(), full.dissipation.sum(), rtol=1e-7)
+    with pytest.raises(ModelError, match="not friction yet; take displacements at boundaries"):
+        reduced.full_displacement()
     check_law(full, friction)
 
 
