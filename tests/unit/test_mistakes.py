@@ -16,8 +16,8 @@ from faying.io.deck_lines import naming
 from faying.model.assembly import Material
 from faying.study.history import read_history
 from faying.study.load_model import build, build_loaded, load_model
-from faying.study.plausible import doubts
 from faying.study.schema import parse_study, read_study
+from faying.study.solid_constants import doubts
 from faying.workflow.run import run
 from small_abaqus_deck import DECK as ABAQUS
 

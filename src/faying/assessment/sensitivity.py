@@ -18,11 +18,11 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
+from faying.assessment.derivatives import Derivatives
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import FORCE_NAMES
-from faying.simulation.response import Response
 from faying.simulation.solution import Solution
 from faying.simulation.static import port_forces, solve_static_inputs
 
@@ -47,7 +47,7 @@ class Sensitivity:
     active: Indices
 
     @cached_property
-    def boundary_forces(self) -> Response:
+    def boundary_forces(self) -> Derivatives:
         """Derivatives by every boundary force component, ``"tip.Fz"`` … [per force]."""
         ports, places = self.system.port_compliance, boundary_slices(self.system.boundaries)
         names, columns = [], []
@@ -61,19 +61,19 @@ class Sensitivity:
         return self._respond(tuple(names), inputs=changes)
 
     @cached_property
-    def load_patterns(self) -> Response:
+    def load_patterns(self) -> Derivatives:
         """Derivatives by the amplitudes of the load patterns."""
         names = tuple(self.system.load_patterns)
         changes = np.eye(len(self.system.port_compliance.input_rows))
         return self._respond(names, inputs=changes[:, len(changes) - len(names) :])
 
     @cached_property
-    def initial_bolt_forces(self) -> Response:
+    def initial_bolt_forces(self) -> Derivatives:
         """Derivatives by the initial forces N₀ the bolts are locked at."""
         return self._respond(tuple(self.system.bolts), inputs=self._bolt_inputs(self._unit_bolts))
 
     @cached_property
-    def final_preloads(self) -> Response:
+    def final_preloads(self) -> Derivatives:
         """Derivatives by the nominal final forces F the bolts are tightened to, without load.
 
         ∂N₀/∂F is the inverse of the slope of the bolt forces in the tightened state, which has
@@ -89,7 +89,9 @@ class Sensitivity:
         tightened = self._tightened._respond(tuple(self.system.bolts), inputs=changes)
         return loaded.within(tightened)
 
-    def initial_gap(self, directions: Matrix, parameters: Sequence[str] | None = None) -> Response:
+    def initial_gap(
+        self, directions: Matrix, parameters: Sequence[str] | None = None
+    ) -> Derivatives:
         """Differentiate by changes of the initial gap, the bolts locked at their N₀.
 
         Parameters
@@ -104,7 +106,7 @@ class Sensitivity:
 
     def initial_gap_at_final_preload(
         self, directions: Matrix, parameters: Sequence[str] | None = None
-    ) -> Response:
+    ) -> Derivatives:
         """Differentiate by changes of the initial gap, the bolts tightened anew to the same F.
 
         Parameters are those of :meth:`initial_gap`.
@@ -196,7 +198,7 @@ class Sensitivity:
         *,
         inputs: Matrix | None = None,
         gap: Matrix | None = None,
-    ) -> Response:
+    ) -> Derivatives:
         """Differentiate along changes of the inputs and of the initial gap, column by column."""
         system, ports, n = self.system, self.system.port_compliance, len(parameters)
         dinputs = np.zeros((len(ports.input_rows), n)) if inputs is None else inputs
@@ -214,7 +216,7 @@ class Sensitivity:
         stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()], dtype=float)
         elongation = moved[ports.bolts]
         lower, upper = self._range(dforces, dslack)
-        return Response(
+        return Derivatives(
             parameters=parameters,
             system=system,
             contact_forces=dforces,
@@ -254,7 +256,7 @@ def sensitivity(system: System, solution: Solution) -> Sensitivity:
     -------
     Sensitivity
         ``.boundary_forces``, ``.load_patterns``, ``.initial_bolt_forces``, ``.final_preloads`` and
-        ``.initial_gap(directions)``, each a :class:`Response` with pressures, contact forces,
+        ``.initial_gap(directions)``, each a :class:`Derivatives` with pressures, contact forces,
         bolt forces, boundary displacements, and the range in which it is exact.
 
     Raises

@@ -25,8 +25,8 @@ def check(
     from faying.study.load_model import build_loaded, load_model
     from faying.study.loads import check_loads
     from faying.study.naming_tables import naming_tables
-    from faying.study.plausible import doubts
     from faying.study.schema import read_study
+    from faying.study.solid_constants import doubts
 
     checked = read_study(study)
     if out is not None:

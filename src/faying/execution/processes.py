@@ -118,7 +118,7 @@ class _Crew:
                 try:
                     kind, content = worker.connection.recv()
                 except (EOFError, OSError):
-                    self._bury(worker)
+                    self._take_back(worker)
                     continue
                 if kind == "raised":
                     raise content
@@ -146,7 +146,7 @@ class _Crew:
             if worker.prepared and worker.place is None:
                 self._occupy(worker)
         while self.waiting and len(self.workers) < min(self.size, unfinished):
-            worker = _hire(self.payload, self.threads)
+            worker = _started(self.payload, self.threads)
             self.workers[worker.connection] = worker
 
     def _occupy(self, worker: _Worker) -> None:
@@ -157,7 +157,7 @@ class _Crew:
         with suppress(OSError):
             worker.connection.send(self.tasks[worker.place])
 
-    def _bury(self, worker: _Worker) -> None:
+    def _take_back(self, worker: _Worker) -> None:
         """Take a dead worker's task back, or give up a task that kills."""
         del self.workers[worker.connection]
         worker.connection.close()
@@ -190,7 +190,7 @@ def _ended(process: SpawnProcess) -> int | None:
     return code
 
 
-def _hire(payload: bytes, threads: int) -> _Worker:
+def _started(payload: bytes, threads: int) -> _Worker:
     ours, theirs = CONTEXT.Pipe()
     process = CONTEXT.Process(target=_work, args=(theirs, payload), daemon=True)
     with _threads_of_children(threads):

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.interface.candidate_facets import DEFAULT_TOLERANCE, candidates
 from faying.interface.coupling import whole_weights
 from faying.interface.interface import FacePairs
 from faying.interface.reach import Reach, facet_depths
 from faying.interface.segments import Segments, find_segments
 from faying.interface.selection import select_facets
-from faying.interface.sides import DEFAULT_TOLERANCE, candidates
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_area_vectors

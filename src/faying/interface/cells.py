@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.interface.arcs import arc_heights
+from faying.interface.curved_surface import arc_heights
 from faying.interface.facets import shape_functions
 from faying.model.surface import N_NODES, Facets, facet_centres, facet_normals, padded
 

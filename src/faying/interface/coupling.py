@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
-from faying.interface.arcs import FLATNESS, corner_normals, standing_off
+from faying.interface.curved_surface import FLATNESS, corner_normals, standing_off
 from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
 from faying.interface.segment_points import FacetPoints, on_side
 from faying.interface.segments import Segments

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix
 from faying.exceptions import ModelError
-from faying.interface.arcs import arc_heights
+from faying.interface.curved_surface import arc_heights
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, facet_centres

@@ -6,6 +6,7 @@ from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import reach_of
+from faying.interface.candidate_facets import candidates, touching_tolerance
 from faying.interface.coupling import Coupling, by_kind, couple
 from faying.interface.facets import area_vectors, reference_nodes
 from faying.interface.interface import FacePairs, Interface
@@ -17,7 +18,6 @@ from faying.interface.relative import (
     unit,
 )
 from faying.interface.segments import Segments, find_segments
-from faying.interface.sides import candidates, touching_tolerance
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec

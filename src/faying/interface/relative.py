@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.interface.arcs import FLATNESS
+from faying.interface.curved_surface import FLATNESS
 from faying.model.dofs import DofMap
 
 

@@ -11,9 +11,9 @@ from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import declared_area
-from faying.interface.doubled import check_not_doubled
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
+from faying.interface.overlap import check_not_doubled
 from faying.interface.pairing import find_interfaces
 from faying.interface.penalty import automatic_penalty, coupling_penalty
 from faying.interface.zero_thickness import build_interface

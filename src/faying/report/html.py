@@ -10,7 +10,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from faying.exceptions import FormatError
 from faying.files.atomic import write_text
 from faying.files.names import file_names
-from faying.report.beyond import choice_table, load_space_table, worst_case_table
 from faying.report.certified import sharpness
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
@@ -27,6 +26,7 @@ from faying.report.tables import (
     stage_table,
     timing_table,
 )
+from faying.report.unseen_loads import choice_table, load_space_table, worst_case_table
 from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
 from faying.study.results import CaseResult, Results
 from faying.study.step_check import StepCheck, step_check

@@ -23,7 +23,7 @@ from faying.contact.supported_pairs import (
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.linalg.factorization import Factorization
-from faying.simulation.history import History
+from faying.simulation.instants import Instants
 from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.step_contact import EndContact
 
@@ -92,7 +92,7 @@ class CompiledSteps:
         state: ContactState,
         trend: Vector,
         applied: Matrix,
-        history: History,
+        history: Instants,
         first: int,
     ) -> tuple[int, ContactState]:
         """Advance one case until a step does not settle.

@@ -11,7 +11,7 @@ from faying._typing import Matrix, Vector
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.energies import contact_energy, half_form, input_displacements
-from faying.simulation.history import History
+from faying.simulation.instants import Instants
 from faying.simulation.integrators import Motion
 
 MOST_GAIN = 0.1
@@ -70,7 +70,7 @@ def audited(
     system: System,
     start: Motion,
     inputs: Matrix,
-    history: History,
+    history: Instants,
     step: float,
 ) -> EnergyLedger:
     """Go on with the ledger of one transient over a piece of it.
@@ -144,7 +144,7 @@ class EnergyGuard:
     starts: Sequence[Motion]
     ledgers: Sequence[EnergyLedger | None]
     inputs: Matrix
-    history: History
+    history: Instants
 
     def audit(self) -> list[EnergyLedger]:
         """Return the ledgers at the end of the piece; log what is not sound any more."""

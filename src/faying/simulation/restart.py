@@ -24,7 +24,7 @@ class Restart:
     contact
         Points expected in contact at the next instant, and what their solver hands on.
     trend : (n_point,) [length]
-        How forces and slacks changed, see :func:`~.history.expected`; NaN before the first step.
+        How forces and slacks changed, see :func:`~.instants.expected`; NaN before the first step.
     ledger
         Of its energy; None before the first step.
     """

@@ -25,7 +25,7 @@ from faying.simulation.compiled import (
     worth_compiling,
 )
 from faying.simulation.energy_guard import EnergyGuard
-from faying.simulation.history import History, expected, require_history_room
+from faying.simulation.instants import Instants, expected, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, each_of, side_by_side
@@ -248,7 +248,7 @@ class TransientSolver:
         since = np.append(here[0].done * self.step, times)
         inputs = np.array([load.inputs(system, since) for load in loads])
         first = int(bool(starts))
-        history = History.empty(len(loads), first + len(times), system)
+        history = Instants.empty(len(loads), first + len(times), system)
         guard = EnergyGuard(
             system=system,
             step=self.step,
@@ -293,7 +293,7 @@ class TransientSolver:
         self,
         here: Sequence[Restart],
         external: Matrix,
-        history: History,
+        history: Instants,
         first: int,
         progress: Callable[[int], object] | None,
         whole: int,
@@ -362,7 +362,7 @@ class TransientSolver:
         compiled: CompiledSteps,
         here: Restart,
         external: Matrix,
-        history: History,
+        history: Instants,
         first: int,
         progress: Callable[[int], object] | None,
     ) -> Restart:

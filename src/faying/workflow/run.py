@@ -12,7 +12,6 @@ from faying.study.cases import CaseRunner, case_groups
 from faying.study.checkpoint import open_checkpoint
 from faying.study.extras import Extras
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
-from faying.study.pieces import compute_pieces
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
 from faying.study.results import Results
@@ -20,6 +19,7 @@ from faying.study.store import write_results
 from faying.study.summary import summarize
 from faying.study.tables import Study
 from faying.study.validation import validate
+from faying.study.worker_tasks import compute_pieces
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

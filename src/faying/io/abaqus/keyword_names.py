@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from faying.io.abaqus.harmless import HARMLESS, REMEDIES
+from faying.io.abaqus.left_out import HARMLESS, REMEDIES
 
 READ = frozenset(
     (

@@ -5,9 +5,9 @@ from dataclasses import replace
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
-from faying.io.abaqus.harmless import HARMLESS as HARMLESS_KEYWORDS
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ
+from faying.io.abaqus.left_out import HARMLESS as HARMLESS_KEYWORDS
 from faying.model.assembly import Material
 
 HARMLESS = frozenset(

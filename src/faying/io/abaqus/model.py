@@ -16,8 +16,8 @@ from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations, read_mpcs
-from faying.io.abaqus.harmless import HARMLESS, REMEDIES
 from faying.io.abaqus.keyword_names import READ
+from faying.io.abaqus.left_out import HARMLESS, REMEDIES
 from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.nodes import read_nodes

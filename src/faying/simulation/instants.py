@@ -14,7 +14,7 @@ from faying.simulation.solution import Solution
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class History:
+class Instants:
     """Instants of transients side by side; every array begins with case and instant."""
 
     states: Matrix
@@ -26,7 +26,7 @@ class History:
     errors: Matrix
 
     @classmethod
-    def empty(cls, n_case: int, n_time: int, system: System) -> "History":
+    def empty(cls, n_case: int, n_time: int, system: System) -> "Instants":
         """Return room for some cases and instants of a system."""
         shape, n_dof, n_point = (n_case, n_time), system.K.shape[0], system.contact.n_points
         return cls(
@@ -45,14 +45,14 @@ class History:
         self.forces[:, 0] = [start.contact_forces for start in starts]
         self.gaps[:, 0] = [start.gap for start in starts]
 
-    def of_case(self, case: int) -> "History":
+    def of_case(self, case: int) -> "Instants":
         """Return the part of one case, to be written in place."""
         parts = {name: array[case : case + 1] for name, array in vars(self).items()}
-        return History(**parts)
+        return Instants(**parts)
 
-    def instants(self, first: int, end: int) -> "History":
+    def instants(self, first: int, end: int) -> "Instants":
         """Return the part of some instants, to be written in place."""
-        return History(**{name: array[:, first:end] for name, array in vars(self).items()})
+        return Instants(**{name: array[:, first:end] for name, array in vars(self).items()})
 
     def note(self, n: int, motion: Motion, contacts: Sequence[ContactForces]) -> None:
         """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""

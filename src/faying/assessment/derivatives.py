@@ -10,7 +10,7 @@ from faying.joint.system import System, boundary_slices
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Response:
+class Derivatives:
     """Derivatives by some parameters; the last axis of every array is the parameter.
 
     Attributes
@@ -76,7 +76,7 @@ class Response:
         displacement: Matrix = self.displacements[places[boundary]]
         return displacement
 
-    def of(self, parameter: str) -> "Response":
+    def of(self, parameter: str) -> "Derivatives":
         """Return the derivatives by one parameter, as a response with one column."""
         if parameter not in self.parameters:
             message = f"there is no parameter '{parameter}'; they are {', '.join(self.parameters)}"
@@ -93,7 +93,7 @@ class Response:
             upper=self.upper[place],
         )
 
-    def within(self, other: "Response") -> "Response":
+    def within(self, other: "Derivatives") -> "Derivatives":
         """Return this response with its range narrowed to that of another."""
         return replace(
             self,
