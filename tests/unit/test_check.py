@@ -61,7 +61,7 @@ def test_the_memory_of_the_factorization_is_foreseen(check, monkeypatch):
     assert found, said
     factor, peak = map(float, found.groups())
     assert 1e-3 < factor <= peak < 300
-    monkeypatch.setenv("FAYING_MEMORY", "1e3")
+    monkeypatch.setenv("FAYING_MEMORY", "1e5")  # room for the deck alone
     status, lines, _ = check({})
     assert status == 0
     assert " ".join(cells(lines, "factorization")).endswith("are free, which is not enough")

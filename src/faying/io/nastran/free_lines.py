@@ -24,22 +24,34 @@ def unfolded(text: list[bytes]) -> tuple[list[bytes], Indices]:
         Without comments.
     """
     lines: list[bytes] = []
-    origin: list[int] = []
-    i = 0
-    while i < len(text):
-        end, found = i + 1, [text[i]]
-        if text[i][:6] == b"DEQATN":
+    origin: list[Indices] = []
+    done = 0
+    for start in _special(text):
+        if start < done:
+            continue
+        end, found = start + 1, [text[start]]
+        if text[start][:6] == b"DEQATN":
             found = [b"DEQATN"]
             while end < len(text) and text[end][:1] in (b" ", b"+", b"*", b"\t", b""):
                 end += 1
-        elif b"," in text[i]:
+        else:
             while end < len(text) and _folded(text[end - 1], text[end]):
                 end += 1
-            found = _rows(text[i:end])
-        lines += found
-        origin += range(i, end) if len(found) == end - i else [i] * len(found)
-        i = end
-    return lines, np.array(origin, dtype=np.int64)
+            found = _rows(text[start:end])
+        lines += text[done:start] + found
+        origin += [np.arange(done, start), np.minimum(start + np.arange(len(found)), end - 1)]
+        done = end
+    return lines + text[done:], np.concatenate([*origin, np.arange(done, len(text))])
+
+
+def _special(text: list[bytes]) -> list[int]:
+    """Return the lines that may need another form, of which a deck has few."""
+    return [
+        i
+        for i, line in enumerate(text)
+        if (b"," in line and (line.rstrip().endswith(b",") or line[:5] == b"CORD2"))
+        or line[:6] == b"DEQATN"
+    ]
 
 
 def _folded(line: bytes, following: bytes) -> bool:
