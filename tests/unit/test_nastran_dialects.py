@@ -107,3 +107,22 @@ def test_sections_by_dimensions_agree_within_their_digits(read):
     assert read(*beam, card).assembly.beams[0].section.area == pytest.approx(np.pi * (9 - 1.99**2))
     with pytest.raises(FormatError, match="changes along the beam"):
         read(*beam, card.replace("3.001", "3.01"))
+
+
+def test_materials_that_no_property_names_are_left_out(read):
+    """Libraries come with decks; what is in them need not be isotropic, or complete."""
+    library = (
+        "MAT9,50,1.,2.,3.,4.,5.,6.,7.\n,8.,9.,10.,11.,12.,13.,14.,15.",
+        "MAT1,51,1.",
+        "MATS1,51,,PLASTIC,0.,1,1,200.",
+        "MAT8,52,1.,2.,.3",
+    )
+    notes = read(*library).assembly.ignored
+    for name in ("MAT9", "MATS1", "MAT8"):
+        assert f"1 {name} that no property names" in notes
+    with pytest.raises(FormatError, match="MATS1: the card is not supported"):
+        read("MATS1,1,,PLASTIC,0.,1,1,200.")
+    with pytest.raises(FormatError, match=r"MAT9: .* only isotropic"):
+        read(*library, "PSOLID,9,50")
+    with pytest.raises(FormatError, match="material 51 gives 1 of E, G, NU"):
+        read("MAT1,51,1.", "PSOLID,9,51")

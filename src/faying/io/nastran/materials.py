@@ -4,17 +4,29 @@ import math
 from collections.abc import Mapping
 
 from faying.exceptions import ModelError
+from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
 from faying.model.assembly import Material
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
 _CONTRADICTION = 0.01
 
+PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML")
+"""Cards that name a material in their second field."""
+
+MATERIALS = frozenset(
+    (
+        *("MAT2", "MAT3", "MAT4", "MAT5", "MAT8", "MAT9", "MAT10", "MAT11", "MATG", "MATHE"),
+        *("MATHP", "MATS1", "MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATVE", "CREEP"),
+    )
+)
+"""Cards of materials that are not isotropic and linear, or of what makes MAT1 so, by its id."""
+
 
 def read_materials(
     cards: Mapping[str, Cards], mass_factor: float, ignored: list[str]
 ) -> dict[int, Material]:
-    """Return materials by id; densities are multiplied by PARAM,WTMASS.
+    """Return the materials that are used, by id; densities are multiplied by PARAM,WTMASS.
 
     Two of E, G, NU must be given. All three may be, within one per cent of G = E / (2 (1 + NU)).
 
@@ -26,8 +38,11 @@ def read_materials(
     found: dict[int, Material] = {}
     origin: dict[int, str] = {}
     damped = 0
+    named = materials_named(cards)
     for card in cards.get("MAT1", ()):
         number = card.integer(0)
+        if number not in named:
+            continue
         if number in found:
             text = f"material {number} is already defined at {origin[number]}; renumber one"
             raise card.error(text)
@@ -49,6 +64,16 @@ def read_materials(
     if damped:
         ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
     return found
+
+
+def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Return the ids of the materials that properties of solids and beams name."""
+    return frozenset(
+        number
+        for name in PROPERTIES
+        for card in cards.get(name, ())
+        if (number := numbers.integer(card.text(1))) is not None
+    )
 
 
 def _constants(card: Card, number: int) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from faying.io.nastran.equations import read_equations
 from faying.io.nastran.grids import Grids, read_grids
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses
-from faying.io.nastran.materials import read_materials
+from faying.io.nastran.materials import MATERIALS, materials_named, read_materials
 from faying.io.nastran.parameters import HARMLESS, mass_factor
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
@@ -145,12 +145,20 @@ def read_parts(path: str | PathLike[str], subcase: int | None = None) -> Deck:
 
 
 def _check_supported(cards: Mapping[str, Cards], ignored: list[str]) -> None:
+    named = materials_named(cards)
     for name, found in cards.items():
         if name in _READ:
             continue
         if name in HARMLESS:
             ignored.append(f"{len(found)} {name}")
             continue
+        refused = 0
+        if name in MATERIALS:
+            used = [card.number for card in found if card.integer(0) in named]
+            if not used:
+                ignored.append(f"{len(found)} {name} that no property names")
+                continue
+            refused = used[0]
         remedy = _REMEDIES.get(name, "remove it, or model it with supported cards")
         message = f"the card is not supported and may change the structure; {remedy}"
-        raise found.error(0, message)
+        raise found.error(refused, message)
