@@ -144,6 +144,20 @@ def test_a_static_run_under_hard_contact_says_nothing_of_steps_and_penalties():
     assert found["Contact law"] == "joint: hard contact, nothing penetrates."
 
 
+def test_hard_contact_with_more_points_than_pairs_is_said_to_be_undetermined():
+    joint = RESULTS.interfaces["joint"]
+    hard = replace(joint, penalty=float("inf"))
+    crowded = replace(hard, weights=np.ones(len(joint.pairs) + 1))
+
+    def about(record):
+        said = reservations(replace(RESULTS, interfaces={"joint": record}))
+        return [text for text in said if "determines nodal forces" in text]
+
+    assert about(joint) == about(hard) == []
+    (text,) = about(crowded)
+    assert text.startswith(f"joint: hard contact at 29 points of {len(joint.pairs)} node pairs")
+
+
 def test_certified_energy_and_clamp_force_come_before_the_pressure_and_its_loose_bound():
     columns = error_table(RESULTS.cases["LC1"]).columns
     bounds = [name for name in columns if name.startswith("certified")]

@@ -72,9 +72,10 @@ def solve_complementarity(
     (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where that stops reducing
     the number of wrong signs, single exchanges by Murty's largest index take over until it does:
     block principal pivoting, finite for every positive definite H (Júdice & Pires 1994,
-    doi:10.1016/0305-0548(94)90106-6). A singular H is solved by the proximal point iteration from
-    λ = 0 (Rockafellar 1976, doi:10.1137/0314056), which selects the contact forces a very stiff
-    penalty would give.
+    doi:10.1016/0305-0548(94)90106-6). Where they meet a singular block of H, the proximal point
+    iteration from λ = 0 takes over (Rockafellar 1976, doi:10.1137/0314056), which selects contact
+    forces near those of a very stiff penalty. A singular H without such a block on the way gives
+    one of its solutions.
 
     Parameters
     ----------

@@ -4,6 +4,8 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
 from faying.report.style import label
@@ -208,6 +210,7 @@ def reservations(results: Results) -> list[str]:
             )
         if case.times is not None and check is None:
             said.append(f"{name}: no time-step check was run, so convergence in time is open.")
+    said.extend(_undetermined(results))
     said.extend(_unseen(results))
     said.extend(_fewer_modes(results))
     said.append(
@@ -216,6 +219,17 @@ def reservations(results: Results) -> list[str]:
         "model's own discretization error, nor of other loads."
     )
     return said
+
+
+def _undetermined(results: Results) -> list[str]:
+    """Return the interfaces whose hard contact leaves pressures of points open."""
+    return [
+        f"{name}: hard contact at {len(record.weights)} points of {len(record.pairs)} node pairs "
+        "determines nodal forces, not the pressures of single points, nor their averages: another "
+        "solution of the same forces may carry other ones. A stiff penalty has unique pressures."
+        for name, record in results.interfaces.items()
+        if np.isinf(record.penalty) and len(record.weights) > len(record.pairs)
+    ]
 
 
 def _fewer_modes(results: Results) -> list[str]:
