@@ -4,9 +4,8 @@ from faying.contact.laws.coulomb import Coulomb
 from faying.contact.laws.hard import Hard
 from faying.contact.laws.law import Law
 from faying.contact.laws.penalty import Penalty
-from faying.contact.laws.toy_series import ToySeries
 
-__all__ = ["Coulomb", "Hard", "Law", "Penalty", "ToySeries", "normal_law"]
+__all__ = ["Coulomb", "Hard", "Law", "Penalty", "normal_law"]
 
 
 def normal_law(penalty: float) -> Hard | Penalty:
