@@ -78,7 +78,7 @@ class MeanContact:
         """Solve one contact problem for each case, and the law at the end where forces would pull.
 
         Hard contact without residual compliance has no force that belongs to an instant: the mean
-        over the step stands for that at its end.
+        over the step stands for that at its end, half a step late.
         """
         solved = map(self.condensed.solve, gaps - self._given_way(last), states)
         means, after = zip(*solved, strict=True)
