@@ -87,6 +87,27 @@ def test_other_meshes_are_projected_across_any_gap(kinds, gap):
     np.testing.assert_allclose(found.initial_gap, gap, atol=1e-12)
 
 
+@pytest.mark.parametrize("kind", ["hex8", "hex20", "tet10"])
+@pytest.mark.parametrize("counts", [((10, 8), (10, 8)), ((8, 8), (12, 10))], ids=["same", "other"])
+@pytest.mark.parametrize("clearance", [0.0, 0.1, 0.5, -0.05])
+def test_pins_in_holes(kind, counts, clearance):
+    """Tubes around each other, of radius 50 at the face between them."""
+    radius = 50.0
+
+    def bent(nodes):
+        distance, angle = radius + nodes[:, 2], nodes[:, 0] / radius
+        return np.column_stack([distance * np.sin(angle), nodes[:, 1], distance * np.cos(angle)])
+
+    flat = faced(blocks((counts[0], kind), (counts[1], kind), move=lifted(clearance)))
+    tubes = replace(flat, mesh=replace(flat.mesh, nodes=bent(flat.mesh.nodes)))
+    spec = declared(tubes, ANY)
+    assert (spec.meshes == "matching") == (counts[0] == counts[1])
+    found = joint_of(tubes, spec)
+    # The face midway has another radius, and polygons are smaller by (h/R)²/24.
+    assert found.area == pytest.approx(AREA * (1 + max(clearance, 0) / 2 / radius), rel=6e-3)
+    np.testing.assert_allclose(found.initial_gap, clearance, atol=1e-4)
+
+
 def test_before_they_were_left_out():
     """What the tolerance of a spec without search distance does of a wedge-shaped gap."""
     wedge = lifted(lambda x: 0.3 * (x[:, 0] / SIZE[0] + 0.5))

@@ -64,7 +64,9 @@ def _described(deck: Deck) -> JointDescription:
     bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
     assembly = _with_regions(deck, regions, pairs)
     interfaces = [spec_of(pair, assembly, notes) for pair in pairs]
-    interfaces += [InterfaceSpec(name="contact")] if everything else []
+    if everything:
+        interfaces.append(InterfaceSpec(name="contact"))
+        notes["contact of all bodies across gaps: name the pairs (BCTABL1, BCONECT) for it"] = None
     rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))
     return JointDescription(
