@@ -1,9 +1,10 @@
 """What schemes of second order do with the energy of contact: 216 runs of each.
 
 ``python benchmarks/transient_energy.py`` prints the table of docs/theory/time_integration.md for
-the classic basis, ``… compliance`` that with exact interface compliance (20 and 40 minutes on one
-core). The lap joint of 5 mm bricks: three penalties, with and without a sticking area, three
-numbers of normal modes, four loads applied as a step, three time steps of 10 ms responses.
+the classic basis, and what the energy guard flags; ``… compliance`` that with exact interface
+compliance (6 and 10 minutes of processor time). The lap joint of 5 mm bricks: three penalties, with
+and without a sticking area, three numbers of normal modes, four loads applied as a step, three time
+steps of 10 ms responses.
 """
 
 import logging
@@ -70,21 +71,20 @@ def main() -> None:
     peaks, gains, systems, seconds = np.moveaxis(np.array(runs), -1, 0)
     ratios = peaks / peaks[:, :1]
     write = sys.stdout.write
-    write(
-        "| scheme | peak over 3 times Euler's | largest ratio | flagged | largest gain not flagged "
-    )
-    write("| least gain flagged | largest ratio not flagged | systems a step | time, Euler 1 |\n")
-    write("|---|---|---|---|---|---|---|---|---|\n")
+    write("| scheme | peak over 3 times Euler's | peak over 5000 MPa | largest ratio ")
+    write("| contact systems a step | time, Euler 1 |\n|---|---|---|---|---|---|\n")
     for k, name in enumerate(SCHEMES):
-        flagged = gains[:, k] > MOST_GAIN
-        most = gains[~flagged, k].max(initial=0.0)
-        least = f"{gains[flagged, k].min():.2f}" if flagged.any() else "—"
         write(
-            f"| {name} | {np.count_nonzero(ratios[:, k] > 3)} | {ratios[:, k].max():.3g} "
-            f"| {np.count_nonzero(flagged)} | {most:.3f} | {least} "
-            f"| {ratios[~flagged, k].max():.2f} | {systems[:, k].mean():.2f} "
-            f"| {seconds[:, k].sum() / seconds[:, 0].sum():.2f} |\n"
+            f"| {name} | {np.count_nonzero(ratios[:, k] > 3)} "
+            f"| {np.count_nonzero(peaks[:, k] > 5000)} | {ratios[:, k].max():.3g} "
+            f"| {systems[:, k].mean():.2f} | {seconds[:, k].sum() / seconds[:, 0].sum():.1f} |\n"
         )
+    write("\n| scheme | flagged | largest gain not flagged | largest ratio not flagged |\n")
+    write("|---|---|---|---|\n")
+    for k, name in enumerate(SCHEMES):
+        sound = gains[:, k] <= MOST_GAIN
+        most, worst = gains[sound, k].max(initial=0.0), ratios[sound, k].max(initial=0.0)
+        write(f"| {name} | {np.count_nonzero(~sound)} | {most:.3f} | {worst:.2f} |\n")
 
 
 if __name__ == "__main__":
