@@ -140,7 +140,7 @@ def test_interrupted_writing_leaves_the_old_file(tmp_path, monkeypatch):
         raise OSError(message)
 
     monkeypatch.setattr(store, "_write_value", fail)
-    with pytest.raises(FormatError, match=r"cannot write results.*disk full"):
+    with pytest.raises(FormatError, match=r"cannot write .*results\.h5: disk full; check the"):
         write_results(RESULTS, path)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]

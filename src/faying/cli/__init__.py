@@ -52,5 +52,15 @@ def main() -> None:
     try:
         app()
     except FayingError as error:
-        typer.echo(f"faying: {error}", err=True)
-        sys.exit(BAD_INPUT)
+        message = str(error)
+    except OSError as error:
+        place = f"{error.filename}: " if error.filename else ""
+        message = f"{place}{error.strerror or error}; check the path, the folder and free space"
+    except MemoryError as error:
+        message = f"out of memory ({error}); use a coarser mesh, or fewer loads, steps and modes"
+    else:
+        return
+    # A name from a file might hold what steers a terminal.
+    shown = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in message)
+    typer.echo(f"faying: {shown}", err=True)
+    sys.exit(BAD_INPUT)

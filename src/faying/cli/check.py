@@ -35,7 +35,7 @@ def check(
         loaded = load_model(checked)
         model = build_loaded(loaded)
     check_loads(checked, model)
-    console, free = Console(), free_parts(model)
+    console, free = Console(markup=False), free_parts(model)
     for table in described(checked, loaded, model, free):
         console.print(table)
     missing = [

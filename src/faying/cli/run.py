@@ -1,5 +1,6 @@
 """``faying run``: compute a study."""
 
+import shlex
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
@@ -15,6 +16,9 @@ if TYPE_CHECKING:
 
 NOT_CONVERGED = 1
 """Exit status of a study that ran but did not converge somewhere."""
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as shells have it."""
 
 
 def run(
@@ -52,7 +56,7 @@ def compute(
         raise StudyError(message)
     usable_folder(out)
     from rich.console import Console
-    from rich.progress import Progress
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
     from faying.cli.outcome import show_outcome
     from faying.study.naming_tables import naming_tables
@@ -61,14 +65,23 @@ def compute(
     console = Console(stderr=True)
     # A bar that is not seen would leave an empty line among the messages.
     hidden = not console.is_terminal
-    with ExitStack() as stack:
-        executor = _executor(workers, scheduler, stack)
-        progress = stack.enter_context(Progress(console=console, transient=True, disable=hidden))
-        stack.enter_context(naming_tables(study))
-        result = run_study(
-            study, out, resume=resume, progress=progress, executor=executor, since=since
-        )
-    show_outcome(result.summary, out, Console())
+    # Brackets in the names of load cases are no markup.
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn())
+    bar = Progress(*columns, console=console, transient=True, disable=hidden)
+    try:
+        with ExitStack() as stack:
+            executor = _executor(workers, scheduler, stack)
+            progress = stack.enter_context(bar)
+            stack.enter_context(naming_tables(study))
+            result = run_study(
+                study, out, resume=resume, progress=progress, executor=executor, since=since
+            )
+    except KeyboardInterrupt:
+        again = shlex.join(["faying", "run", str(path), "--out", str(out), "--resume"])
+        message = f"Interrupted; what is finished is kept in {out / 'unfinished'}. Go on with"
+        typer.echo(f"{message}\n  {again}", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    show_outcome(result.summary, out, Console(markup=False))
     for warning in result.summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)
     if not result.converged:

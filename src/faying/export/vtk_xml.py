@@ -16,7 +16,6 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError
 from faying.files.atomic import replacing
 from faying.model.elements import SOLIDS
 
@@ -92,12 +91,8 @@ def write_pvd(entries: Sequence[tuple[float, Path]], path: Path) -> None:
 
 def _write(root: ET.Element, path: Path) -> None:
     ET.indent(root)
-    try:
-        with replacing(path) as temporary:
-            ET.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
-    except OSError as error:
-        message = f"cannot write {path}: {error.strerror}; check the folder and free space"
-        raise FormatError(message) from None
+    with replacing(path) as temporary:
+        ET.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)
 
 
 def _grid_document(grid: Grid) -> ET.Element:

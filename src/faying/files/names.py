@@ -3,6 +3,9 @@
 import re
 from collections.abc import Iterable
 
+LONGEST = 120
+"""Bytes of a stem; names of files end at 255, and others stand before and behind it."""
+
 
 def file_names(names: Iterable[str]) -> dict[str, str]:
     """Return a distinct file name stem for each name; letters, digits, ``+``, ``-``, ``_`` stay.
@@ -15,7 +18,8 @@ def file_names(names: Iterable[str]) -> dict[str, str]:
     stems: dict[str, str] = {}
     taken: set[str] = set()
     for name in names:
-        plain = re.sub(r"[^\w+-]+", "-", name).strip("-") or "unnamed"
+        plain = re.sub(r"[^\w+-]+", "-", name).encode()[:LONGEST].decode(errors="ignore")
+        plain = plain.strip("-") or "unnamed"
         stem, number = plain, 1
         # Some file systems do not tell cases apart.
         while stem.casefold() in taken:

@@ -7,7 +7,6 @@ from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from faying.exceptions import FormatError
 from faying.files.atomic import write_text
 from faying.files.names import file_names
 from faying.report.certified import sharpness
@@ -70,11 +69,7 @@ def write_report(results: Results, folder: Path) -> Path:
     """
     figures = write_figures(results, folder / "figures")
     path = folder / "report.html"
-    try:
-        write_text(path, render(results, figures, folder))
-    except OSError as error:
-        message = f"cannot write {path}: {error.strerror}; check the folder and free space"
-        raise FormatError(message) from None
+    write_text(path, render(results, figures, folder))
     return path
 
 

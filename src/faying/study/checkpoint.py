@@ -7,6 +7,7 @@ from pathlib import Path
 from faying import __version__
 from faying.exceptions import StudyError
 from faying.execution.checkpoint import Checkpoint
+from faying.files.atomic import write_text
 
 __all__ = ["Checkpoint", "open_checkpoint"]
 
@@ -30,5 +31,5 @@ def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
     if not resume:
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
-    stamp.write_text(mark.hexdigest())
+    write_text(stamp, mark.hexdigest())
     return Checkpoint(folder)

@@ -91,13 +91,15 @@ def write_recovered(recovered: RecoveredRecord, path: Path) -> None:
 
 
 def _write_file(path: Path, value: Results | RecoveredRecord, kind: str, description: str) -> None:
-    try:
-        with replacing(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
+    # In memory first: HDF5 cannot close a file whose disk is full, and complains of it for ever.
+    options = {"driver": "core", "backing_store": False, "block_size": 2**20}
+    with replacing(path) as temporary:
+        with h5py.File(temporary, "w", track_order=True, **options) as file:
             _write_header(file, value, kind, description)
             _write_value(file, value, units_of(value.units))
-    except OSError as error:
-        message = f"cannot write results to {path}: {error}; check the folder and free space"
-        raise FormatError(message) from None
+            file.flush()
+            image = file.id.get_file_image()
+        temporary.write_bytes(image)
 
 
 def read_results(path: Path) -> Results:

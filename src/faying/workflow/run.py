@@ -8,8 +8,9 @@ from typing import Any
 
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
+from faying.files.lock import held
 from faying.study.cases import CaseRunner, case_groups
-from faying.study.checkpoint import open_checkpoint
+from faying.study.checkpoint import Checkpoint, open_checkpoint
 from faying.study.extras import Extras
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
@@ -63,12 +64,26 @@ def run(
     Raises
     ------
     FayingError
-        If the study, its model or its loads do not fit together. Solutions that do not converge
+        If the study, its model or its loads do not fit together, or another run is writing to
+        the folder. Solutions that do not converge
         are recorded instead, and so is validation that fails.
     """
     stages = Stages(progress, since)
     out.mkdir(parents=True, exist_ok=True)
-    checkpoint = open_checkpoint(out, study.text, resume=resume)
+    with held(out):
+        checkpoint = open_checkpoint(out, study.text, resume=resume)
+        results, converged = _computed(study, checkpoint, stages, executor)
+        _write_files(study, results, out, stages)
+        checkpoint.discard()
+        # Once more, for what the report took is known only now.
+        summary = _write_summary(replace(results, timings=stages.account()), out)
+    return RunSummary(converged=converged, summary=summary)
+
+
+def _computed(
+    study: Study, checkpoint: Checkpoint, stages: Stages, executor: Executor | None
+) -> tuple[Results, bool]:
+    """Compute everything, and say whether all of it converged."""
     if executor is not None:
         compute_pieces(study, executor, checkpoint, stages)
     joint = prepare_joint(study, stages)
@@ -90,12 +105,7 @@ def run(
     validation = validate(study, joint, models, trained, choices, stages, extras)
     with stages.stage("records"):
         found = record(study, joint, models, trained, cases, validation, stages, extras, failures)
-    results = replace(found, timings=stages.account())
-    _write_files(study, results, out, stages)
-    checkpoint.discard()
-    # Once more, for what the report took is known only now.
-    summary = _write_summary(replace(results, timings=stages.account()), out)
-    return RunSummary(converged=not failures, summary=summary)
+    return replace(found, timings=stages.account()), not failures
 
 
 def _write_files(study: Study, results: Results, out: Path, stages: Stages) -> None:

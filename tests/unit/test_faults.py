@@ -1,0 +1,183 @@
+"""What happens to a run: full disks, folders that are gone or taken, Ctrl-C, names with markup."""
+
+import io
+import resource
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from fake_results import fake_results
+from rich.console import Console
+
+from faying.cli.outcome import show_outcome
+from faying.exceptions import FormatError, StudyError
+from faying.export.vtu import write_interface_vtu
+from faying.files.lock import held
+from faying.files.names import file_names
+from faying.report.html import render
+from faying.study.schema import read_study
+from faying.study.store import read_results, write_results
+from faying.study.summary import summarize
+from faying.workflow.run import run
+
+STUDY = """\
+[model]
+source = "lap-joint"
+[model.lap_joint]
+element_size = 10.0
+washer_radius = 10.0
+[reduction]
+normal_modes = 3
+methods = ["compliance"]
+[[bolt]]
+name = "bolt"
+preload = 10e3
+[[load_case]]
+name = "NAME"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -500.0 }]
+[output]
+report = false
+"""
+HOSTILE = "../../<script>alert(1)</script>[/bold]$x_{&\"'\\frac"
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY.replace("NAME", "bend"))
+    return tmp_path / "study.toml"
+
+
+def call(study, *options, limit=None):
+    """Run the command in a process of its own, with a limit to the size of its files."""
+    arguments = [sys.executable, "-m", "faying.cli", "run", study.name, "--out", "out", *options]
+    before = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) if limit else None
+    return subprocess.run(
+        arguments,
+        capture_output=True,
+        text=True,
+        cwd=study.parent,
+        check=False,
+        preexec_fn=before,
+    )
+
+
+@pytest.mark.parametrize("limit", [50, 3000, 100_000])
+def test_full_disk(study, limit):
+    """The stamp, the summary or the results do not fit; nothing is left half written."""
+    ended = call(study, limit=limit)
+    assert ended.returncode == 2, ended.stderr
+    assert ended.stderr.startswith("faying: cannot ")
+    assert ended.stderr.count("\n") == 1
+    assert not [path for path in (study.parent / "out").rglob("*") if path.name.startswith(".")]
+    again = call(study, "--resume")
+    assert again.returncode == 0, again.stderr
+    assert read_results(study.parent / "out" / "results.h5").cases
+
+
+def test_old_results_survive_a_full_disk(tmp_path):
+    path = tmp_path / "results.h5"
+    write_results(fake_results(), path)
+    before = path.read_bytes()
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) // 2, usual[1]))
+    try:
+        with pytest.raises(FormatError, match=r"cannot write .*results\.h5"):
+            write_results(fake_results(), path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_two_runs_in_one_folder(study):
+    out = study.parent / "out"
+    out.mkdir()
+    with held(out):
+        with pytest.raises(StudyError, match=r"another run is writing to .*choose another"):
+            run(read_study(study), out)
+        ended = call(study)
+        assert ended.returncode == 2
+        assert "another run is writing" in ended.stderr
+        assert not list(out.iterdir())
+    assert call(study).returncode == 0
+
+
+def test_interrupted_run_says_how_to_go_on(study):
+    """Long enough to be met: a step response of a million steps."""
+    text = study.read_text().replace(
+        'kind = "static"', 'kind = "step"\nstep = 1e-6\nduration = 0.1'
+    )
+    study.write_text(text)
+    arguments = [sys.executable, "-m", "faying.cli", "run", study.name, "--out", "a folder"]
+    process = subprocess.Popen(arguments, cwd=study.parent, stderr=subprocess.PIPE, text=True)
+    while not (study.parent / "a folder" / "unfinished").exists():
+        assert process.poll() is None
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130, said
+    assert "Traceback" not in said
+    assert said.endswith("  faying run study.toml --out 'a folder' --resume\n")
+
+
+def test_folder_that_vanishes(tmp_path):
+    with pytest.raises(FormatError, match=r"cannot write .*gone"):
+        write_results(fake_results(), tmp_path / "gone" / "results.h5")
+
+
+class Tags(HTMLParser):
+    """The names of all tags of a page."""
+
+    def __init__(self):
+        super().__init__()
+        self.found = set()
+
+    def handle_starttag(self, tag, attrs):
+        self.found.add(tag)
+        self.found |= {name for name, _ in attrs if name.startswith("on")}
+
+
+def test_names_with_markup(tmp_path):
+    """Of everything a file can name: shown as they are, in files of the folder only."""
+    results = fake_results()
+    case = replace(results.cases["LC1"], name=HOSTILE)
+    warnings = (*results.warnings, f"<img src=x onerror=alert(1)> {HOSTILE}")
+    hostile = replace(
+        results, title=HOSTILE, warnings=warnings, cases={**results.cases, HOSTILE: case}
+    )
+    out = tmp_path / "deep" / "out"
+    out.mkdir(parents=True)
+    write_results(hostile, out / "results.h5")
+    page = render(read_results(out / "results.h5"), [], out)
+    usual, found = Tags(), Tags()
+    usual.feed(render(results, [], out))
+    found.feed(page)
+    assert found.found == usual.found
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    write_interface_vtu(hostile, out)
+    assert {path.name for path in tmp_path.iterdir()} == {"deep"}
+    assert {path.name for path in out.parent.iterdir()} == {"out"}
+    shown = io.StringIO()
+    show_outcome(summarize(hostile), out, Console(markup=False, width=1000, file=shown))
+    assert HOSTILE in shown.getvalue()
+
+
+def test_names_too_long_for_files():
+    names = file_names(["ü" * 500, "ü" * 501, "x" * 300])
+    assert all(len(stem.encode()) < 140 for stem in names.values())
+    assert len(set(names.values())) == 3
+
+
+def test_control_characters_do_not_reach_the_terminal(tmp_path):
+    (tmp_path / "study.toml").write_text('[model]\nsource = "\\u001b[31m"\n')
+    arguments = [sys.executable, "-m", "faying.cli", "check", "study.toml"]
+    ended = subprocess.run(arguments, capture_output=True, cwd=tmp_path, check=False)
+    assert ended.returncode == 2
+    assert b"\x1b" not in ended.stderr
+    assert b"\\x1b[31m" in ended.stderr
