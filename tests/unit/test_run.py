@@ -11,7 +11,7 @@ import pytest
 from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
 from faying.simulation.transient import solve_transient
-from faying.study import cases, offline, pieces, progress, record, validation
+from faying.study import cases, offline, progress, record, validation, worker_tasks
 from faying.study.checkpoint import open_checkpoint
 from faying.study.loads import case_load
 from faying.study.schema import read_study
@@ -292,9 +292,10 @@ def test_a_solution_without_contact_is_kept_though_nothing_compares_with_it(
 
 
 def test_workers_leave_a_piece_without_solution_to_the_run(study, tmp_path, monkeypatch):
-    monkeypatch.setattr(pieces, "run_grouped_campaign", _raise(ConvergenceError("did not settle")))
+    fail = _raise(ConvergenceError("did not settle"))
+    monkeypatch.setattr(worker_tasks, "run_grouped_campaign", fail)
     checkpoint = open_checkpoint(tmp_path, study.text, resume=False)
-    pieces.compute_pieces(study, None, checkpoint, progress.Stages(None))
+    worker_tasks.compute_pieces(study, None, checkpoint, progress.Stages(None))
 
 
 def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
