@@ -173,7 +173,6 @@ def ccx_rule(interface, data):
     area = interface.area / n_face
     return replace(
         interface,
-        interpolation=table,
         point_shape=table,
         initial_gap=np.zeros(n_point),
         weights=np.tile(weights, n_face) * area / weights.sum(),
