@@ -74,13 +74,20 @@ def raise_no_contact(
     """
     distance, near, far = _closest(assembly, facets, side)
     ids = assembly.mesh.node_ids
-    if distance <= tolerance:
+    within = f"tolerance {tolerance:g}"
+    if spec.search_distance is not None:
+        within = f"search distance {spec.search_distance:g}"
+        advice = (
+            "no facet sees the other side along its outward normal; check which facets the sides "
+            "select and which way they face, or search farther"
+        )
+    elif distance <= tolerance:
         advice = "they share only edges or points; check which facets the sides select"
     else:
         advice = "move the parts together, check the sides, or give a larger tolerance"
     message = (
         f"interface '{spec.name}' is empty: {_sides(spec)} have no facet in common; the closest "
-        f"nodes, {ids[near]} and {ids[far]}, are {distance:g} apart (tolerance {tolerance:g}); "
+        f"nodes, {ids[near]} and {ids[far]}, are {distance:g} apart ({within}); "
         f"{advice}"
     )
     raise ModelError(message)
