@@ -17,6 +17,7 @@ from faying.report.limits import limits
 from faying.report.meanings import meanings
 from faying.report.quantities import percent
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
+from faying.report.unseen_loads import worst_case_table
 from faying.report.verdict import headline, reservations, verdicts
 from faying.study.results import ValidationRecord
 from faying.units import units_of
@@ -251,6 +252,15 @@ def test_method_good_on_the_load_cases_only_is_named():
     # The fixture's unseen loads: 10 % with five joint modes.
     assert "jim-b, 5 joint modes: good on the load cases, but 10 % off" in said
     assert "compliance: good on the load cases" not in said
+
+
+def test_a_method_exact_to_round_off_has_no_worst_load():
+    results = with_errors(compliance={0: 0.0})
+    case = replace(results.validation.worst_cases["jim-b"], within_round_off=True)
+    validation = replace(results.validation, worst_cases={"compliance": case})
+    (row,) = worst_case_table(replace(results, validation=validation)).rows
+    assert "exact to round-off" in str(row[2])
+    assert "tip.Fz" not in str(row)
 
 
 def test_static_rival_is_judged_by_static_cases():

@@ -166,6 +166,18 @@ def test_worst_case_is_worse_than_random_loads(preloaded, bases):
     assert worst.bound >= true > 0.5 * worst.bound
 
 
+def test_nothing_is_searched_where_a_model_is_exact_to_round_off(preloaded, bases):
+    rom = fy.reduce(preloaded, bases["craig-bampton"], compliance=True)
+    worst = worst_case_load(rom, BOX, samples=20, seed=4)
+    assert worst.within_round_off
+    corners = 2 ** (len(BOX.ranges) + 1)  # and preload factors
+    assert worst.evaluations == corners + 1 + 20
+    assert worst.load.forces == {key: low for key, (low, _) in BOX.ranges.items()}
+    assert worst.bound < 1e-7
+    poor = fy.reduce(preloaded, bases["craig-bampton"])
+    assert not worst_case_load(poor, BOX, samples=20, seed=4).within_round_off
+
+
 def test_wrong_input_is_refused(preloaded, bases):
     with pytest.raises(ModelError, match="one per contact point"):
         certify(preloaded, LOADS[0], np.zeros(3))

@@ -3,7 +3,7 @@
 from faying.report.quantities import number, percent
 from faying.report.tables import Cell, Table, table
 from faying.report.verdict import grade
-from faying.study.results import Results
+from faying.study.results import Results, WorstCaseRecord
 from faying.units import Units, units_of
 
 
@@ -32,7 +32,7 @@ def worst_case_table(results: Results) -> Table:
         (
             name,
             f"{case.joint_modes}" if case.joint_modes else "none",
-            ", ".join(_force(key, value, units) for key, value in case.forces.items()),
+            _worst_load(case, units),
             percent(case.bound),
             Cell(text=percent(case.max_relative_error), grade=grade(case.max_relative_error)),
             percent(case.certified_bound),
@@ -45,6 +45,12 @@ def worst_case_table(results: Results) -> Table:
         "max error there, by a full solution", "certified max error there", "loads searched",
     )  # fmt: skip
     return table(columns, rows)
+
+
+def _worst_load(case: WorstCaseRecord, units: Units) -> str:
+    if case.within_round_off:
+        return "none: exact to round-off at all"
+    return ", ".join(_force(key, value, units) for key, value in case.forces.items())
 
 
 def _force(target: str, value: float, units: Units) -> str:

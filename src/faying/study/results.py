@@ -234,6 +234,8 @@ class WorstCaseRecord:
         The true error, confirmed by one full solution.
     evaluations
         Loads judged by their certificate, without full solution.
+    within_round_off
+        Whether the method is exact to round-off at all of them, so that none is worst.
     """
 
     joint_modes: int
@@ -243,6 +245,7 @@ class WorstCaseRecord:
     certified_bound: float
     max_relative_error: float
     evaluations: int
+    within_round_off: bool = False
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -301,6 +301,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "certified_bound": Meaning("certified bound of the relative pressure error", "1"),
         "max_relative_error": Meaning("true error by one full solution", "1"),
         "evaluations": Meaning("loads judged without full solution", "1"),
+        "within_round_off": Meaning("whether the method is exact to round-off at all loads tried"),
     },
     PenaltyRecord: {
         "sweep": Meaning("static cases over the contact stiffness"),

@@ -120,6 +120,7 @@ def _worst(rom: ReducedModel, count: int, box: LoadBox) -> WorstCaseRecord:
         certified_bound=float(found.certificate.max_relative_error),
         max_relative_error=found.accuracy.max_relative_error,
         evaluations=found.evaluations,
+        within_round_off=found.within_round_off,
     )
 
 
