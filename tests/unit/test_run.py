@@ -347,6 +347,21 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
     assert not (tmp_path / "unfinished").exists()
 
 
+def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monkeypatch):
+    path = tmp_path / "tiny.toml"
+    methods = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
+    path.write_text(STUDY.replace(methods, '"compliance"'))
+    study, original = read_study(path), runs.validate
+    monkeypatch.setattr(cases, "recover_pressure", _raise(ValueError("nobody foresaw this")))
+    monkeypatch.setattr(runs, "validate", _raise(KeyboardInterrupt()))
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path)
+    monkeypatch.setattr(runs, "validate", original)
+    warnings = run(study, tmp_path, resume=True).summary["warnings"]
+    failed = "jump, compliance/0, recovered pressures: ValueError: nobody foresaw this"
+    assert warnings == [failed]
+
+
 def test_resuming_another_study_is_refused(study, tmp_path, monkeypatch):
     monkeypatch.setattr(cases, "solve_static", _raise(KeyboardInterrupt()))
     with pytest.raises(KeyboardInterrupt):

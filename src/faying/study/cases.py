@@ -172,6 +172,7 @@ class CaseRunner:
     def _response(self, case: LoadCaseSection, system: System, label: str) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
         total = 1 if case.kind == "static" else self._steps(case)
+        known = len(self.extras.failed)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
@@ -182,10 +183,13 @@ class CaseRunner:
                 with self.stages.stage("recovery"), self.extras.attempt(name):
                     recovered = recover_pressure(self.joint.model, solution).pressure
                     response = replace(response, recovered_pressure=recovered)
-            return packed(response)
+            # Kept with the response, for a run that takes it over does not try again.
+            return packed(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
 
         with self.stages.timed("checkpoint"):
-            return _unpacked(self.checkpoint.bundle(response_key(case, label), compute))
+            arrays = self.checkpoint.bundle(response_key(case, label), compute)
+        self.extras.repeat(arrays.get(FAILED, ()))
+        return _unpacked(arrays)
 
 
 def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
@@ -329,6 +333,10 @@ ARRAYS = (
     "recovered_pressure",
     "energy_gain",
 )
+
+
+FAILED = "failed"
+"""Name of the sentences about extras that failed, beside the arrays of a response."""
 
 
 def packed(response: Response) -> dict[str, Matrix]:

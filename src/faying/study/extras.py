@@ -1,5 +1,6 @@
 """What a run adds to its results and can do without: a failure is a warning, not the end."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from types import TracebackType
 
@@ -53,3 +54,7 @@ class Extras:
     def attempt(self, name: str) -> Attempt:
         """Return a context that an extra of this name is tried in."""
         return Attempt(name, self.failed)
+
+    def repeat(self, said: Iterable[object]) -> None:
+        """Note what failed in the interrupted run that a result was taken over from."""
+        self.failed.extend(text for text in map(str, said) if text not in self.failed)
