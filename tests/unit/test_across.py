@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.exceptions import ModelError
+from faying.exceptions import FormatError, ModelError
 from faying.interface.across import declared
 from faying.interface.gap_rule import with_gap_rule
 from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces
+from faying.io.abaqus import write_deck
 from faying.model.assembly import Assembly, FaceSet, Support
+from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
 from faying.model.generate import brick_grid, shaped
 from faying.model.mesh import CellBlock, Mesh
@@ -219,6 +221,20 @@ def test_gap_rules(counts):
     every = tuple(mesh.node_ids[nodes].tolist())
     np.testing.assert_allclose(ruled(closed_nodes=every), 0.0, atol=1e-6)
     np.testing.assert_array_equal(ruled(closed_nodes=()), joint.initial_gap)
+
+
+def test_gap_rules_are_written_or_refused(tmp_path):
+    assembly = faced(blocks(((4, 3), "hex8"), ((4, 3), "hex8"), move=lifted(0.1)))
+    joint = JointDescription(assembly=assembly, interfaces=(ANY,))
+    for rule in (None, GapRule(value=0.03), GapRule(value=0.0)):
+        rules = {} if rule is None else {"joint": rule}
+        write_deck(replace(joint, gap_rules=rules), tmp_path / "a.inp")
+        (interface,) = fy.read_abaqus(tmp_path / "a.inp").interfaces.values()
+        expected = 0.1 if rule is None else rule.value
+        np.testing.assert_allclose(interface.initial_gap, expected, atol=1e-12)
+    closed = replace(joint, gap_rules={"joint": GapRule(closed_up_to=1.0)})
+    with pytest.raises(FormatError, match=r"starts with gaps .* closed .* not written"):
+        write_deck(closed, tmp_path / "b.inp")
 
 
 def test_matching_needs_no_tolerance_but_a_search_distance():

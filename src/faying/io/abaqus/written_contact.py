@@ -28,7 +28,7 @@ def contact_lines(description: JointDescription) -> Iterator[str]:
     Raises
     ------
     FormatError
-        If an interface is non-matching.
+        If an interface is non-matching, or starts with nodes moved onto the other side.
     """
     number = 0
     for spec in description.interfaces:
@@ -45,9 +45,23 @@ def contact_lines(description: JointDescription) -> Iterator[str]:
             yield from _behaviour(spec, description.assembly, faces)
             yield f"*CONTACT PAIR,INTERACTION={_label(name)},TYPE=SURFACE TO SURFACE"
             yield f"MINUS{number},PLUS{number}"
-            gap = description.initial_gaps.get(name, 0.0)
-            if gap:
+            gap = _clearance(description, name)
+            if gap is not None:
                 yield f"*CLEARANCE,SLAVE=MINUS{number},MASTER=PLUS{number},VALUE={real_text(gap)}"
+
+
+def _clearance(description: JointDescription, name: str) -> float | None:
+    """Return the gap that replaces that of the mesh, if any."""
+    rule = description.gap_rules.get(name)
+    if rule is None:
+        return description.initial_gaps.get(name) or None
+    if rule.value is None:
+        message = (
+            f"interface '{name}' starts with gaps of its mesh closed (ADJUST, INIPENE), which is "
+            "not written; move its nodes together"
+        )
+        raise FormatError(message)
+    return rule.value
 
 
 def _label(name: str) -> str:
