@@ -47,7 +47,7 @@ class SmallSystem:
     def factorize_static(self):
         return factorize(self.K)
 
-    def expand(self, states, contact_forces):
+    def expand(self, states):
         return states
 
 

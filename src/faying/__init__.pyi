@@ -16,7 +16,6 @@ from faying.assessment.imported_recovery import recover_from_modal as recover_fr
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.recovery import recover_pressure as recover_pressure
-from faying.assessment.recovery import recovery_operator as recovery_operator
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.worst_case import worst_case_load as worst_case_load
 from faying.contact.problem import contact_problem as contact_problem
@@ -35,8 +34,11 @@ from faying.reduction.craig_bampton import craig_bampton as craig_bampton
 from faying.reduction.jim_a import jim_a as jim_a
 from faying.reduction.jim_b import jim_b as jim_b
 from faying.reduction.mode_count import count_modes_below as count_modes_below
+from faying.reduction.model_reader import load as load
+from faying.reduction.projection import full_displacement as full_displacement
+from faying.reduction.projection import reduce as reduce
+from faying.reduction.recovery import recovery_operator as recovery_operator
 from faying.reduction.reduced_model import ReducedModel as ReducedModel
-from faying.reduction.reduced_model import reduce as reduce
 from faying.reduction.snapshots import LoadBox as LoadBox
 from faying.reduction.snapshots import static_snapshots as static_snapshots
 from faying.reduction.snapshots import step_snapshots as step_snapshots

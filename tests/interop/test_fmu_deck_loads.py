@@ -1,11 +1,12 @@
 """Loads of a deck as inputs of an FMU, simulated by fmpy, against our own integrators."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.export import fmu as fmu_export
-from faying.export.hand_over import hand_over_of
 from faying.model.assembly import NodalLoads
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
@@ -37,7 +38,7 @@ def loaded(tmp_path_factory):
     model = fy.lap_joint(element_size=5.0, damping=fy.Rayleigh(alpha=160.0, beta=5e-7))
     joint = fy.preload(model.with_load_patterns(loads), {"bolt": 10e3})
     rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=8), compliance=True)
-    given = hand_over_of(rom, title="lap joint")
+    given = replace(rom, name="lap joint")
     folder = tmp_path_factory.mktemp("loaded")
     files = fmu_export.write(given, folder / "joint.fmu")
     places = {
@@ -55,22 +56,22 @@ def test_factors_of_deck_loads_are_inputs(loaded, version, scheme, start_loaded)
     given, places = loaded
     integrator, start = SCHEMES[scheme]
     load = fy.Load({"tip.Fz": -100.0, "7": 1.5, "step 2": -0.8})
-    initial = fy.solve_static(given.model, load) if start_loaded else None
+    initial = fy.solve_static(given, load) if start_loaded else None
     ours = fy.solve_transient(
-        given.model,
+        given,
         load,
         step=STEP,
         duration=N_STEP * STEP,
         integrator=integrator,
         initial=initial,
     )
-    table = held([0.0], {"tip.Fz": -100.0}, given.model.bolts["bolt"].initial_force)
+    table = held([0.0], {"tip.Fz": -100.0}, given.bolts["bolt"].initial_force)
     factors = [("7.factor", float), ("step 2.factor", float)]
     inputs = np.zeros(1, dtype=[*table.dtype.descr, *factors])
     for name in table.dtype.names:
         inputs[name] = table[name]
     inputs["7.factor"], inputs["step 2.factor"] = 1.5, -0.8
-    chosen = {name: outputs(given.model)[name] for name in ("tip.uz", "bolt.force")}
+    chosen = {name: outputs(given)[name] for name in ("tip.uz", "bolt.force")}
     chosen["joint.max_pressure"] = lambda solution: solution.max_pressure
     options = {**start, "start_loaded": start_loaded}
     result = simulate(places[version], inputs, options, output=list(chosen))
@@ -81,7 +82,7 @@ def test_derivative_of_a_factor_is_followed(loaded):
     """As a linear history, with communication steps of five steps."""
     given, places = loaded
     load = fy.Load({"7": fy.History([0.0, 1.0], [0.5, 0.5 + 2e3])})
-    ours = fy.solve_transient(given.model, load, step=STEP, duration=20 * STEP)
+    ours = fy.solve_transient(given, load, step=STEP, duration=20 * STEP)
     instance = Instance(places[2], 2)
     instance.set("7.factor", 0.5)
     instance.start(start_loaded=False)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.contact.laws import Hard, Penalty
 from faying.exceptions import StudyError
 from faying.export import fmu as fmu_export
 from faying.export.fmu import archive, library, resources
@@ -143,7 +144,7 @@ def rebuilt(unzipped, folder, *options):
 def test_pairs_give_what_points_give(given, unzipped, tmp_path):
     """The way for interfaces of a thousand points and more, here on a small one."""
     place = rebuilt(unzipped[2], tmp_path, "-DMANY_POINTS=1")
-    system, bolt = given.model, given.model.bolts["bolt"].initial_force
+    system, bolt = given, given.bolts["bolt"].initial_force
     ours = fy.solve_transient(system, fy.Load(FORCES), step=STEP, duration=N_STEP * STEP)
     chosen = outputs(system)
     result = simulate(place, held([0.0], FORCES, bolt), {}, output=list(chosen))
@@ -155,7 +156,7 @@ def test_hard_contact(tmp_path, quadrature, only_fmi2):
     given = handed_over(penalty="hard", quadrature=quadrature)
     file = fmu_export.write(given, tmp_path / "hard.fmu")[0]
     assert validate_fmu(str(file)) == []
-    system, bolt = given.model, given.model.bolts["bolt"].initial_force
+    system, bolt = given, given.bolts["bolt"].initial_force
     ours = fy.solve_transient(system, fy.Load(FORCES), step=STEP, duration=N_STEP * STEP)
     chosen = outputs(system)
     if quadrature == "gauss":
@@ -184,17 +185,18 @@ def test_equal_joints_give_equal_files(given, files, tmp_path, only_fmi2):
 
 def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
     """A joint in mm, kg, ms has the same motion in seconds as it has in milliseconds."""
-    model = given.model
-    scaled = type(model)(
+    model = given
+    other = replace(
+        model,
+        units="mm-kg-ms",
         M=model.M * 1e3,
         C=model.C * 1.0,
         K=model.K * 1e-3,
         contact=replace(
             model.contact,
-            penalty=1e-3 * model.contact.penalty,
+            laws={"joint": Penalty(1e-3 * model.contact.penalty[0])},
             residual_compliance=1e3 * model.contact.residual_compliance,
         ),
-        boundaries=model.boundaries,
         bolts={
             name: type(bolt)(
                 name=name,
@@ -205,8 +207,6 @@ def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
             for name, bolt in model.bolts.items()
         },
     )
-    other = type(given)(**{**vars(given), "model": scaled, "units": "mm-kg-ms",
-                           "preloaded": fy.solve_static(scaled)})  # fmt: skip
     file = fmu_export.write(other, tmp_path / "ms.fmu")[0]
     assert validate_fmu(str(file)) == []
     bolt = model.bolts["bolt"].initial_force
@@ -221,17 +221,16 @@ def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
 
 
 def test_hard_contact_at_very_many_points_is_refused(given, monkeypatch, tmp_path):
-    contact = given.model.contact
-    penalty = np.full(contact.n_points, np.inf)
-    hard = replace(given.model, contact=replace(contact, penalty=penalty))
+    contact = given.contact
+    hard = replace(given, contact=replace(contact, laws={"joint": Hard()}))
     monkeypatch.setattr(resources, "MOST_HARD_POINTS", contact.n_points - 1)
     with pytest.raises(StudyError, match="hard contact at 112 points is too large for an FMU"):
-        fmu_export.write(replace(given, model=hard), tmp_path / "hard.fmu")
+        fmu_export.write(hard, tmp_path / "hard.fmu")
 
 
 def test_several_interfaces_bolts_and_nodes(given, tmp_path, only_fmi2):
     """The joint cut in two interfaces of different penalty, with two bolts and no residual."""
-    model, contact = given.model, given.model.contact
+    model, contact = given, given.contact
     count = contact.n_points
     bolt, tip = model.bolts["bolt"], model.boundaries["tip"]
     split = replace(
@@ -239,7 +238,10 @@ def test_several_interfaces_bolts_and_nodes(given, tmp_path, only_fmi2):
         contact=replace(
             contact,
             slices={"front": slice(0, 50), "back": slice(50, count)},
-            penalty=np.where(np.arange(count) < 50, contact.penalty, 0.5 * contact.penalty),
+            laws={
+                "front": Penalty(contact.penalty[0]),
+                "back": Penalty(0.5 * contact.penalty[0]),
+            },
             residual_compliance=None,
         ),
         bolts={
@@ -253,9 +255,7 @@ def test_several_interfaces_bolts_and_nodes(given, tmp_path, only_fmi2):
         },
         boundaries={"ends": replace(tip, name="ends", nodes=[7, 7, 7, 9, 9, 9])},
     )
-    start = fy.solve_static(split)
-    other = replace(given, model=split, preloaded=start)
-    file = fmu_export.write(other, tmp_path / "split.fmu")[0]
+    file = fmu_export.write(split, tmp_path / "split.fmu")[0]
     assert validate_fmu(str(file)) == []
     load = fy.Load({"ends.Fz": -500.0}, bolt_forces={"M6": 8e3})
     initial = fy.solve_static(split, fy.Load(bolt_forces={"M6": 8e3}))

@@ -13,8 +13,7 @@ from witness import pyyeti_nastran
 import faying as fy
 from faying.exceptions import FormatError
 from faying.export.formats import export
-from faying.export.hand_over import HandOver, hand_over_of
-from faying.export.linearized import linearized
+from faying.export.linearized import linearize
 from faying.export.nastran import superelement_rows
 from faying.export.nastran_cards import assembly_cards, punch_cards
 from faying.io.extrn import read_extrn
@@ -26,20 +25,20 @@ TIP_MASS = 1e-3
 
 
 @pytest.fixture(scope="module")
-def given(joint: fy.Model) -> HandOver:
-    return hand_over_of(fy.reduce(joint, fy.craig_bampton(joint, normal_modes=10), compliance=True))
+def given(joint: fy.Model) -> fy.ReducedModel:
+    return fy.reduce(joint, fy.craig_bampton(joint, normal_modes=10), compliance=True)
 
 
 @pytest.fixture(scope="module")
-def folder(given: HandOver, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(given: fy.ReducedModel, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("superelement")
     export(given, "nastran", out=folder / "joint.op4")
     export(given, "nastran", out=folder / "cards.dmig")
     return folder
 
 
-def matrices(given: HandOver) -> dict[str, np.ndarray]:
-    linear, order = linearized(given), superelement_rows(given).order
+def matrices(given: fy.ReducedModel) -> dict[str, np.ndarray]:
+    linear, order = linearize(given), superelement_rows(given).order
     at = np.ix_(order, order)
     return {"kaa": linear.K[at], "maa": linear.M[at], "baa": linear.C[at]}
 
@@ -64,7 +63,7 @@ PUSERIN 1       1       KAA     MAA
 
 @pytest.mark.parametrize("mass", [0.0, TIP_MASS])
 def test_frequencies_of_the_superelement_in_mystran(
-    given: HandOver, folder: Path, tmp_path: Path, mass: float
+    given: fy.ReducedModel, folder: Path, tmp_path: Path, mass: float
 ) -> None:
     """Mystran takes superelements by CUSERIN; an added mass at the tip shows what is attached."""
     program, rows = or_skip(mystran), superelement_rows(given)
@@ -98,7 +97,7 @@ def test_frequencies_of_the_superelement_in_mystran(
     np.testing.assert_allclose(found, np.sqrt(squares) / (2 * np.pi), rtol=6e-7)
 
 
-def test_matrices_in_pyyeti(given: HandOver, folder: Path) -> None:
+def test_matrices_in_pyyeti(given: fy.ReducedModel, folder: Path) -> None:
     names, found, forms, _ = nastran.op4.load(str(folder / "joint.op4"), into="list")
     for name, wanted in matrices(given).items():
         matrix = found[names.index(name)]
@@ -107,7 +106,9 @@ def test_matrices_in_pyyeti(given: HandOver, folder: Path) -> None:
         assert forms[names.index(name)] == 6
 
 
-def test_cards_are_those_pyyeti_writes(given: HandOver, folder: Path, tmp_path: Path) -> None:
+def test_cards_are_those_pyyeti_writes(
+    given: fy.ReducedModel, folder: Path, tmp_path: Path
+) -> None:
     """Superelement cards of an independent program, for the same superelement."""
     uset, _, bset = nastran.bulk.asm2uset(str(folder / "joint.asm"))
     rows, names = superelement_rows(given), matrices(given)
@@ -134,7 +135,9 @@ def test_cards_are_those_pyyeti_writes(given: HandOver, folder: Path, tmp_path: 
             )
             assert [trimmed(one) for one in found] == [trimmed(one) for one in wanted], card
         coordinates = nastran.bulk.rdgrids(str(ours))[:, 2:5]
-        np.testing.assert_allclose(coordinates, given.nodes[given.node_ids == labels[0][0]])
+        np.testing.assert_allclose(
+            coordinates, given.mesh.nodes[given.mesh.node_ids == labels[0][0]]
+        )
     ours, theirs = (
         nastran.op4.dir(str(f), verbose=False)[0]
         for f in (folder / "joint.op4", tmp_path / "theirs.op4")
@@ -148,7 +151,7 @@ def trimmed(card: list[object]) -> list[object]:
     return card
 
 
-def test_dmig_in_pyyeti(given: HandOver, folder: Path) -> None:
+def test_dmig_in_pyyeti(given: fy.ReducedModel, folder: Path) -> None:
     found = nastran.bulk.rddmig(str(folder / "cards.dmig"))
     dofs = [tuple(dof) for dof in superelement_rows(given).dofs.tolist()]
     for name, wanted in matrices(given).items():
@@ -158,7 +161,7 @@ def test_dmig_in_pyyeti(given: HandOver, folder: Path) -> None:
         np.testing.assert_allclose(matrix.to_numpy(), wanted, rtol=6e-10, atol=1e-15 * wanted.max())
 
 
-def test_contact_forces_of_a_small_motion(given: HandOver, folder: Path) -> None:
+def test_contact_forces_of_a_small_motion(given: fy.ReducedModel, folder: Path) -> None:
     """The recovery file gives the contact forces and gaps of the full nonlinear joint."""
     held = {
         name: matrix.toarray()
@@ -168,19 +171,19 @@ def test_contact_forces_of_a_small_motion(given: HandOver, folder: Path) -> None
     force = np.zeros(len(stiffness))
     force[2] = -1e-3  # small enough that no point opens or closes
     motion = np.linalg.solve(stiffness, force)[:, None]
-    wanted = fy.solve_static(given.model, fy.Load({"tip.Fz": -1e-3}))
-    change = np.abs(wanted.contact_forces - given.preloaded.contact_forces).max()
+    wanted = fy.solve_static(given, fy.Load({"tip.Fz": -1e-3}))
+    change = np.abs(wanted.contact_forces - fy.solve_static(given).contact_forces).max()
     forces = (held["LAM0"] + held["LAMROW"] @ motion)[:, 0]
     # Differences of numbers 1e5 times larger.
     np.testing.assert_allclose(forces, wanted.contact_forces, rtol=0, atol=1e-5 * change)
     gaps = (held["GAP0"] + held["GAPROW"] @ motion)[:, 0]
-    opened = np.abs(wanted.gap - given.preloaded.gap).max()
+    opened = np.abs(wanted.gap - fy.solve_static(given).gap).max()
     np.testing.assert_allclose(gaps, wanted.gap, rtol=0, atol=1e-5 * opened)
     bolt = held["BOLTK"] * (held["BOLTE"] @ (held["QREF"] + motion)) + held["BOLTN0"]
     np.testing.assert_allclose(bolt[0, 0], wanted.bolt_force("bolt"), rtol=1e-9)
 
 
-def test_recovery_as_the_text_says(given: HandOver, folder: Path) -> None:
+def test_recovery_as_the_text_says(given: fy.ReducedModel, folder: Path) -> None:
     """Static pressures of the full model from the matrices of the file alone."""
     held = {
         name: matrix.toarray()
@@ -193,14 +196,14 @@ def test_recovery_as_the_text_says(given: HandOver, folder: Path) -> None:
     H = S + np.diag(held["DLAW"][:, 0])
     free_gap = held["GINIT"][:, 0] + held["NINT"] @ free[:n_relative]
     forces = fy.contact_problem(H, free_gap).solve().forces
-    wanted = fy.solve_static(given.model, fy.Load({"tip.Fz": -500.0}))
+    wanted = fy.solve_static(given, fy.Load({"tip.Fz": -500.0}))
     # The model keeps the residual compliance: its static pressures are those of the full model.
     np.testing.assert_allclose(
         forces / held["WEIGHT"][:, 0], wanted.pressure, rtol=0, atol=1e-8 * wanted.max_pressure
     )
 
 
-def test_text_names_every_matrix_and_row(given: HandOver, folder: Path) -> None:
+def test_text_names_every_matrix_and_row(given: fy.ReducedModel, folder: Path) -> None:
     text = (folder / "joint_readme.txt").read_text()
     for name in read_op4_matrices(folder / "joint_recovery.op4"):
         assert name in text
@@ -208,7 +211,7 @@ def test_text_names_every_matrix_and_row(given: HandOver, folder: Path) -> None:
         assert f"{point:9} {component:2}" in text
 
 
-def test_other_suffix_is_refused(given: HandOver, tmp_path: Path) -> None:
+def test_other_suffix_is_refused(given: fy.ReducedModel, tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"ends in '.txt'; Nastran takes .op4 or .dmig"):
         export(given, "nastran", out=tmp_path / "joint.txt")
 
@@ -229,7 +232,7 @@ def test_several_grids_with_some_components(tmp_path: Path) -> None:
 def test_hard_contact(joint: fy.Model, tmp_path: Path) -> None:
     hard = joint.with_penalty(np.inf)
     rom = fy.reduce(hard, fy.craig_bampton(hard, normal_modes=10), compliance=True)
-    export(hand_over_of(rom), "nastran", out=tmp_path / "joint.op4")
+    export(rom, "nastran", out=tmp_path / "joint.op4")
     held = read_op4_matrices(tmp_path / "joint.op4")
     found = la.eigh(held["KAA"].toarray(), held["MAA"].toarray(), eigvals_only=True)
     exact = fy.preloaded_frequencies(hard, 2)

@@ -11,9 +11,7 @@ import scipy.io
 from programs import MissingProgramError, or_skip
 
 import faying as fy
-from faying.assessment.recovery import recover_reduced
 from faying.export.formats import export
-from faying.export.hand_over import HandOver, hand_over_of
 from faying.model.assembly import NodalLoads
 from faying.simulation.solution import Solution
 
@@ -75,8 +73,8 @@ def rom(request, joint) -> fy.ReducedModel:
 
 
 @pytest.fixture(scope="module")
-def given(rom) -> HandOver:
-    return hand_over_of(rom)
+def given(rom) -> fy.ReducedModel:
+    return rom
 
 
 def close(found: np.ndarray, wanted: np.ndarray, tolerance: float = SAME) -> None:
@@ -109,7 +107,7 @@ def transient(system: fy.ReducedModel) -> Solution:
 
 
 def test_same_solutions(
-    program: str, given: HandOver, rom: fy.ReducedModel, tmp_path: Path
+    program: str, given: fy.ReducedModel, rom: fy.ReducedModel, tmp_path: Path
 ) -> None:
     export(given, "mat", out=tmp_path / "joint.mat")
     points = HARD if np.isinf(rom.contact.penalty).any() else SAME
@@ -117,8 +115,8 @@ def test_same_solutions(
         loads=np.array2string(LOADS, separator=",").replace("],", "];"), count=COUNT, step=STEP
     )
     found = run_octave(program, tmp_path, script)
-    close(found["q0"][:, 0], given.preloaded.states)
-    close(found["lambda0"][:, 0], given.preloaded.contact_forces, points)
+    close(found["q0"][:, 0], fy.solve_static(given).states)
+    close(found["lambda0"][:, 0], fy.solve_static(given).contact_forces, points)
     for case, forces in enumerate(LOADS):
         wanted = fy.solve_static(rom, fy.Load(dict(zip(NAMES, forces, strict=True))))
         close(found["statics"][:, case], wanted.states)
@@ -127,7 +125,7 @@ def test_same_solutions(
     history = transient(rom)
     close(found["q"], history.states[1:].T)
     close(found["lambda"], history.contact_forces[1:].T, points)
-    recovered = recover_reduced(given.recovery, transient(given.model))
+    recovered = fy.recover_pressure(given, transient(given))
     close(found["pressure"], recovered.pressure[1:].T, points)
     close(found["ends"], recovered.displacement("tip")[1:].T)
 
@@ -157,7 +155,7 @@ def test_deck_loads_come_behind_the_boundary(program: str, joint: fy.Model, tmp_
     }
     model = joint.with_load_patterns(loads)
     rom = model_of(model, "penalty")
-    given = hand_over_of(rom)
+    given = rom
     export(given, "mat", out=tmp_path / "joint.mat")
     found = run_octave(program, tmp_path, DECK_LOADS.format(step=STEP))
     load = fy.Load({"tip.Fz": -100.0, "7": 0.8, "step 2": -2.0})
@@ -190,7 +188,7 @@ forces = state.lambda;
 
 
 def test_force_and_jacobian_of_a_state(program: str, joint: fy.Model, tmp_path: Path) -> None:
-    export(hand_over_of(model_of(joint, "penalty")), "mat", out=tmp_path / "joint.mat")
+    export(model_of(joint, "penalty"), "mat", out=tmp_path / "joint.mat")
     found = run_octave(program, tmp_path, JACOBIAN)
     # The contact forces of a state are a difference of displacements times the penalty.
     np.testing.assert_allclose(
@@ -208,7 +206,7 @@ def test_hard_contact_without_compliance_is_refused(
 ) -> None:
     hard = joint.with_penalty(np.inf)
     rom = fy.reduce(hard, fy.craig_bampton(hard, normal_modes=10))
-    export(hand_over_of(rom), "mat", out=tmp_path / "joint.mat")
+    export(rom, "mat", out=tmp_path / "joint.mat")
     script = (
         "joint = load('joint.mat'); "
         "try, faying_contact(joint, joint.q0); catch e, text = e.message; end"
@@ -221,7 +219,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "export_to_matlab.md"
 
 
 def test_code_of_the_page_runs(program: str, joint: fy.Model, tmp_path: Path) -> None:
-    export(hand_over_of(model_of(joint, "penalty")), "mat", out=tmp_path / "joint.mat")
+    export(model_of(joint, "penalty"), "mat", out=tmp_path / "joint.mat")
     code = re.findall(r"^```matlab\n(.*?)^```$", PAGE.read_text("utf-8"), re.MULTILINE | re.DOTALL)
     found = run_octave(program, tmp_path, "\n".join(code))
     assert found["pressure"].max() > 0
@@ -229,7 +227,7 @@ def test_code_of_the_page_runs(program: str, joint: fy.Model, tmp_path: Path) ->
     assert np.isfinite(found["acceleration"]).all()
 
 
-def test_every_variable_is_in_the_table(given: HandOver, tmp_path: Path) -> None:
+def test_every_variable_is_in_the_table(given: fy.ReducedModel, tmp_path: Path) -> None:
     export(given, "mat", out=tmp_path / "joint.mat")
     export(given, "npz", out=tmp_path / "joint.npz")
     text = PAGE.read_text("utf-8")

@@ -7,8 +7,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import StudyError
-from faying.export.hand_over import hand_over_of
-from faying.export.linearized import linearized
+from faying.export.linearized import linearize
 from faying.export.pymor import second_order_model
 
 pytestmark = pytest.mark.filterwarnings("ignore:::pymor")  # its own deprecations
@@ -17,12 +16,12 @@ pytestmark = pytest.mark.filterwarnings("ignore:::pymor")  # its own deprecation
 @pytest.fixture(scope="module")
 def given(joint, classic):
     pytest.importorskip("pymor", reason="pyMOR is not installed")
-    return hand_over_of(fy.reduce(joint, classic, compliance=True))
+    return fy.reduce(joint, classic, compliance=True)
 
 
 @pytest.fixture(scope="module")
 def linear(given):
-    return linearized(given)
+    return linearize(given)
 
 
 @pytest.fixture(scope="module")
@@ -52,9 +51,7 @@ def test_poles_are_the_damped_frequencies(linear, fom):
 def test_static_gain_is_the_preloaded_joints_response(given, linear, fom):
     gain = fom.transfer_function.eval_tf(0.0).real
     column = gain[:, linear.input_names.index("tip.Fz")]
-    first, second = (
-        fy.solve_static(given.model, fy.Load({"tip.Fz": force})) for force in (1e-2, -1e-2)
-    )
+    first, second = (fy.solve_static(given, fy.Load({"tip.Fz": force})) for force in (1e-2, -1e-2))
     step = (first.displacement("tip") - second.displacement("tip")) / 2e-2
     # Differences of two solutions round to 1e-7.
     np.testing.assert_allclose(column[linear.output_names.index("tip.uz")], step[2], rtol=1e-6)

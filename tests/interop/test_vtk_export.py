@@ -7,7 +7,6 @@ import pytest
 
 import faying as fy
 from faying.export.formats import export
-from faying.export.hand_over import hand_over, hand_over_of
 from faying.export.vtk_xml import Grid, write_vtu
 from faying.study.interface_surface import nodal_average
 from faying.study.recover import results_of
@@ -21,7 +20,7 @@ def results(quick_demo):
 @pytest.fixture(scope="module")
 def folder(results, tmp_path_factory):
     folder = tmp_path_factory.mktemp("vtk")
-    export(hand_over(results, "jim-b"), "vtk", out=folder / "pictures")
+    export(results, "vtk", method="jim-b", out=folder / "pictures")
     return folder / "pictures"
 
 
@@ -60,13 +59,13 @@ def test_modes(meshio, results, folder):
         np.testing.assert_array_equal(modes[name][left], 0.0)
     shapes = meshio.read(folder / "trial_vectors.vtu").point_data
     record = results.reduced["jim-b"][20]
-    assert list(shapes)[: len(record.kinds)] == [
-        f"q{number} {kind}" for number, kind in enumerate(record.kinds, start=1)
+    assert list(shapes)[: len(record.basis.kinds)] == [
+        f"q{number} {kind}" for number, kind in enumerate(record.basis.kinds, start=1)
     ]
 
 
 def test_first_mode_has_the_frequency_of_the_preloaded_joint(joint, classic, meshio, tmp_path):
-    own = hand_over_of(fy.reduce(joint, classic, compliance=True))
+    own = fy.reduce(joint, classic, compliance=True)
     export(own, "vtk", out=tmp_path / "own")
     first = next(iter(meshio.read(tmp_path / "own" / "modes.vtu").point_data))
     found = float(first.removeprefix("mode 01 of trial vectors, ").removesuffix(" Hz"))

@@ -10,8 +10,7 @@ from faying import cli
 from faying.assessment.imported_recovery import recover_from_boundary_loads
 from faying.exceptions import StudyError
 from faying.export.formats import export
-from faying.export.hand_over import hand_over
-from faying.export.linearized import linearized
+from faying.export.linearized import linearize
 from faying.report.tables import applied_loads
 from faying.study.load_model import build, load_model
 from faying.study.recover import RecoverOptions, recover
@@ -148,10 +147,11 @@ def test_results_are_those_of_the_model_in_python(results, model):
 
 
 def test_only_loads_that_are_used_become_ports(results):
-    assert results.ports.load_patterns == ("8",)
-    n_relative = results.ports.interpolation.shape[1]
-    assert len(results.ports.compliance) == n_relative + 6 + 1 + 1
-    assert results.reduced["compliance"][0].kinds.count("load") == 1
+    rom = results.reduced["compliance"][0]
+    assert tuple(rom.load_patterns) == ("8",)
+    n_relative = rom.contact.interpolation.shape[1]
+    assert rom.ports.n_port == n_relative + 6 + 1 + 1
+    assert rom.basis.kinds.count("load") == 1
 
 
 def test_recovery_of_an_imported_history_of_factors(results, model, tmp_path):
@@ -193,22 +193,22 @@ def test_modal_history_with_inputs_as_one_array(results, model, tmp_path):
 
 
 def test_hand_over(results, finished, model):
-    given = hand_over(results)
+    given = results.reduced["compliance"][0]
     load = fy.Load({"8": 0.6, "tip.Fz": 10.0})
     close(
-        fy.solve_static(given.model, load).pressure,
+        fy.solve_static(given, load).pressure,
         fy.solve_static(model, load).pressure,
     )
     (path,) = export(given, "npz", out=finished / "joint.npz")
     with np.load(path) as file:
         assert file["load_names"].tolist() == ["8"]
-        np.testing.assert_array_equal(file["L"][0], given.model.load_patterns["8"].forces)
-    linear = linearized(given)
+        np.testing.assert_array_equal(file["L"][0], given.load_patterns["8"].forces)
+    linear = linearize(given)
     assert linear.input_names[-2:] == ("M6.N0", "8")
     assert linear.feedthrough.shape == (len(linear.output_names), len(linear.input_names))
     small = 1e-3
-    moved = fy.solve_static(given.model, fy.Load({"8": small})).displacement("tip")
-    rest = fy.solve_static(given.model).displacement("tip")
+    moved = fy.solve_static(given, fy.Load({"8": small})).displacement("tip")
+    rest = fy.solve_static(given).displacement("tip")
     motion = np.linalg.solve(linear.K, linear.inputs[:, -1] * small)
     # Contact is linear up to the first change; what remains is the difference's round-off.
     close((linear.outputs @ motion)[:6], moved - rest, 1e-6)
@@ -217,12 +217,12 @@ def test_hand_over(results, finished, model):
 def test_program_without_such_loads_is_refused(results, tmp_path):
     message = "a Nastran superelement cannot apply the deck load '8' of this run; export to mat"
     with pytest.raises(StudyError, match=message):
-        export(hand_over(results), "nastran", out=tmp_path / "joint")
+        export(results, "nastran", out=tmp_path / "joint")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_pictures_need_no_loads(results, tmp_path):
-    assert export(hand_over(results), "vtk", out=tmp_path / "pictures")
+    assert export(results, "vtk", out=tmp_path / "pictures")
 
 
 def test_report_names_the_load():

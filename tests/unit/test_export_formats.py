@@ -13,14 +13,18 @@ from faying import cli
 from faying.exceptions import FormatError, StudyError
 from faying.export import vtk
 from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, default_name, export
-from faying.export.hand_over import hand_over
-from faying.study.portable_records import nodal_shapes
+from faying.reduction.projection import nodal_shapes
 from faying.study.recover import results_of
 
 
 @pytest.fixture(scope="module")
-def given(quick_demo):
-    return hand_over(results_of(quick_demo))
+def run(quick_demo):
+    return results_of(quick_demo)
+
+
+@pytest.fixture(scope="module")
+def given(run):
+    return run.reduced["compliance"][0]
 
 
 @pytest.fixture
@@ -56,27 +60,27 @@ def contents(folder):
 
 
 @pytest.mark.parametrize("name", FORMATS)
-def test_format_writes_its_files(given, tmp_path, name):
+def test_format_writes_its_files(run, tmp_path, name):
     chosen = usable(name)
     target = tmp_path / f"joint{chosen.suffix}"
-    paths = export(given, name, out=target)
+    paths = export(run, name, out=target)
     assert paths
     assert len(set(paths)) == len(paths)
     assert set(contents(tmp_path).values()) == set(paths)  # all of them returned, nothing left over
     assert all(path.stat().st_size > 0 for path in paths)
     assert paths[0] == target or target in paths[0].parents or paths[0].stem == target.stem
-    assert export(given, name, out=target) == paths
+    assert export(run, name, out=target) == paths
     assert set(contents(tmp_path).values()) == set(paths)
 
 
 @pytest.mark.parametrize("name", FORMATS)
 def test_format_needs_no_run(joint, classic, tmp_path, name):
     """A model made in Python has no load cases, and that is all it lacks."""
+
     import faying as fy
-    from faying.export.hand_over import hand_over_of
 
     chosen = usable(name)
-    own = hand_over_of(fy.reduce(joint, classic, compliance=True), title="mine")
+    own = replace(fy.reduce(joint, classic, compliance=True), name="mine")
     assert export(own, name, out=tmp_path / f"joint{chosen.suffix}")
 
 
@@ -87,12 +91,12 @@ def test_every_format_has_its_class_and_meaning(name):
     assert (FORMATS[name].kind == LINEAR) == (name == "nastran")
 
 
-def test_default_names_do_not_meet(given):
+def test_default_names_do_not_meet(run, given):
     """Neither do those of files beside them: a module keeps its matrices under its own name."""
     names = [default_name(given, to) for to in FORMATS]
     assert len({Path(name).stem for name in names if Path(name).suffix in (".py", ".npz")}) == 2
     assert len(set(names)) == len(FORMATS)
-    several = replace(given, method="jim-b+compliance", joint_modes=20)
+    several = run.reduced["jim-b+compliance"][20]
     assert default_name(several, "mat") == "jim-b+compliance-20.mat"
     assert Path(default_name(several, "exudyn")).stem.isidentifier()
 
@@ -101,7 +105,7 @@ def test_failure_leaves_what_was_there(given, tmp_path, format_module):
     target = tmp_path / "joint.npz"
     target.write_bytes(b"old")
 
-    def write(_, path):
+    def write(_, path, run):
         path.write_bytes(b"half")
         raise OSError(28, "No space left on device")
 
@@ -113,7 +117,7 @@ def test_failure_leaves_what_was_there(given, tmp_path, format_module):
 
 
 def test_files_keep_their_places_beside_the_first(given, tmp_path, format_module):
-    def write(_, path):
+    def write(_, path, run):
         inner = path.parent / "parts" / "one.bin"
         inner.parent.mkdir()
         for file in (path, inner):
@@ -191,7 +195,7 @@ def test_command_says_what_it_wrote(monkeypatch, capsys, quick_demo, tmp_path):
 def test_class_of_a_hand_over_is_said_first(
     monkeypatch, capsys, quick_demo, format_module, tmp_path
 ):
-    def write(_, path):
+    def write(_, path, run):
         path.write_bytes(b"whole")
         return (path,)
 
@@ -205,47 +209,44 @@ def test_class_of_a_hand_over_is_said_first(
 
 def test_shapes_move_the_boundary_as_its_coordinates_say(given):
     """Constraint modes: a unit of a boundary coordinate moves its node by one, others by none."""
-    node = {int(number): place for place, number in enumerate(given.node_ids)}
-    for name, boundary in given.model.boundaries.items():
+    node = {int(number): place for place, number in enumerate(given.mesh.node_ids)}
+    for name, boundary in given.boundaries.items():
         for dof, number, component in zip(
             boundary.dofs, boundary.nodes, boundary.components, strict=True
         ):
             if component < 3:
-                column = given.modes[:, node[int(number)], component]
+                column = given.mesh.modes[:, node[int(number)], component]
                 expected = np.zeros(len(column))
                 expected[dof] = 1.0
                 np.testing.assert_allclose(column, expected, atol=1e-9, err_msg=name)
 
 
-def test_shapes_are_stored_once(given):
+def test_shapes_are_stored_once(run, given):
     """craig-bampton and compliance share theirs, jim adds its own."""
-    results = given.results
-    assert given.modes.shape == (len(given.model.K), len(results.nodes), 3)
-    distinct = {tuple(record.shapes) for record in results.reduced["compliance"].values()}
-    assert distinct == {
-        tuple(record.shapes) for record in results.reduced["craig-bampton"].values()
-    }
-    assert len(results.shapes) < sum(
-        len(record.kinds) for sizes in results.reduced.values() for record in sizes.values()
-    )
+    everyone = [rom for sizes in run.reduced.values() for rom in sizes.values()]
+    assert given.mesh.modes.shape == (len(given.K), len(run.nodes), 3)
+    distinct = {tuple(rom.mesh.columns) for rom in run.reduced["compliance"].values()}
+    assert distinct == {tuple(rom.mesh.columns) for rom in run.reduced["craig-bampton"].values()}
+    assert {id(rom.mesh.vectors) for rom in everyone} == {id(given.mesh.vectors)}
+    assert given.mesh.vectors.shape[1] < sum(len(rom.K) for rom in everyone)
 
 
-def test_shapes_give_the_static_displacements(given):
+def test_shapes_give_the_static_displacements(run):
     """Σ q shape is the displacement field the run stored of a model without compliance."""
     from faying.simulation.load import Load
     from faying.simulation.static import solve_static
 
-    classic = hand_over(given.results, method="craig-bampton")
-    solution = solve_static(classic.model, Load({"tip.Fz": -500.0, "tip.Mx": 20e3}))
-    field = np.tensordot(solution.states, classic.modes, axes=1)
-    methods = given.results.cases["LC2"].methods
+    classic = run.reduced["craig-bampton"][0]
+    solution = solve_static(classic, Load({"tip.Fz": -500.0, "tip.Mx": 20e3}))
+    field = np.tensordot(solution.states, classic.mesh.modes, axes=1)
+    methods = run.cases["LC2"].methods
     stored = methods["craig-bampton"][0].response.nodal_displacement
     # The same model restored from the file: round-off of its factorization.
     np.testing.assert_allclose(field, stored, atol=1e-7 * np.abs(stored).max())
 
 
-def test_stored_displacements_of_exact_methods_are_those_of_the_full_model(given):
-    case = given.results.cases["LC2"]
+def test_stored_displacements_of_exact_methods_are_those_of_the_full_model(run):
+    case = run.cases["LC2"]
     exact = case.reference.nodal_displacement
     for name in ("compliance", "jim-a+compliance", "jim-b+compliance"):
         for result in case.methods[name].values():
@@ -263,8 +264,8 @@ def test_results_without_shapes_are_still_handed_over(quick_demo, tmp_path):
         for sizes in file["reduced"].values():
             for record in sizes.values():
                 del record["shapes"]
-    old = hand_over(results_of(tmp_path))
-    assert old.modes is None
+    old = results_of(tmp_path)
+    assert old.reduced["compliance"][0].mesh.modes is None
     names = {path.name for path in export(old, "vtk", out=tmp_path / "pictures")}
     assert "structure.vtu" in names
     assert "modes.vtu" not in names
@@ -279,12 +280,12 @@ def test_shapes_that_exceed_the_limit_are_left_out(joint, classic):
     np.testing.assert_allclose(shapes, whole, rtol=1e-12, atol=1e-15)
 
 
-def test_long_series_are_thinned(given, tmp_path, monkeypatch):
+def test_long_series_are_thinned(run, tmp_path, monkeypatch):
     monkeypatch.setattr(vtk, "MOST_INSTANTS", 5)
-    paths = export(given, "vtk", out=tmp_path / "pictures")
+    paths = export(run, "vtk", out=tmp_path / "pictures")
     instants = [path for path in paths if path.parent.name == "interface_joint_LC2-step"]
     assert len(instants) == 5
-    times = given.results.cases["LC2-step"].times
+    times = run.cases["LC2-step"].times
     series = (tmp_path / "pictures" / "interface_joint_LC2-step.pvd").read_text()
     assert series.count("<DataSet") == 5
     assert f'timestep="{float(times[0])!r}"' in series

@@ -1,16 +1,17 @@
 """Supports that move: fields, loads, recovery, and the columns of a history that tell of them."""
 
+from dataclasses import replace
+
 import h5py
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError, StudyError
-from faying.export.hand_over import hand_over_of
 from faying.model.matrices import mass_properties, rigid_body_motions
+from faying.reduction.projection import for_moving_supports
 from faying.simulation.frame_motion import FrameMotion, affine_fields
 from faying.study.imported_history import FRAME, read_imported_history
-from faying.study.portable_records import restored_recovery
 from faying.study.recover import RecoverOptions, recover
 from faying.study.results import Results
 
@@ -19,7 +20,7 @@ RNG = np.random.default_rng(7)
 
 @pytest.fixture(scope="module")
 def given(joint, classic):
-    return hand_over_of(fy.reduce(joint, classic, compliance=True))
+    return for_moving_supports(joint, fy.reduce(joint, classic, compliance=True))
 
 
 def motion_of(values):
@@ -61,7 +62,7 @@ def test_steady_acceleration_is_the_weight_of_the_arm(joint, given):
     acceleration = 1e6
     values = np.zeros((4, 9))
     values[:, 2] = acceleration
-    still = np.zeros((4, len(given.model.K)))
+    still = np.zeros((4, len(given.K)))
     back = fy.recover_from_modal(
         given.recovery,
         np.arange(4.0),
@@ -93,8 +94,8 @@ def test_steady_acceleration_is_the_weight_of_the_arm(joint, given):
 
 
 def test_what_is_missing_is_said(given):
-    times, still = np.arange(4.0), np.zeros((4, len(given.model.K)))
-    old = restored_recovery(given.joint, given.record)
+    times, still = np.arange(4.0), np.zeros((4, len(given.K)))
+    old = replace(given.recovery, frame=None)
     for operator, rows, message in (
         (old, 4, "run the study again"),
         (given.recovery, 3, "3 instants but the history 4"),
@@ -131,10 +132,9 @@ def test_an_hdf5_file_has_nine_columns(given, tmp_path):
         read_imported_history(path, given.joint)
 
 
-def test_the_command_recovers_with_it(given, tmp_path, monkeypatch):
+def test_the_command_recovers_with_it(given, tmp_path):
     results = _results_with(given)
-    monkeypatch.setattr("faying.study.recover.restored_joint", lambda _: given.joint)
-    n, times = len(given.model.K), 1e-4 * np.arange(6)
+    n, times = len(given.K), 1e-4 * np.arange(6)
     q = 1e-3 * RNG.standard_normal((6, n))
     values = 1e5 * RNG.standard_normal((6, 9)) * ([1] * 3 + [1e-3] * 3 + [1e-1] * 3)
     names = ["time", *(f"{kind}{k}" for kind in "qva" for k in range(1, n + 1)), *FRAME]
@@ -163,15 +163,11 @@ def test_the_command_recovers_with_it(given, tmp_path, monkeypatch):
 def _results_with(given):
     """As much of a run's results as recovery asks for."""
 
-    class Ports:
-        frame_recovery = given.recovery.frame
-
     results = object.__new__(Results)
     for name, value in {
         "title": "swing",
         "units": given.units,
-        "ports": Ports(),
-        "reduced": {"compliance": {0: given.record}},
+        "reduced": {"craig-bampton": {0: given}, "compliance": {0: given}},
         "interfaces": given.interfaces,
     }.items():
         object.__setattr__(results, name, value)

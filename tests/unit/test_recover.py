@@ -17,13 +17,12 @@ from faying.assessment.imported_recovery import (
 from faying.assessment.recovery import (
     balanced_accelerations,
     recover_pressure,
-    recovery_operator,
 )
 from faying.exceptions import FormatError, ModelError, StudyError
+from faying.reduction.recovery import recovery_operator
 from faying.study.offline import prepare_joint
-from faying.study.portable_records import restored_joint, restored_model
 from faying.study.progress import Stages
-from faying.study.recover import RecoverOptions, recover, results_of
+from faying.study.recover import RecoverOptions, recover, reduced_model, results_of
 from faying.study.schema import read_study
 from faying.workflow.run import run
 
@@ -240,8 +239,7 @@ def test_boundary_forces_are_simulated_as_in_memory(results, model, classic, tmp
 
 def test_reduced_models_come_back_whole(results, model, classic):
     """Static solutions, ports and expansion of a model that left its trial vectors behind."""
-    joint = restored_joint(results)
-    there = restored_model(joint, results.reduced["compliance"][0])
+    there = results.reduced["compliance"][0]
     here = fy.reduce(model, classic, compliance=True)
     one, other = fy.solve_static(there, LOAD), fy.solve_static(here, LOAD)
     close(one.pressure, other.pressure)
@@ -359,7 +357,7 @@ def test_results_without_ports_say_so(folder, tmp_path):
     with h5py.File(tmp_path / "results.h5", "r+") as file:
         del file["ports"], file["reduced"]
     with pytest.raises(StudyError, match="hold no port compliance"):
-        restored_joint(results_of(tmp_path))
+        reduced_model(results_of(tmp_path), "compliance")
 
 
 CURVED = """

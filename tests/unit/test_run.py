@@ -142,7 +142,7 @@ WORK = (
     (cases, "measure"),
     (cases, "packed"),
     (record, "bodies"),
-    (record, "interface_records"),
+    (record, "contact_surfaces"),
     (runs, "write_results"),
     (vtu, "write_interface_vtu"),
 )
@@ -244,7 +244,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
         (validation, "best_possible_errors"),
         (cases, "certifier"),
         (cases, "recover_pressure"),
-        (record, "ports_record"),
+        (runs, "kept_models"),
     ):
         monkeypatch.setattr(module, name, broken)
     outcome = run(study, tmp_path)
@@ -261,7 +261,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
         "matrices for recovery and export: ",
     ):
         assert extra in said
-    assert results.ports is None
+    assert results.reduced == {}
     assert results.validation.penalty is None
     found = results.cases["jump"].methods["compliance"][0]
     assert found.accuracy.max_relative_error < 0.5  # it is solved and compared, as without failures

@@ -139,7 +139,7 @@ def test_interrupted_writing_leaves_the_old_file(tmp_path, monkeypatch):
         message = "disk full"
         raise OSError(message)
 
-    monkeypatch.setattr(store, "_write_value", fail)
+    monkeypatch.setattr(store, "write_members", fail)
     with pytest.raises(FormatError, match=r"cannot write .*results\.h5: disk full; check the"):
         write_results(RESULTS, path)
     assert path.read_bytes() == before

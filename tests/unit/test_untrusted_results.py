@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FormatError
-from faying.reduction.portable import PortableJoint
+from faying.reduction.portable_joint import PortableJoint
 from faying.study.imported_history import read_imported_history
 from faying.study.store import read_results, write_results
 

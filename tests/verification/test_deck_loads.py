@@ -7,12 +7,12 @@ import pytest
 
 import faying as fy
 from faying.assessment.energy import energy_balance
-from faying.assessment.recovery import recover_reduced, recovery_operator
 from faying.io.nastran.reader import read_parts
 from faying.io.nastran.writer import write_deck
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import NodalLoads
 from faying.model.boundary import FORCE_NAMES
+from faying.reduction.recovery import recovery_operator
 from faying.simulation.newton import solve_static_newton
 
 PRESSURE, PULL = 2.5, np.array([40.0, -30.0, 25.0])
@@ -229,7 +229,9 @@ def test_recovery_of_a_reduced_history(small):
     full = fy.solve_transient(small, HISTORY, **TIMES)
     recovered = fy.recover_pressure(small, solution)
     operator = recovery_operator(small, rom.basis)
-    close(recover_reduced(operator, solution).pressure, recovered.pressure, 1e-12)
+    close(
+        fy.recover_pressure(small, solution, operator=operator).pressure, recovered.pressure, 1e-12
+    )
     assert fy.compare(recovered, full).max_relative_error < 0.02
     assert recovered.bolt_force("bolt").shape == solution.times.shape
     close(recovered.bolt_force("bolt"), full.bolt_force("bolt"), 1e-3)

@@ -11,14 +11,11 @@ from faying.assessment.imported_recovery import (
     recover_from_boundary_loads,
     recover_from_modal,
 )
-from faying.assessment.recovery import (
-    balanced_accelerations,
-    recover_pressure,
-    recovery_operator,
-)
+from faying.assessment.recovery import balanced_accelerations, recover_pressure
 from faying.assessment.reintegration import reintegrate
 from faying.exceptions import ModelError
 from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.recovery import recovery_operator
 
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 

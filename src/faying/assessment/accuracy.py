@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
-from faying.joint.system import System
+from faying.joint.system import Joint
 
 NO_MOTION = 1e-9
 """Largest translation over the largest displacement or rotation, below which it is round-off.
@@ -22,7 +22,7 @@ class Compared(Protocol):
     """What a comparison needs of a solution."""
 
     @property
-    def system(self) -> System:
+    def system(self) -> Joint:
         """The model that was solved."""
         ...
 

@@ -18,10 +18,10 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Matrix, Vector, frozen
-from faying.assessment.recovery import static_displacements
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.exceptions import ModelError
-from faying.joint.system import System
+from faying.joint.system import Joint
+from faying.reduction.recovery import static_displacements
 from faying.simulation.load import Load
 
 Measure = Literal["energy_error", "contact_force_error", "max_relative_error"]
@@ -258,7 +258,7 @@ class Certifier:
         Factorized H of its static contact problem.
     """
 
-    system: System
+    system: Joint
     flexibility: Flexibility
 
     @cached_property
@@ -381,7 +381,7 @@ class Certifier:
         return np.minimum(ball, whole)
 
 
-def certifier(system: System) -> Certifier:
+def certifier(system: Joint) -> Certifier:
     """Factorize the flexibility of a model once, to certify many candidates.
 
     Notes
@@ -391,7 +391,7 @@ def certifier(system: System) -> Certifier:
     return Certifier(system=system, flexibility=flexibility(system.static_contact.flexibility))
 
 
-def certify(model: System, load: Load, pressure: Matrix) -> Certificate:
+def certify(model: Joint, load: Load, pressure: Matrix) -> Certificate:
     """Bound the error of a candidate pressure at a static load, without solving the model.
 
     Parameters

@@ -11,7 +11,7 @@ from faying.assessment.certificate import Measure, certifier
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.reduction.basis import Basis, ModeKind
-from faying.reduction.reduced_model import reduce
+from faying.reduction.projection import projected
 from faying.simulation.load import Load
 from faying.simulation.static import solve_static_cases
 
@@ -90,7 +90,7 @@ def choose_joint_modes(
     judge = certifier(model)
     counts, bounds = [], []
     for count in range(basis.count(ModeKind.JOINT) + 1):
-        rom = reduce(model, basis.with_joint_modes(count))
+        rom = projected(model, basis.with_joint_modes(count))
         cases = solve_static_cases(rom, loads)
         certificate = judge.certify_inputs(cases.inputs, cases.pressure)
         counts.append(count)

@@ -6,19 +6,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from faying._typing import Matrix, Vector
-from faying.assessment.recovery import (
-    Recovered,
-    Recovery,
-    recover_pressure,
-    solve_instants,
-)
+from faying.assessment.recovery import Recovered, recover_pressure, solve_instants
 from faying.exceptions import ModelError
-from faying.joint.system import System
+from faying.reduction.recovery import Recovery
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frame_motion import FrameMotion
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
-from faying.simulation.solution import Solution
 from faying.simulation.transient import solve_transient
 
 
@@ -37,7 +31,8 @@ def recover_from_modal(
     Parameters
     ----------
     operator
-        Result of :func:`recovery_operator` for the basis of the history.
+        Of the basis of the history: ``rom.recovery``, or :func:`recovery_operator` where supports
+        move.
     times : (n_time,) [time]
         Increasing.
     coordinates : (n_time, n_mode)
@@ -71,11 +66,11 @@ def recover_from_modal(
             )
             raise ModelError(message)
     v, a = _derivatives(times, np.asarray(coordinates), velocities, accelerations)
-    inputs = load.inputs(operator.model, times)
+    inputs = load.inputs(operator.joint, times)
     free = operator.free_displacements(inputs, v, a)
     if frame_motion is not None:
         free = free - _carried(operator, frame_motion, len(times))
-    return solve_instants(operator.model, load.name, inputs, free, times)
+    return solve_instants(operator.joint, load.name, inputs, free, times)
 
 
 def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
@@ -83,7 +78,8 @@ def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
     if operator.frame is None:
         message = (
             "the recovery matrices know nothing of supports that move, for the mass of supported "
-            "nodes was not kept; run the study again with this version of faying"
+            "nodes was not kept; run the study again with this version of faying, or take "
+            "for_moving_supports(model, rom) of faying.reduction.projection"
         )
         raise ModelError(message)
     fields = motion.fields()
@@ -141,31 +137,16 @@ def recover_from_boundary_loads(
     ModelError
         If the times do not start at zero and increase, or a boundary does not exist.
     """
-    solution = simulate_boundary_loads(
-        rom, times, forces, step=step, integrator=integrator, name=name
-    )
-    return recover_pressure(rom.model, solution)
-
-
-def simulate_boundary_loads(
-    system: System,
-    times: Vector,
-    forces: Mapping[str, Vector],
-    *,
-    step: float | None = None,
-    integrator: Integrator | None = None,
-    name: str = "boundary loads",
-) -> Solution:
-    """Simulate a system under imported boundary forces, as :func:`recover_from_boundary_loads`."""
     times = np.asarray(times, dtype=float)
     if len(times) < 2 or times[0] != 0:
         message = "boundary loads need at least two instants, the first at time zero"
         raise ModelError(message)
     load = Load({key: History(times, values) for key, values in forces.items()}, name=name)
     interval = float(np.diff(times).min()) if step is None else step
-    return solve_transient(
-        system, load, step=interval, duration=float(times[-1]), integrator=integrator
+    solution = solve_transient(
+        rom, load, step=interval, duration=float(times[-1]), integrator=integrator
     )
+    return recover_pressure(rom, solution)
 
 
 def _derivatives(

@@ -11,28 +11,31 @@ It is the mode-acceleration method of structural dynamics with contact. ``docs/t
 derives it and says what limits it.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.contact.condensed import ContactSolver
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.joint.system import (
     Joint,
-    PortCompliance,
     System,
     bolt_input,
     boundary_slices,
     input_forces,
 )
-from faying.reduction.basis import Basis
+from faying.reduction.recovery import (
+    Recovery,
+    at_ports,
+    static_displacements,
+    supported_operator,
+)
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.frame_motion import frame_loads
+from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import port_forces, relative_forces
+from faying.simulation.static import AT_REST, relative_forces
 
 
 @final
@@ -108,102 +111,8 @@ class Recovered:
         return outer
 
 
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Recovery:
-    """What recovery needs of a model and a basis: a few dense matrices, no finite elements.
-
-    With Q the ports (relative displacements, boundary, bolt elongations, load patterns):
-
-    Attributes
-    ----------
-    model
-        The full model, or what is known of it at its ports.
-    ports
-        Q K⁻¹ Qᵀ.
-    static_contact
-        Contact points, law and compliance S of the full model.
-    inertia : (n_port, n_mode)
-        Q K⁻¹ M Φ.
-    damping : (n_port, n_mode)
-        Q K⁻¹ C Φ.
-    frame : (n_port, 12) or None
-        Q K⁻¹ M A for supports that move, see :mod:`faying.simulation.frame_motion`.
-    """
-
-    model: Joint
-    ports: PortCompliance
-    static_contact: ContactSolver
-    inertia: Matrix
-    damping: Matrix
-    frame: Matrix | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "inertia", frozen(self.inertia))
-        object.__setattr__(self, "damping", frozen(self.damping))
-
-    def free_displacements(
-        self, inputs: Matrix, velocities: Matrix, accelerations: Matrix
-    ) -> Matrix:
-        """Return Q K⁻¹ (f − M Φ q̈ − C Φ q̇) (..., n_port) for all instants at once."""
-        moving = accelerations @ self.inertia.T + velocities @ self.damping.T
-        free: Matrix = static_displacements(self.ports, inputs) - moving
-        return free
-
-
-def recovery_operator(model: Model, basis: Basis) -> Recovery:
-    """Precompute the recovery matrices of a model and a basis.
-
-    Independent of any solution; the matrices are all an importing program needs.
-
-    Raises
-    ------
-    ModelError
-        If the basis belongs to a model with another number of degrees of freedom.
-    SingularMatrixError
-        If the structure is not held without its boundary.
-
-    Notes
-    -----
-    Two back-substitutions per trial vector, the cost of :func:`frame_operator`, and the port
-    compliance the model keeps.
-    """
-    return replace(supported_operator(model, basis), frame=frame_operator(model))
-
-
-def supported_operator(model: Model, basis: Basis) -> Recovery:
-    """Precompute the recovery matrices of a model whose supports rest, as the model's own do.
-
-    As :func:`recovery_operator`, without what only moving supports need.
-    """
-    structure = model.structure
-    if basis.vectors.shape[0] != structure.n_dof:
-        message = (
-            f"the basis has {basis.vectors.shape[0]} rows but the model has {structure.n_dof} "
-            "degrees of freedom; recover with the model the basis was made from"
-        )
-        raise ModelError(message)
-    return Recovery(
-        model=model,
-        ports=model.port_compliance,
-        static_contact=model.static_contact,
-        inertia=at_ports(model, structure.solve(model.M @ basis.vectors)),
-        damping=at_ports(model, structure.solve(model.C @ basis.vectors)),
-    )
-
-
-def frame_operator(model: Model) -> Matrix:
-    """Return Q K⁻¹ M A (n_port, 12) for supports that move.
-
-    Notes
-    -----
-    One assembly of the mass matrix and twelve back-substitutions.
-    """
-    return at_ports(model, model.structure.solve(frame_loads(model)))
-
-
 def recover_pressure(
-    model: Model,
+    model: Model | ReducedModel,
     solution: Solution,
     *,
     instants: Indices | None = None,
@@ -214,7 +123,8 @@ def recover_pressure(
     Parameters
     ----------
     model
-        The full model; its contact law counts, that of the solution does not.
+        The full model; its contact law counts, that of the solution does not. Or the reduced model
+        that was solved, which knows enough of the full one.
     solution
         Of a reduced model with any basis, or of the full model (which gives itself back).
     instants
@@ -243,38 +153,22 @@ def recover_pressure(
     """
     at = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
     chosen = _selected(solution, at)
-    if isinstance(solution.system, ReducedModel):
-        free = _free_from_reduced(model, solution.system, chosen, operator)
+    joint = model.joint if isinstance(model, ReducedModel) else model
+    if isinstance(chosen.system, ReducedModel):
+        free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
+    elif isinstance(model, ReducedModel):
+        message = "a solution of the full model is recovered with the full model; give that"
+        raise ModelError(message)
     else:
         free = _free_from_full(model, chosen)
-    return solve_instants(model, chosen.name, chosen.inputs, free, chosen.times)
+    return solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times)
 
 
-def recover_reduced(operator: Recovery, solution: Solution) -> Recovered:
-    """Recover the pressures of a reduced transient whose recovery matrices are known.
-
-    As :func:`recover_pressure`, without the finite element model.
-
-    Raises
-    ------
-    ModelError
-        If the solution is no transient, or of a model with another number of coordinates.
-    """
-    shape = solution.states.shape
-    if solution.velocities is None or shape[-1] != operator.inertia.shape[1]:
-        message = (
-            f"the solution has states of shape {shape}; expected a transient with "
-            f"{operator.inertia.shape[1]} coordinates, those of the recovery matrices"
-        )
-        raise ModelError(message)
-    accelerations = balanced_accelerations(solution.system, solution)
-    free = operator.free_displacements(solution.inputs, solution.velocities, accelerations)
-    return solve_instants(operator.model, solution.name, solution.inputs, free, solution.times)
-
-
-def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
-    """Return port displacements Q K⁻¹ f (..., n_port) under inputs alone."""
-    return ports.per_input(port_forces(ports, inputs))
+def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
+    """Return the static solution of a full model known at its ports; exact, as its own."""
+    inputs = load.inputs(joint, np.zeros(1))[0]
+    free = static_displacements(joint.port_compliance, inputs)
+    return solve_instants(joint, load.name, inputs, free, None)
 
 
 def _selected(solution: Solution, at: slice | Indices) -> Solution:
@@ -296,14 +190,37 @@ def _selected(solution: Solution, at: slice | Indices) -> Solution:
 
 
 def _free_from_reduced(
-    model: Model, rom: ReducedModel, solution: Solution, operator: Recovery | None
+    model: Model | ReducedModel,
+    joint: Joint,
+    rom: ReducedModel,
+    solution: Solution,
+    operator: Recovery | None,
 ) -> Matrix:
     """Port displacements without contact forces, from a solution of a reduced model."""
     if solution.velocities is None:
-        return static_displacements(model.port_compliance, solution.inputs)
-    known = supported_operator(model, rom.basis) if operator is None else operator
+        return static_displacements(joint.port_compliance, solution.inputs)
+    known = _matrices(model, rom) if operator is None else operator
+    n_port = joint.port_compliance.n_port
+    if known.inertia.shape != (n_port, len(rom.K)):
+        message = (
+            f"the recovery matrices have shape {known.inertia.shape}, but the model has {n_port} "
+            f"ports and the solution {len(rom.K)} coordinates; recover with the model that was "
+            "solved, or the one it was reduced from"
+        )
+        raise ModelError(message)
     accelerations = balanced_accelerations(rom, solution)
-    return known.free_displacements(solution.inputs, solution.velocities, accelerations)
+    moving = accelerations @ known.inertia.T + solution.velocities @ known.damping.T
+    free: Matrix = static_displacements(joint.port_compliance, solution.inputs) - moving
+    return free
+
+
+def _matrices(model: Model | ReducedModel, rom: ReducedModel) -> Recovery:
+    """Return the recovery matrices of a reduced model: its own, unless the structure changed."""
+    if isinstance(model, ReducedModel):
+        return model.recovery
+    if rom.ports is model.port_compliance or not len(rom.basis.vectors):
+        return rom.recovery
+    return supported_operator(model, rom.basis)
 
 
 def _free_from_full(model: Model, solution: Solution) -> Matrix:
@@ -368,16 +285,3 @@ def _contact_displacements(model: Joint, forces: Matrix) -> Matrix:
     ports = model.port_compliance
     at_pairs = (model.contact.interpolation.T @ np.asarray(forces).T).T
     return ports.per_contact(at_pairs)
-
-
-def at_ports(model: Model, displacements: Matrix) -> Matrix:
-    """Q U (n_port[, k]) of displacements U (n_dof[, k])."""
-    structure = model.structure
-    return np.concatenate(
-        [
-            structure.relative_operator @ displacements,
-            displacements[structure.boundary],
-            structure.elongations @ displacements,
-            model.pattern_forces @ displacements,
-        ]
-    )

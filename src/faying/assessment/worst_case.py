@@ -9,6 +9,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.accuracy import Accuracy, compare
 from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
+from faying.assessment.recovery import Recovered, solve_at_ports
 from faying.exceptions import ModelError
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import LoadBox
@@ -71,7 +72,7 @@ class WorstCase:
     bound: float
     certificate: Certificate
     reduced: Solution
-    exact: Solution
+    exact: Recovered
     accuracy: Accuracy
     evaluations: int
     within_round_off: bool = False
@@ -111,7 +112,7 @@ def worst_case_load(
     errors from round-off. A maximum over samples is a lower estimate of the maximum over the box:
     the certificate holds at every load tried, not between them.
     """
-    search = _Search(rom=rom, box=box, judge=certifier(rom.model), measure=measure)
+    search = _Search(rom=rom, box=box, judge=certifier(rom.joint), measure=measure)
     rng = np.random.default_rng(seed)
     places = np.vstack([_corners(search.dimension, rng), rng.random((samples, search.dimension))])
     judged = search.certificate(places)
@@ -198,7 +199,7 @@ def _climb(search: _Search, place: Vector, bound: float) -> tuple[Vector, float,
 
 def _confirmed(search: _Search, load: Load, evaluations: int) -> WorstCase:
     reduced = solve_static(search.rom, load)
-    exact = solve_static(search.rom.model, load)
+    exact = solve_at_ports(search.rom.joint, load)
     if exact.max_pressure <= 0:
         message = (
             "the interfaces open entirely at the worst load of the box, so no relative error "

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from faying.export.hand_over import HandOver
+    from faying.reduction.reduced_model import ReducedModel
 
 
 def export(
@@ -34,35 +34,35 @@ def export(
     ] = None,
 ) -> None:
     """Hand a reduced model of a run over to another program."""
-    from faying.export.formats import MEANINGS, default_name, format_named
+    from faying.export.formats import MEANINGS, default_name, format_named, run_model
     from faying.export.formats import export as write
-    from faying.export.hand_over import hand_over
     from faying.study.recover import results_of
 
-    chosen = format_named(to)
-    given = hand_over(results_of(folder), method, joint_modes)
-    paths = write(given, to, out=out or folder / default_name(given, to))
+    chosen, run = format_named(to), results_of(folder)
+    rom = run_model(run, method, joint_modes)
+    target = out or folder / default_name(rom, to)
+    paths = write(run, to, out=target, method=method, joint_modes=joint_modes)
     typer.echo(f"{chosen.kind.capitalize()}: {MEANINGS[chosen.kind]}")
-    typer.echo(_described(given))
+    typer.echo(_described(rom))
     for path in _shown(paths):
         typer.echo(f"Wrote {path}")
 
 
-def _described(given: "HandOver") -> str:
+def _described(rom: "ReducedModel") -> str:
     """Say which model it is and what its numbers are measured in."""
     from faying.units import units_of
 
-    units, model = units_of(given.units), given.model
+    units = units_of(rom.units)
     counts = {
-        "coordinate": len(model.K),
-        "boundary displacement": len(given.record.boundary),
-        "bolt": len(model.bolts),
-        "contact point": model.contact.n_points,
+        "coordinate": len(rom.K),
+        "boundary displacement": sum(len(one.dofs) for one in rom.boundaries.values()),
+        "bolt": len(rom.bolts),
+        "contact point": rom.contact.n_points,
     }
     sizes = ", ".join(f"{n} {name}{'s' * (n != 1)}" for name, n in counts.items())
-    modes = f" with {given.joint_modes} joint modes" if given.joint_modes else ""
+    modes = f" with {rom.joint_modes} joint modes" if rom.joint_modes else ""
     measures = (units.length, units.mass, units.time, units.force, units.pressure)
-    return f"Model: {given.method}{modes}, {sizes}\nUnits: {', '.join(measures)}"
+    return f"Model: {rom.method}{modes}, {sizes}\nUnits: {', '.join(measures)}"
 
 
 FEW = 8

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from faying.study.recovery_results import RecoveredRecord
+    from faying.study.recovered import RecoveredRecord
     from faying.study.results import Results
 
 

@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from faying.exceptions import StudyError
-from faying.export.arrays import variables
-from faying.export.hand_over import HandOver
+from faying.export.arrays import numpy_variables
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.results import Results
 
 PARTS = ("exudyn_joint.py", "exudyn_contact.py")
 """What is handed over, word for word: the second takes the place of its import in the first."""
 
 
-def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write a module that adds the joint to a multibody system, and its data beside it.
 
     Parameters
@@ -34,12 +35,12 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
         If contact is hard and the model does not keep its residual compliance, so that no function
         of q gives the contact forces.
     """
-    _check_law(hand_over)
+    _check_law(rom)
     module = path.with_name(f"{_importable(path.stem)}.py")
     data = module.with_suffix(".npz")
     module.write_text(_source(), encoding="utf-8")
     with data.open("wb") as file:
-        np.savez_compressed(file, **_arrays(hand_over))
+        np.savez_compressed(file, **_arrays(rom))
     return module, data
 
 
@@ -51,34 +52,26 @@ def _source() -> str:
     return head + contact[contact.index("Array = ") :] + body
 
 
-def _arrays(given: HandOver) -> dict[str, Any]:
-    """Return the variables of the hand-over, and what floating frames need where it is known."""
-    held = variables(given)
-    sparse = held.interpolation.tocoo()
+def _arrays(rom: ReducedModel) -> dict[str, Any]:
+    """Return the variables of the model, and what floating frames need where it is known."""
     floating = {
-        "invariants": given.record.invariants,
-        "modes": given.modes,
-        "recovery_frame": given.recovery.frame,
+        "invariants": rom.invariants,
+        "modes": rom.mesh.modes,
+        "recovery_frame": rom.recovery_frame,
     }
     return {
-        **held.arrays,
-        **held.indices,
-        **{name: np.array(value, dtype=np.str_) for name, value in held.names.items()},
-        **{name: np.array(value) for name, value in held.texts.items()},
-        "N_rows": np.asarray(sparse.row, dtype=np.int64),
-        "N_columns": np.asarray(sparse.col, dtype=np.int64),
-        "N_values": np.asarray(sparse.data),
-        "nodes": given.nodes,
-        "node_ids": given.node_ids,
+        **numpy_variables(rom),
+        "nodes": rom.mesh.nodes,
+        "node_ids": rom.mesh.node_ids,
         **{name: value for name, value in floating.items() if value is not None},
     }
 
 
-def _check_law(given: HandOver) -> None:
-    contact = given.model.contact
+def _check_law(rom: ReducedModel) -> None:
+    contact = rom.contact
     if contact.residual_compliance is None and np.isinf(contact.penalty).any():
         message = (
-            f"contact is hard and '{given.method}' keeps no compliance besides its trial vectors, "
+            f"contact is hard and '{rom.method}' keeps no compliance besides its trial vectors, "
             "so the contact forces are no function of the coordinates, as Exudyn wants them; "
             "export 'compliance' or a method ending in '+compliance', or give a penalty"
         )

@@ -108,7 +108,10 @@ def add_body(
     """
     data = joint().data
     if "invariants" not in data:
-        message = "the data hold no mass integrals; export from a newer run of faying"
+        message = (
+            "the data hold no mass integrals; export from a run of faying, or a model that "
+            "for_moving_supports(model, rom) returned"
+        )
         raise ValueError(message)
     at = np.asarray(frame, dtype=float)
     start = frame if position is None else position

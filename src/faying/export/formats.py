@@ -1,8 +1,13 @@
 """Every format a reduced model can be handed over in, and the one function that writes any of them.
 
-A format is a module with ``write(hand_over: HandOver, path: Path) -> tuple[Path, ...]``: it writes
-the file ``path``, or files named after it beside it, and returns them all, ``path`` or what stands
-in its place first. Modules are imported when their format is asked for.
+A format is a module with ``write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path,
+...]``: it writes the file ``path``, or files named after it beside it, and returns them all,
+``path`` or what stands in its place first; ``run`` is where the model comes from, if it does from
+one. Modules are imported when their format is asked for.
+
+Two classes exist. A *contact-capable* hand-over carries gap operator, law and residual compliance,
+so that the receiving program opens and closes the joint itself. A *linear* one is the joint
+linearized at its preloaded state (:mod:`faying.export.linearized`).
 """
 
 import re
@@ -14,10 +19,15 @@ from pathlib import Path
 from typing import cast
 
 from faying.exceptions import FormatError, StudyError
-from faying.export.hand_over import HandOver, hand_over
 from faying.files.atomic import moved
 from faying.files.names import file_names
+from faying.reduction.model_reader import load
+from faying.reduction.reduced_model import ReducedModel
 from faying.study.errors import nearest
+from faying.study.recover import reduced_model, results_of
+from faying.study.results import Results
+
+DEFAULT_METHOD = "compliance"
 
 LINEAR = "linear hand-over"
 CONTACT = "contact-capable hand-over"
@@ -65,7 +75,7 @@ FORMATS = {
 
 
 def export(
-    source: HandOver | Path | str,
+    source: ReducedModel | Results | Path | str,
     to: str,
     *,
     out: Path | str | None = None,
@@ -77,16 +87,14 @@ def export(
     Parameters
     ----------
     source
-        Folder of a finished run; or a hand-over as :func:`~faying.export.hand_over.hand_over` and
-        :func:`~faying.export.hand_over.hand_over_of` make it, ``method`` and ``joint_modes`` are
-        then its own.
+        A reduced model, or its file; or a finished run, as its folder or its results.
     to
         Name of a format: nastran, mat, fmu, exudyn, vtk, npz.
     out
         File to write; without suffix it gets that of the format. By default it is named after the
         model, in the folder of the run.
     method, joint_modes
-        Which reduced model of the run; ``"compliance"``, and the most joint modes it has.
+        Which reduced model of a run; ``"compliance"``, and the most joint modes it has.
 
     Returns
     -------
@@ -101,16 +109,45 @@ def export(
         If the run cannot be read or the files cannot be written.
     """
     chosen = format_named(to)
-    given = source if isinstance(source, HandOver) else _read(Path(source), method, joint_modes)
-    if out is None and isinstance(source, HandOver):
+    rom, run, folder = _given(source, method, joint_modes)
+    if out is None and folder is None:
         message = f"nothing says where to write the {to} file; give out="
         raise StudyError(message)
-    folder = Path() if isinstance(source, HandOver) else Path(source)
-    target = folder / default_name(given, to) if out is None else Path(out)
+    target = (folder or Path()) / default_name(rom, to) if out is None else Path(out)
     if target.is_dir() and chosen.suffix:
-        message = f"{target} is a folder; name a file, such as {target / default_name(given, to)}"
+        message = f"{target} is a folder; name a file, such as {target / default_name(rom, to)}"
         raise FormatError(message)
-    return _write(given, to, chosen, _named(target, chosen))
+    return _write(rom, run, to, chosen, _named(target, chosen))
+
+
+def run_model(
+    run: Results, method: str | None = None, joint_modes: int | None = None
+) -> ReducedModel:
+    """Return the reduced model of a run that is handed over unless another is named.
+
+    Raises
+    ------
+    StudyError
+        If the run has no such model.
+    """
+    name = DEFAULT_METHOD if method is None else method
+    if joint_modes is None:
+        joint_modes = max(run.reduced.get(name, ()), default=None)
+    return reduced_model(run, name, joint_modes)
+
+
+def _given(
+    source: ReducedModel | Results | Path | str, method: str | None, joint_modes: int | None
+) -> tuple[ReducedModel, Results | None, Path | None]:
+    """Return the model, the run it comes from and the folder to write in, as far as there are."""
+    if isinstance(source, ReducedModel):
+        return source, None, None
+    if isinstance(source, Results):
+        return run_model(source, method, joint_modes), source, None
+    if Path(source).is_file():
+        return load(source), None, Path(source).parent
+    run = results_of(source)
+    return run_model(run, method, joint_modes), run, Path(source)
 
 
 def format_named(name: str) -> Format:
@@ -127,42 +164,40 @@ def format_named(name: str) -> Format:
     return FORMATS[name]
 
 
-def default_name(given: HandOver, to: str) -> str:
-    """Return the file name a hand-over gets unless another is asked for."""
-    label = f"{given.method}-{given.joint_modes}" if given.joint_modes else given.method
+def default_name(rom: ReducedModel, to: str) -> str:
+    """Return the file name a model gets unless another is asked for."""
+    label = f"{rom.method}-{rom.joint_modes}" if rom.joint_modes else rom.method
     stem, suffix = file_names([label])[label], FORMATS[to].suffix
     if suffix == ".py":  # a module must have a name that can be imported
         return re.sub(r"\W", "_", f"{stem}_{to}") + suffix
     return f"{stem}{suffix}" if suffix else f"{stem}-{to}"
 
 
-def _read(folder: Path, method: str | None, joint_modes: int | None) -> HandOver:
-    from faying.study.recover import results_of
-
-    return hand_over(results_of(folder), method, joint_modes)
-
-
 def _named(path: Path, chosen: Format) -> Path:
     return path if path.suffix else path.with_name(path.name + chosen.suffix)
 
 
-def _write(given: HandOver, to: str, chosen: Format, path: Path) -> tuple[Path, ...]:
+def _write(
+    rom: ReducedModel, run: Results | None, to: str, chosen: Format, path: Path
+) -> tuple[Path, ...]:
     """Write aside, then move: a failure on the way leaves what was there before."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as aside:
             staging = Path(aside)
-            files = _written(given, to, chosen, staging / path.name)
+            files = _written(rom, run, to, chosen, staging / path.name)
             return tuple(_moved(file, path.parent / file.relative_to(staging)) for file in files)
     except OSError as error:
         message = f"cannot write {path}: {error.strerror}; check the folder and free space"
         raise FormatError(message) from None
 
 
-def _written(given: HandOver, to: str, chosen: Format, path: Path) -> Sequence[Path]:
+def _written(
+    rom: ReducedModel, run: Results | None, to: str, chosen: Format, path: Path
+) -> Sequence[Path]:
     try:
         module = import_module(chosen.module)
-        return cast("tuple[Path, ...]", module.write(given, path))
+        return cast("tuple[Path, ...]", module.write(rom, path, run))
     except ModuleNotFoundError as error:
         remedy = (
             f"pip install 'faying[{chosen.extra}]'" if chosen.extra else f"pip install {error.name}"

@@ -26,10 +26,9 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.assessment.frequencies import NEARLY_RIGID
-from faying.export.hand_over import HandOver
 from faying.joint.system import System, boundary_dofs, elongations, input_forces
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
-from faying.simulation.load import Load
+from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 
@@ -108,29 +107,20 @@ class LinearModel:
         return gaps
 
 
-def linearized(hand_over: HandOver, load: Load | None = None) -> LinearModel:
-    """Linearize the joint of a hand-over.
-
-    Parameters
-    ----------
-    load
-        Static load to linearize about; by default the joint under its bolts alone.
-    """
-    return linearize(hand_over.preloaded if load is None else solve_static(hand_over.model, load))
-
-
-def linearize(state: Solution) -> LinearModel:
+def linearize(about: ReducedModel | Solution) -> LinearModel:
     """Linearize a reduced model about one static solution of it.
 
     Parameters
     ----------
-    state
-        Of a reduced model with dense matrices.
+    about
+        The solution, of a reduced model with dense matrices; or such a model, then about the joint
+        under its bolts alone.
 
     Notes
     -----
     One Cholesky factorization of the size of the closed points.
     """
+    state = about if isinstance(about, Solution) else solve_static(about)
     system = state.system
     closed = np.asarray(state.contact_forces > 0)
     seen = np.asarray(system.contact.gap_operator)

@@ -2,15 +2,16 @@
 
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy.io
 import scipy.sparse as sp
 
-from faying._typing import Matrix
 from faying.exceptions import FormatError
 from faying.export.arrays import variables
-from faying.export.hand_over import HandOver
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.results import Results
 
 FUNCTIONS = (
     "faying_contact.m",
@@ -26,7 +27,7 @@ MOST_BYTES = 2**31
 """Size of one variable that version 5 of the format can say."""
 
 
-def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write the variables of :mod:`faying.export.arrays` (version 5) and the functions.
 
     Vectors are columns, indices count from one, lists of names are cell arrays, N is sparse.
@@ -36,30 +37,25 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     FormatError
         If a matrix is too large for the format.
     """
-    held = variables(hand_over)
-    for name, array in held.arrays.items():
+    held = variables(rom)
+    for name, array in held.items():
         if array.nbytes >= MOST_BYTES:
             message = (
                 f"the matrix {name} of shape {array.shape} exceeds the 2 GiB a .mat file can hold; "
                 "export to npz, or use a coarser interface"
             )
             raise FormatError(message)
-    content = {
-        **{name: _column(array) for name, array in held.arrays.items()},
-        **{
-            name: _column(np.asarray(index + 1, dtype=np.float64))
-            for name, index in held.indices.items()
-        },
-        **{name: np.array([*value], dtype=object)[:, None] for name, value in held.names.items()},
-        **held.texts,
-        "N": sp.csc_matrix(held.interpolation),
-    }
+    content = {name: _as_matlab_has_it(array) for name, array in held.items()}
+    content["N"] = sp.csc_matrix(rom.contact.interpolation)
     scipy.io.savemat(path, content, format="5", do_compression=True, long_field_names=True)
     return (path, *(_copied(name, path.parent) for name in FUNCTIONS))
 
 
-def _column(array: Matrix) -> Matrix:
-    return array[:, None] if array.ndim == 1 else array
+def _as_matlab_has_it(array: Any) -> Any:
+    if array.dtype.kind == "U":
+        return np.array([*array.tolist()], dtype=object)[:, None] if array.ndim else array.item()
+    numbers = array + 1.0 if array.dtype.kind == "i" else array
+    return numbers[:, None] if numbers.ndim == 1 else numbers
 
 
 def _copied(name: str, folder: Path) -> Path:

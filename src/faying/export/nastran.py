@@ -12,13 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import FormatError
-from faying.export.hand_over import HandOver, refuse_deck_loads
-from faying.export.linearized import LinearModel, linearized
+from faying.exceptions import FormatError, StudyError
+from faying.export.linearized import LinearModel, linearize
 from faying.export.nastran_cards import assembly_cards, grid_cards, punch_cards, scalar_points
 from faying.io.dmig_writer import dmig_text
 from faying.io.op4_writer import write_op4
 from faying.joint.system import elongations, initial_bolt_forces
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.results import Results
 
 SUPERELEMENT = 100
 """Id of the superelement, and the Fortran unit of its OP4 file."""
@@ -62,7 +63,7 @@ class Rows:
         return found
 
 
-def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write a superelement ``path`` (.op4) with .asm and .pch, or DMIG cards for a path .dmig.
 
     Beside either: recovery matrices (``_recovery.op4``) and a text that says what is what
@@ -85,22 +86,22 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     the Nastran quick reference guides; the order of the matrices is that of pyYeti's
     ``wtextseout``. DMIG keeps ten digits at least, OP4 all.
     """
-    refuse_deck_loads(hand_over, "a Nastran superelement")
-    linear, rows = linearized(hand_over), superelement_rows(hand_over)
+    _refuse_deck_loads(rom)
+    linear, rows = linearize(rom), superelement_rows(rom)
     if path.suffix.lower() == ".op4":
-        files = _write_superelement(hand_over, linear, rows, path)
+        files = _write_superelement(rom, linear, rows, path)
     elif path.suffix.lower() == ".dmig":
-        files = _write_dmig(hand_over, linear, rows, path)
+        files = _write_dmig(rom, linear, rows, path)
     else:
         message = f"{path.name} ends in '{path.suffix}'; Nastran takes .op4 or .dmig"
         raise FormatError(message)
     recovery, text = (path.with_name(path.stem + end) for end in ("_recovery.op4", "_readme.txt"))
-    write_op4(recovery, recovery_matrices(hand_over, linear, rows))
-    text.write_text(_readme(hand_over, rows, (*files, recovery)), encoding="utf-8")
+    write_op4(recovery, recovery_matrices(rom, linear, rows))
+    text.write_text(_readme(rom, rows, (*files, recovery)), encoding="utf-8")
     return (*files, recovery, text)
 
 
-def superelement_rows(hand_over: HandOver) -> Rows:
+def superelement_rows(rom: ReducedModel) -> Rows:
     """Return which grid component or scalar point each generalized coordinate becomes.
 
     Raises
@@ -108,7 +109,7 @@ def superelement_rows(hand_over: HandOver) -> Rows:
     FormatError
         If there is no room for scalar points above the ids of the grids.
     """
-    boundaries = hand_over.model.boundaries.values()
+    boundaries = rom.boundaries.values()
     known = {
         (int(node), int(component) + 1): int(place)
         for one in boundaries
@@ -116,8 +117,8 @@ def superelement_rows(hand_over: HandOver) -> Rows:
     }
     dofs = sorted(known)
     outer = [known[dof] for dof in dofs]
-    inner = np.setdiff1d(np.arange(len(hand_over.model.K)), outer)
-    first = max(FIRST_POINT, int(hand_over.node_ids.max(initial=0)) + 1)
+    inner = np.setdiff1d(np.arange(len(rom.K)), outer)
+    first = max(FIRST_POINT, int(rom.mesh.node_ids.max(initial=0)) + 1)
     if first + len(inner) > LARGEST_ID:
         message = (
             f"node ids reach {first - 1}, which leaves no room for {len(inner)} scalar points "
@@ -132,15 +133,15 @@ def superelement_rows(hand_over: HandOver) -> Rows:
 
 
 def recovery_matrices(
-    hand_over: HandOver, linear: LinearModel, rows: Rows
+    rom: ReducedModel, linear: LinearModel, rows: Rows
 ) -> dict[str, Matrix | Vector]:
     """Return what turns a motion of the superelement into contact forces, gaps and pressures.
 
     Columns are the superelement's rows; the names are explained in the text written beside them.
     """
-    model, order = hand_over.model, rows.order
-    contact, ports = model.contact, hand_over.joint.port_compliance
-    bolts = list(model.bolts.values())
+    order = rows.order
+    contact, ports = rom.contact, rom.joint.port_compliance
+    bolts = list(rom.bolts.values())
     found: dict[str, Matrix | Vector] = {
         "QREF": linear.state[order],
         "LAMROW": linear.force_rows[:, order],
@@ -152,22 +153,22 @@ def recovery_matrices(
         "GINIT": contact.initial_gap,
         "NINT": contact.interpolation.toarray(),
         "PREL": np.asarray(contact.relative_operator)[:, order],
-        "RINERT": hand_over.recovery.inertia[:, order],
-        "RDAMP": hand_over.recovery.damping[:, order],
+        "RINERT": rom.recovery.inertia[:, order],
+        "RDAMP": rom.recovery.damping[:, order],
         "RCOMPC": np.vstack([ports.relative @ np.eye(ports.n_relative), ports.contact_columns]),
         "RCOMPF": np.vstack([ports.contact_columns.T, ports.input_rows]),
-        "BOLTE": elongations(model.bolts, len(order))[:, order],
+        "BOLTE": elongations(rom.bolts, len(order))[:, order],
         "BOLTK": np.array([bolt.stiffness for bolt in bolts], dtype=float),
-        "BOLTN0": initial_bolt_forces(model),
+        "BOLTN0": initial_bolt_forces(rom),
     }
     return {name: matrix for name, matrix in found.items() if np.size(matrix)}
 
 
 def _write_superelement(
-    hand_over: HandOver, linear: LinearModel, rows: Rows, path: Path
+    rom: ReducedModel, linear: LinearModel, rows: Rows, path: Path
 ) -> tuple[Path, ...]:
-    title = f"{hand_over.title}, {hand_over.method}, faying {version('faying')}"
-    place = _places(hand_over, rows)
+    title = f"{rom.name}, {rom.method}, faying {version('faying')}"
+    place = _places(rom, rows)
     assembly, punch = path.with_suffix(".asm"), path.with_suffix(".pch")
     nothing = np.zeros((1, 1))
     write_op4(
@@ -184,12 +185,10 @@ def _write_superelement(
     return path, assembly, punch
 
 
-def _write_dmig(
-    hand_over: HandOver, linear: LinearModel, rows: Rows, path: Path
-) -> tuple[Path, ...]:
+def _write_dmig(rom: ReducedModel, linear: LinearModel, rows: Rows, path: Path) -> tuple[Path, ...]:
     grids = path.with_name(path.stem + "_grids.bdf")
     cards = [
-        f"$ {hand_over.title}, {hand_over.method}, linear hand-over of faying {version('faying')}\n"
+        f"$ {rom.name}, {rom.method}, linear hand-over of faying {version('faying')}\n"
         "$ Values keep ten digits at least; the OP4 file of the same joint keeps all.\n",
         scalar_points(rows.points),
         *(
@@ -198,7 +197,7 @@ def _write_dmig(
         ),
     ]
     path.write_text("".join(cards))
-    grids.write_text(grid_cards(_places(hand_over, rows)))
+    grids.write_text(grid_cards(_places(rom, rows)))
     return path, grids
 
 
@@ -208,10 +207,21 @@ def _ordered(linear: LinearModel, rows: Rows, end: str) -> dict[str, Matrix]:
     return {name + end: (matrix[at] + matrix[at].T) / 2 for name, matrix in matrices.items()}
 
 
-def _places(hand_over: HandOver, rows: Rows) -> dict[int, Sequence[float]]:
+def _places(rom: ReducedModel, rows: Rows) -> dict[int, Sequence[float]]:
     """Grid id to coordinates."""
-    where = {int(node): place for place, node in enumerate(hand_over.node_ids.tolist())}
-    return {grid: hand_over.nodes[where[grid]].tolist() for grid in rows.grids}
+    where = {int(node): place for place, node in enumerate(rom.mesh.node_ids.tolist())}
+    return {grid: rom.mesh.nodes[where[grid]].tolist() for grid in rows.grids}
+
+
+def _refuse_deck_loads(rom: ReducedModel) -> None:
+    if rom.load_patterns:
+        names = ", ".join(f"'{name}'" for name in rom.load_patterns)
+        message = (
+            f"a Nastran superelement cannot apply the deck load {names} of this run; export to "
+            "mat, npz, fmu or exudyn, or run the study without 'deck_load', with loads at a "
+            "[[boundary]]"
+        )
+        raise StudyError(message)
 
 
 _MATRICES = """\
@@ -240,12 +250,12 @@ boundary forces f (mode acceleration with contact):
 """
 
 
-def _readme(hand_over: HandOver, rows: Rows, files: Sequence[Path]) -> str:
+def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
     """Say what the files are, what the rows are and what the recovery matrices are."""
-    kinds = hand_over.record.kinds
+    kinds = rom.basis.kinds
     lines = [
-        f"{hand_over.title}: reduced model '{hand_over.method}' of faying {version('faying')}",
-        f"Units: {hand_over.units}",
+        f"{rom.name}: reduced model '{rom.method}' of faying {version('faying')}",
+        f"Units: {rom.units}",
         "",
         "LINEAR hand-over: the joint is linearized at its preloaded state. It neither opens nor",
         "closes. Displacements x are changes from that state; do not apply the bolt preload again.",

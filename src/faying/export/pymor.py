@@ -7,14 +7,12 @@ from typing import Any
 import numpy as np
 
 from faying.exceptions import StudyError
-from faying.export.hand_over import HandOver
-from faying.export.linearized import LinearModel, linearize, linearized
+from faying.export.linearized import LinearModel, linearize
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static
 from faying.study.errors import nearest
 
-Linearizable = HandOver | ReducedModel | Solution | LinearModel
+Linearizable = ReducedModel | Solution | LinearModel
 
 
 def second_order_model(
@@ -28,7 +26,7 @@ def second_order_model(
     Parameters
     ----------
     source
-        A hand-over or a reduced model, linearized under its bolts alone; a static solution of a
+        A reduced model, linearized under its bolts alone; a static solution of a
         reduced model to linearize about; or a :class:`~faying.export.linearized.LinearModel`.
     inputs, outputs
         Names of those wanted, as ``input_names`` and ``output_names`` of that class list them;
@@ -80,6 +78,4 @@ def _places(kind: str, wanted: Sequence[str] | None, known: tuple[str, ...]) -> 
 def _linear(source: Linearizable) -> LinearModel:
     if isinstance(source, LinearModel):
         return source
-    if isinstance(source, HandOver):
-        return linearized(source)
-    return linearize(source if isinstance(source, Solution) else solve_static(source))
+    return linearize(source)

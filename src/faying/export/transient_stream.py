@@ -11,6 +11,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.exceptions import FormatError, ModelError
+from faying.files.described import member_name
 from faying.joint.system import System
 from faying.simulation.energy_guard import EnergyLedger
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
@@ -18,7 +19,6 @@ from faying.simulation.load import Load
 from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import check_times, transient_solver
-from faying.study.store import member_name
 
 FORMAT = "faying transient"
 PIECE = 2000

@@ -22,12 +22,14 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix
-from faying.export.hand_over import HandOver
-from faying.export.linearized import linearized
+from faying.assessment.recovery import solve_at_ports
+from faying.export.linearized import linearize
 from faying.export.vtk_xml import Grid, write_pvd, write_vtu
 from faying.export.vtu import averaged, static_fields, surface
 from faying.files.names import file_names
-from faying.study.results import CaseResult, InterfaceRecord, Response
+from faying.interface.surface import ContactSurface
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.results import CaseResult, InterfaceRecord, Response, Results
 from faying.units import Units, units_of
 
 MOST_MODES = 10
@@ -37,13 +39,15 @@ MOST_INSTANTS = 400
 """Instants of a transient that are written; of more, evenly chosen ones and the last."""
 
 
-def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
-    """Write the pictures of a hand-over into a folder.
+def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Path, ...]:
+    """Write the pictures of a reduced model into a folder.
 
     Parameters
     ----------
     path
         Folder; made if need be, files in it are replaced atomically.
+    run
+        Where the model comes from, for load cases and bolts.
 
     Raises
     ------
@@ -51,32 +55,34 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
         If a file cannot be written.
     """
     path.mkdir(parents=True, exist_ok=True)
-    return (*_structure(hand_over, path), *_bolts(hand_over, path), *_interfaces(hand_over, path))
+    made = (_structure(rom, run, path), _bolts(run, path), _interfaces(rom, run, path))
+    return tuple(file for files in made for file in files)
 
 
-def _structure(hand_over: HandOver, folder: Path) -> Iterator[Path]:
+def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
     """Write what is shown on the solids."""
-    units = units_of(hand_over.units)
-    contents = {"structure": _static_shapes(hand_over, units)}
-    if hand_over.modes is not None:
-        contents["modes"] = _vibration_modes(hand_over, hand_over.modes, units)
+    units = units_of(rom.units)
+    contents = {"structure": _static_shapes(rom, run, units)}
+    modes = rom.mesh.modes
+    if modes is not None:
+        contents["modes"] = _vibration_modes(rom, modes, units)
         contents["trial_vectors"] = {
             f"q{number} {kind}": shape
             for number, (kind, shape) in enumerate(
-                zip(hand_over.record.kinds, hand_over.modes, strict=True), start=1
+                zip(rom.basis.kinds, modes, strict=True), start=1
             )
         }
     for stem, fields in contents.items():
-        yield _written(_solids(hand_over, fields), folder / f"{stem}.vtu")
+        yield _written(_solids(rom, run, fields), folder / f"{stem}.vtu")
 
 
-def _solids(hand_over: HandOver, fields: Mapping[str, Matrix]) -> Grid:
-    blocks, results = hand_over.blocks, hand_over.results
-    numbers: dict[str, Indices] = {"node id": hand_over.node_ids}
-    if results is not None:
-        numbers["body"] = results.body
+def _solids(rom: ReducedModel, run: Results | None, fields: Mapping[str, Matrix]) -> Grid:
+    blocks = rom.mesh.blocks
+    numbers: dict[str, Indices] = {"node id": rom.mesh.node_ids}
+    if run is not None:
+        numbers["body"] = run.body
     return Grid(
-        points=hand_over.nodes,
+        points=rom.mesh.nodes,
         cells=[(block.kind, block.nodes) for block in blocks],
         point_data={**fields, **numbers},
         cell_data={
@@ -90,22 +96,22 @@ def _joined(parts: list[Indices]) -> Indices:
     return np.concatenate([*parts, np.empty(0, dtype=np.int64)])
 
 
-def _static_shapes(hand_over: HandOver, units: Units) -> dict[str, Matrix]:
+def _static_shapes(rom: ReducedModel, run: Results | None, units: Units) -> dict[str, Matrix]:
     return {
         f"{case.name}{label} displacement [{units.length}]": response.nodal_displacement
-        for case in _cases(hand_over, static=True)
-        for label, response in _responses(hand_over, case)
+        for case in _cases(run, static=True)
+        for label, response in _responses(rom, run, case)
         if response.nodal_displacement is not None
     }
 
 
-def _vibration_modes(hand_over: HandOver, shapes: Matrix, units: Units) -> dict[str, Matrix]:
+def _vibration_modes(rom: ReducedModel, shapes: Matrix, units: Units) -> dict[str, Matrix]:
     """Return the lowest modes (n_node, 3) by number and frequency."""
-    model = linearized(hand_over)
+    model = linearize(rom)
     # K is definite, M need not be.
     inverse, vectors = la.eigh(model.M, model.K)
     # The displacements behind a residual compliance need the finite elements.
-    part = " of trial vectors" if hand_over.record.compliance else ""
+    part = " of trial vectors" if rom.contact.residual_compliance is not None else ""
     unit = "Hz" if units.time == "s" else f"1/{units.time}"
     modes = {}
     for number in range(min(MOST_MODES, len(inverse))):
@@ -116,16 +122,15 @@ def _vibration_modes(hand_over: HandOver, shapes: Matrix, units: Units) -> dict[
     return modes
 
 
-def _bolts(hand_over: HandOver, folder: Path) -> Iterator[Path]:
+def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
     """Write the bolts of a run as lines."""
-    results = hand_over.results
-    bolts = {} if results is None else results.bolts
+    bolts = {} if run is None else run.bolts
     drawn = {name: bolt.axis for name, bolt in bolts.items() if bolt.axis is not None}
-    if not drawn:
+    if run is None or not drawn:
         return
-    unit = units_of(hand_over.units).force
+    unit = units_of(run.units).force
     forces = {f"preload [{unit}]": np.array([bolts[name].preload for name in drawn])}
-    for case in _cases(hand_over, static=True):
+    for case in _cases(run, static=True):
         values = [float(case.reference.bolt_forces[name]) for name in drawn]
         forces[f"{case.name} force [{unit}]"] = np.array(values)
     grid = Grid(
@@ -136,22 +141,28 @@ def _bolts(hand_over: HandOver, folder: Path) -> Iterator[Path]:
     yield _written(grid, folder / "bolts.vtu")
 
 
-def _interfaces(hand_over: HandOver, folder: Path) -> Iterator[Path]:
-    units = units_of(hand_over.units)
-    stems = file_names(hand_over.interfaces)
-    moving = [case for case in _cases(hand_over, static=False) if case.times is not None]
+def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
+    units = units_of(rom.units)
+    stems = file_names(rom.interfaces)
+    rest = solve_at_ports(rom.joint).pressure
+    moving = [case for case in _cases(run, static=False) if case.times is not None]
     labels = file_names([case.name for case in moving])
-    for name, record in hand_over.interfaces.items():
+    for name, record in rom.interfaces.items():
         stem = f"interface_{stems[name]}"
-        static = _cases(hand_over, static=True)
-        fields = static_fields(record, static, partial(_responses, hand_over), units)
+        known = (
+            record
+            if isinstance(record, InterfaceRecord)
+            else InterfaceRecord(**vars(record), preload_pressure=rest[slice(*record.slice)])
+        )
+        responses = partial(_responses, rom, run)
+        fields = static_fields(known, _cases(run, static=True), responses, units)
         yield _written(surface(record, fields, None), folder / f"{stem}.vtu")
         for case in moving:
-            yield from _series(hand_over, record, case, folder / f"{stem}_{labels[case.name]}")
+            yield from _series(rom, run, record, case, folder / f"{stem}_{labels[case.name]}")
 
 
 def _series(
-    hand_over: HandOver, record: InterfaceRecord, case: CaseResult, stem: Path
+    rom: ReducedModel, run: Results | None, record: ContactSurface, case: CaseResult, stem: Path
 ) -> Iterator[Path]:
     """Write one file per instant of a transient, and the series."""
     stem.mkdir(exist_ok=True)
@@ -159,8 +170,7 @@ def _series(
     instants = np.unique(
         np.linspace(0, len(times) - 1, min(len(times), MOST_INSTANTS)).round().astype(np.int64)
     )
-    responses, units = _responses(hand_over, case), units_of(hand_over.units)
-    fields = averaged(record, responses, units, instants)
+    fields = averaged(record, _responses(rom, run, case), units_of(rom.units), instants)
     entries = []
     for number, time in enumerate(times[instants].tolist()):
         now = {name: values[number] for name, values in fields.items()}
@@ -172,17 +182,21 @@ def _series(
     yield series
 
 
-def _cases(hand_over: HandOver, *, static: bool) -> list[CaseResult]:
-    cases = () if hand_over.results is None else hand_over.results.cases.values()
+def _cases(run: Results | None, *, static: bool) -> list[CaseResult]:
+    cases = () if run is None else run.cases.values()
     return [case for case in cases if (case.times is None) == static]
 
 
-def _responses(hand_over: HandOver, case: CaseResult) -> Iterator[tuple[str, Response]]:
+def _responses(
+    rom: ReducedModel, run: Results | None, case: CaseResult
+) -> Iterator[tuple[str, Response]]:
     """Yield the full model's response, then that of the model that is handed over."""
     yield "", case.reference
-    own = case.methods.get(hand_over.method, {}).get(hand_over.joint_modes)
+    sizes = {} if run is None else run.reduced.get(rom.method, {})
+    count = next((count for count, one in sizes.items() if one is rom), None)
+    own = case.methods.get(rom.method, {}).get(-1 if count is None else count)
     if own is not None:
-        yield f" {hand_over.method}", own.response
+        yield f" {rom.method}", own.response
 
 
 def _written(grid: Grid, path: Path) -> Path:

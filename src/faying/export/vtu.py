@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.export.vtk_xml import Grid, write_vtu
 from faying.files.names import file_names
+from faying.interface.surface import ContactSurface
 from faying.study.interface_surface import nodal_average, pair_facets
 from faying.study.results import CaseResult, InterfaceRecord, Response, Results
 from faying.units import Units, units_of
@@ -46,7 +47,7 @@ def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
 
 
 def write_fields_vtu(
-    record: InterfaceRecord, fields: Mapping[str, Matrix], path: Path, *, time: float | None = None
+    record: ContactSurface, fields: Mapping[str, Matrix], path: Path, *, time: float | None = None
 ) -> None:
     """Write point data (n_pair,) by name on the facets of the minus side of an interface.
 
@@ -63,7 +64,7 @@ def write_fields_vtu(
     write_vtu(surface(record, fields, time), path)
 
 
-def surface(record: InterfaceRecord, fields: Mapping[str, Matrix], time: float | None) -> Grid:
+def surface(record: ContactSurface, fields: Mapping[str, Matrix], time: float | None) -> Grid:
     """Return the facets of the minus side with point data, normals and 1 where pairs stick."""
     fixed = {"normal": _pair_normals(record), "sticking": record.stuck.astype("u1")}
     return Grid(
@@ -74,7 +75,7 @@ def surface(record: InterfaceRecord, fields: Mapping[str, Matrix], time: float |
     )
 
 
-def _pair_normals(record: InterfaceRecord) -> Matrix:
+def _pair_normals(record: ContactSurface) -> Matrix:
     """Average the normals of the contact points to the pairs (n_pair, 3)."""
     mean = record.averaging @ record.normals
     length = np.linalg.norm(mean, axis=1, keepdims=True)
@@ -101,7 +102,7 @@ def static_fields(
 
 
 def averaged(
-    record: InterfaceRecord,
+    record: ContactSurface,
     responses: Iterable[tuple[str, Response]],
     units: Units,
     instants: Indices | slice = slice(None),

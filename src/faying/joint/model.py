@@ -117,7 +117,7 @@ class Model:
         """Return the factorization of K that the structure already holds."""
         return _StaticFactorization(structure=self.structure)
 
-    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:  # noqa: ARG002
+    def expand(self, states: Matrix) -> Matrix:
         """Return the states themselves: they are the free displacements."""
         return states
 

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
@@ -48,6 +48,12 @@ class PortCompliance:
     n_boundary: int
     n_pattern: int = 0
 
+    def __post_init__(self) -> None:
+        if isinstance(self.relative, np.ndarray):
+            object.__setattr__(self, "relative", frozen(self.relative))
+        for name in ("contact_columns", "input_rows"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
     @property
     def bolts(self) -> slice:
         """Place of the bolts among the inputs."""
@@ -57,6 +63,17 @@ class PortCompliance:
     def n_relative(self) -> int:
         """Number of relative displacements."""
         return int(self.contact_columns.shape[1])
+
+    @property
+    def n_port(self) -> int:
+        """Number of all ports."""
+        return self.n_relative + len(self.input_rows)
+
+    @property
+    def whole(self) -> Matrix:
+        """The compliance of all ports as one matrix (n_port, n_port)."""
+        inner = np.asarray(self.relative @ np.eye(self.n_relative))
+        return np.block([[inner, self.contact_columns.T], [self.contact_columns, self.input_rows]])
 
     def per_contact(self, forces: Matrix) -> Matrix:
         """Return the displacements of all ports (..., n_port) under forces (..., n_relative)."""
@@ -137,11 +154,8 @@ class System(Joint, Protocol):
         """Return a factorization of K."""
         ...
 
-    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:
-        """Return displacements (..., n_dof) at the free degrees of freedom of the full model.
-
-        Contact forces (..., n_point) are those that belong to the states (..., n_mode).
-        """
+    def expand(self, states: Matrix) -> Matrix:
+        """Return displacements (..., n_dof) at the free degrees of freedom of the full model."""
         ...
 
 

@@ -1,10 +1,11 @@
 """The map from the six degrees of freedom of every node to the free ones of the model."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, SparseMatrix, frozen
+from faying._typing import Indices, Matrix, SparseMatrix, frozen, read_only
 from faying.exceptions import ModelError
 
 
@@ -31,6 +32,12 @@ class DofMap:
     def n_nodes(self) -> int:
         """Number of nodes."""
         return int(self.transformation.shape[0]) // 6
+
+    @cached_property
+    def translations(self) -> SparseMatrix:
+        """Rows of T that move the nodes in x, y, z (3 n_node, n_dof)."""
+        rows = 6 * np.arange(self.n_nodes)[:, None] + np.arange(3)
+        return read_only(self.transformation[rows.ravel()].tocsr())
 
     def nodal(self, displacement: Matrix) -> Matrix:
         """Expand free displacements (n_dof,) or (n_time, n_dof) to (..., n_node, 6)."""

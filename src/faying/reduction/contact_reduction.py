@@ -72,6 +72,6 @@ class ContactReducedModel:
         """Return a factorization of K."""
         return self.system.factorize_static()
 
-    def expand(self, states: Matrix, contact_forces: Matrix) -> Matrix:
+    def expand(self, states: Matrix) -> Matrix:
         """Return displacements of the full model."""
-        return self.system.expand(states, contact_forces)
+        return self.system.expand(states)

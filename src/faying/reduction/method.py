@@ -1,14 +1,14 @@
 """What a method of reduction is: how it is built, and how readers of a report meet it."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from faying._typing import Matrix
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis, ModeKind
-from faying.reduction.reduced_model import reduce
+from faying.reduction.projection import projected
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -112,7 +112,7 @@ class Method:
         return sorted({min(count, available) for count in wanted}) if available else [0]
 
     def reduced(self, model: Model, basis: Basis, contact_forces: Matrix, count: int) -> System:
-        """Return the reduced model of a size.
+        """Return the reduced model of a size, without what recovers pressures.
 
         Parameters
         ----------
@@ -125,4 +125,5 @@ class Method:
         """
         if self.forces is not None:
             return self.forces(model, contact_forces, count)
-        return reduce(model, basis.with_joint_modes(count), compliance=self.compliance)
+        rom = projected(model, basis.with_joint_modes(count), compliance=self.compliance)
+        return replace(rom, method=self.name)

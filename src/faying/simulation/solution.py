@@ -143,25 +143,13 @@ class Solution:
     def full_displacement(self) -> Matrix:
         """Return displacements at the free degrees of freedom of the full model (..., n_dof).
 
-        Of a reduced model that keeps a residual compliance with the displacements that this stands
-        for: gaps agree with them, and static ones are those of the full model.
-
-        Notes
-        -----
-        One back-substitution for each case or instant where there is a residual compliance.
-
         Raises
         ------
         ModelError
-            If the model came without its trial vectors.
+            If the model came without its trial vectors, or keeps a residual compliance, whose
+            displacements take the full model: :func:`faying.full_displacement`.
         """
-        if self.shear_forces is not None and self.system.contact.residual_compliance is not None:
-            message = (
-                "a reduced model expands what normal contact forces move, not friction yet; take "
-                "displacements at boundaries, gaps and slips, or the path of the full model"
-            )
-            raise ModelError(message)
-        return self.system.expand(self.states, self.contact_forces)
+        return self.system.expand(self.states)
 
     def _points(self, interface: str | None) -> slice:
         if interface is None:

@@ -18,6 +18,7 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
+from faying.reduction.projection import full_displacement
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.integrators import Integrator, named_integrator
@@ -282,7 +283,7 @@ def respond(solution: Solution, model: Model, seconds: float) -> Response:
         seconds=seconds,
         energy_gain=solution.energy_gain,
         nodal_displacement=(
-            model.dofs.nodal(solution.full_displacement())[:, :3] if static else None
+            model.dofs.nodal(full_displacement(model, solution))[:, :3] if static else None
         ),
     )
 

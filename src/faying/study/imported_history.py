@@ -23,9 +23,8 @@ from faying._typing import Matrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_text
 from faying.files.hdf5 import open_hdf5
-from faying.joint.system import boundary_slices, initial_bolt_forces
+from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
-from faying.reduction.portable import PortableJoint
 from faying.simulation.frame_motion import FrameMotion
 from faying.study.errors import nearest, quoted
 
@@ -66,7 +65,7 @@ class ImportedHistory:
     frame: FrameMotion | None = None
 
 
-def read_imported_history(path: Path, joint: PortableJoint) -> ImportedHistory:
+def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
     """Read a modal or boundary-force history.
 
     Parameters
@@ -97,7 +96,7 @@ def read_imported_history(path: Path, joint: PortableJoint) -> ImportedHistory:
     return history
 
 
-def _load_names(joint: PortableJoint) -> list[str]:
+def _load_names(joint: Joint) -> list[str]:
     at_boundaries = [
         f"{name}.{FORCE_NAMES[component]}"
         for name, boundary in joint.boundaries.items()
@@ -106,7 +105,7 @@ def _load_names(joint: PortableJoint) -> list[str]:
     return [*at_boundaries, *joint.load_patterns]
 
 
-def _read_csv(path: Path, joint: PortableJoint) -> ImportedHistory:
+def _read_csv(path: Path, joint: Joint) -> ImportedHistory:
     header, rows = _rows(path)
     known = _load_names(joint)
     _check_header(path, header, known)
@@ -241,12 +240,12 @@ def _check_times(path: Path, times: Vector, places: Sequence[str]) -> None:
         raise FormatError(message)
 
 
-def _read_hdf5(path: Path, joint: PortableJoint) -> ImportedHistory:
+def _read_hdf5(path: Path, joint: Joint) -> ImportedHistory:
     with open_hdf5(path, "a history", "write it again") as file:
         return _members(path, file, joint)
 
 
-def _members(path: Path, file: h5py.File, joint: PortableJoint) -> ImportedHistory:
+def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
     known = ["times", *MODAL.values(), "inputs", "frame"]
     for name in file:
         if name not in known:
@@ -307,7 +306,7 @@ def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:
 
 
 def _hdf5_loads(
-    path: Path, data: h5py.Dataset | h5py.Group, joint: PortableJoint, n_time: int
+    path: Path, data: h5py.Dataset | h5py.Group, joint: Joint, n_time: int
 ) -> dict[str, Vector]:
     """Boundary forces by name, from a group of datasets or from an array like a solution's."""
     if isinstance(data, h5py.Dataset):
@@ -325,9 +324,7 @@ def _hdf5_loads(
     return loads
 
 
-def _component_loads(
-    path: Path, inputs: Matrix, joint: PortableJoint, n_time: int
-) -> dict[str, Vector]:
+def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> dict[str, Vector]:
     places = boundary_slices(joint.boundaries)
     n_boundary = max((place.stop for place in places.values()), default=0)
     bolts = initial_bolt_forces(joint)

@@ -4,10 +4,10 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.interface.averaging import facet_columns
-from faying.study.results import InterfaceRecord
+from faying.interface.surface import ContactSurface
 
 
-def pair_facets(record: InterfaceRecord) -> tuple[tuple[str, Indices], ...]:
+def pair_facets(record: ContactSurface) -> tuple[tuple[str, Indices], ...]:
     """Return the facets of the minus side as indices of node pairs.
 
     Returns
@@ -22,7 +22,7 @@ def pair_facets(record: InterfaceRecord) -> tuple[tuple[str, Indices], ...]:
     )
 
 
-def nodal_average(record: InterfaceRecord, values: Matrix) -> Matrix:
+def nodal_average(record: ContactSurface, values: Matrix) -> Matrix:
     """Average values at all contact points (..., n_point) to the pairs (..., n_pair) of one."""
     own: Matrix = np.asarray(values)[..., slice(*record.slice)]
     average: Matrix = own @ record.averaging.T

@@ -17,7 +17,7 @@ from faying.reduction.method import CLASSIC, Method, OfflineData
 from faying.reduction.methods import METHODS
 from faying.reduction.mode_count import ModeCount, check_modes
 from faying.reduction.normal_modes import fixed_interface_normal_modes
-from faying.reduction.reduced_model import reduce
+from faying.reduction.projection import projected
 from faying.reduction.snapshots import static_snapshots
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
@@ -205,7 +205,7 @@ def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> 
 
     def solver() -> TransientSolver:
         reduced = training.system == "reduced" and classic is not None
-        system = reduce(model, classic, compliance=True) if reduced and classic else model
+        system = projected(model, classic, compliance=True) if reduced and classic else model
         return transient_solver(system, step=time_step(training, joint.period))
 
     rest = joint.rest if training.system == "full" else None

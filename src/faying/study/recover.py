@@ -10,19 +10,19 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.imported_recovery import (
     backward_differences,
+    recover_from_boundary_loads,
     recover_from_modal,
-    simulate_boundary_loads,
 )
-from faying.assessment.recovery import Recovered, Recovery, recover_reduced
+from faying.assessment.recovery import Recovered
 from faying.exceptions import StudyError
-from faying.reduction.portable import PortableJoint
+from faying.reduction.model_writer import MOST_PORTS
+from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
 from faying.study.errors import nearest, quoted
 from faying.study.imported_history import ImportedHistory, read_imported_history
 from faying.study.interface_surface import nodal_average
-from faying.study.portable_records import restored_joint, restored_model, restored_recovery
-from faying.study.recovery_results import RecoveredRecord, ReducedRecord
+from faying.study.recovered import RecoveredRecord
 from faying.study.results import Results
 from faying.study.store import read_results
 from faying.units import units_of
@@ -105,32 +105,26 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
     FormatError
         If the history cannot be read.
     """
-    joint = restored_joint(results)
-    history = read_imported_history(path, joint)
+    history = read_imported_history(path, reduced_model(results, MODAL_METHODS[0]).joint)
     modal = history.coordinates is not None
     method = options.method or (MODAL_METHODS[0] if modal else "compliance")
-    count, record = _chosen(results, method, options.joint_modes)
-    if modal:
-        ports = results.ports
-        recovery = restored_recovery(joint, record, ports.frame_recovery if ports else None)
-        recovered, derivatives = _from_modal(recovery, record, history, options, method)
-    else:
-        recovered, derivatives = _from_loads(joint, record, history, options)
+    rom = reduced_model(results, method, options.joint_modes)
+    recovered, derivatives = (_from_modal if modal else _from_loads)(rom, history, options)
     return RecoveredRecord(
         title=results.title,
         units=results.units,
         history=path.name,
         route="modal" if modal else "boundary loads",
         method=method,
-        joint_modes=count,
+        joint_modes=rom.joint_modes,
         derivatives=derivatives,
         loads=tuple(history.loads),
         times=np.asarray(recovered.times),
         pressure=recovered.pressure,
         gap=recovered.gap,
-        displacements={name: recovered.displacement(name) for name in joint.boundaries},
+        displacements={name: recovered.displacement(name) for name in rom.boundaries},
         contact_force={name: recovered.contact_force(name) for name in results.interfaces},
-        bolt_force={name: recovered.bolt_force(name) for name in joint.bolts},
+        bolt_force={name: recovered.bolt_force(name) for name in rom.bolts},
         max_pressure=recovered.max_pressure,
         iterations=recovered.iterations,
     )
@@ -180,50 +174,67 @@ def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) ->
     }
 
 
-def _chosen(results: Results, method: str, joint_modes: int | None) -> tuple[int, ReducedRecord]:
-    """Find a reduced model by method and number of joint modes."""
+def reduced_model(results: Results, method: str, joint_modes: int | None = None) -> ReducedModel:
+    """Return a reduced model of a run.
+
+    Parameters
+    ----------
+    joint_modes
+        Which of those of the method; it may have one only unless given.
+
+    Raises
+    ------
+    StudyError
+        If the run kept none, or no such one.
+    """
+    if not results.reduced:
+        message = (
+            f"the results of '{results.title}' hold no port compliance: they are of an older "
+            f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
+            "study again, or recover in Python with faying.recover_from_modal"
+        )
+        raise StudyError(message)
     if method not in results.reduced:
         message = (
-            f"the run kept no reduced model of method '{method}'; "
-            f"{nearest(method, results.reduced)} (kept are {quoted(results.reduced)})"
+            f"the run has no reduced model '{method}'; "
+            f"{nearest(method, results.reduced)} (it has {quoted(results.reduced)})"
         )
         raise StudyError(message)
     sizes = results.reduced[method]
     if joint_modes is None and len(sizes) == 1:
-        return next(iter(sizes.items()))
-    if joint_modes is None or joint_modes not in sizes:
-        asked = "say with" if joint_modes is None else f"not {joint_modes}: change"
+        return next(iter(sizes.values()))
+    known = ", ".join(map(str, sizes))
+    if joint_modes is None:
+        message = f"method '{method}' was run with {known} joint modes; say with --joint-modes"
+        raise StudyError(message)
+    if joint_modes not in sizes:
         message = (
-            f"method '{method}' was run with {', '.join(map(str, sizes))} joint modes; {asked} "
-            "--joint-modes"
+            f"the run has no model '{method}' with {joint_modes} joint modes; it was run with "
+            f"{known}, not {joint_modes}: change --joint-modes"
         )
         raise StudyError(message)
-    return joint_modes, sizes[joint_modes]
+    return sizes[joint_modes]
 
 
 def _from_modal(
-    recovery: Recovery,
-    record: ReducedRecord,
-    history: ImportedHistory,
-    options: RecoverOptions,
-    method: str,
+    rom: ReducedModel, history: ImportedHistory, options: RecoverOptions
 ) -> tuple[Recovered, str]:
     """Recover from coordinates; also say where derivatives come from."""
     for name in ("step", "integrator"):
         if getattr(options, name) is not None:
             message = f"{history.path} is a modal history and is not simulated; remove --{name}"
             raise StudyError(message)
-    q = np.asarray(history.coordinates)
-    if q.shape[1] != len(record.kinds):
-        kinds = ", ".join(f"{record.kinds.count(k)} {k}" for k in dict.fromkeys(record.kinds))
+    q, kinds = np.asarray(history.coordinates), rom.basis.kinds
+    if q.shape[1] != len(kinds):
+        each = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
         message = (
-            f"{history.path} has {q.shape[1]} coordinates, but the basis of '{method}' has "
-            f"{len(record.kinds)} ({kinds}); give all in this order, or name another --method"
+            f"{history.path} has {q.shape[1]} coordinates, but the basis of '{rom.method}' has "
+            f"{len(kinds)} ({each}); give all in this order, or name another --method"
         )
         raise StudyError(message)
     v, a, derivatives = _derivatives(history, q, options)
     recovered = recover_from_modal(
-        recovery,
+        rom.recovery,
         history.times,
         q,
         Load(_histories(history), name=history.path.name),
@@ -261,10 +272,7 @@ def _derivatives(
 
 
 def _from_loads(
-    joint: PortableJoint,
-    record: ReducedRecord,
-    history: ImportedHistory,
-    options: RecoverOptions,
+    rom: ReducedModel, history: ImportedHistory, options: RecoverOptions
 ) -> tuple[Recovered, str]:
     """Simulate under boundary forces, then recover."""
     if options.derivatives is not None:
@@ -282,15 +290,14 @@ def _from_loads(
             "when the joint rests under its bolts; add one"
         )
         raise StudyError(message)
-    solution = simulate_boundary_loads(
-        restored_model(joint, record),
+    recovered = recover_from_boundary_loads(
+        rom,
         history.times,
         history.loads,
         step=options.step,
         integrator=options.integrator,
         name=history.path.name,
     )
-    recovered = recover_reduced(restored_recovery(joint, record), solution)
     return recovered, "simulated"
 
 

@@ -3,15 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from faying._typing import Indices, Mask, Matrix, Vector
+from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
-from faying.interface.interface import FacePairs
+from faying.interface.surface import ContactSurface
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
-from faying.study.recovery_results import PortsRecord, ReducedRecord
+from faying.reduction.reduced_model import ReducedModel
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,53 +108,16 @@ class CaseResult:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class InterfaceRecord:
+class InterfaceRecord(ContactSurface):
     """Geometry and law of one interface, and the joint as preloaded.
 
     Attributes
     ----------
-    points, normals : (n_point, 3)
-    weights, initial_gap : (n_point,)
-    slice
-        First and last + 1 of its points among all contact points.
-    pairs : (n_pair, 2)
-        Node indices.
-    pair_points : (n_pair, 3)
-    averaging : (n_pair, n_point)
-        Takes point values to nodal averages.
-    faces
-        Matched facets (node indices into ``Results.nodes``).
-    penalty
-        ``inf`` for hard contact.
-    stuck : (n_pair,)
-        Sticking area.
     preload_pressure : (n_point,)
         Pressure after tightening, before the sticking area was tied (Fig. 15.3).
-    face_coverage : (n_face,), optional
-        Share of each facet that the other side covers, through all entries of ``faces``; None
-        where the meshes match, and every facet is wholly covered.
-    overlap : (n_triangle, 3, 3), optional
-        Triangles of the common part on facets that are covered in part.
-    declared_area : optional
-        Area of the smaller side that was named as faces; None where both were bodies.
     """
 
-    points: Matrix
-    normals: Matrix
-    weights: Vector
-    initial_gap: Vector
-    slice: tuple[int, int]
-    pairs: Indices
-    pair_points: Matrix
-    averaging: Matrix
-    faces: tuple[FacePairs, ...]
-    penalty: float
-    quadrature: str
-    stuck: Mask
     preload_pressure: Vector
-    face_coverage: Vector | None = None
-    overlap: Matrix | None = None
-    declared_area: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -318,13 +281,10 @@ class Results:
         What did not converge.
     omissions
         Validation and other extras that failed, with the reasons.
-    ports
-        None where the interface is too large to keep its compliance.
     reduced
         Method name to number of joint modes to reduced model; those without basis are not there,
-        ``craig-bampton`` and ``compliance`` always.
-    shapes : (n_shape, n_node, 3), optional
-        Trial vectors of the reduced models as displacements of all nodes, each once.
+        ``craig-bampton`` and ``compliance`` always. None are read back from the file where the
+        interface was too large to keep its compliance.
     """
 
     title: str
@@ -345,8 +305,6 @@ class Results:
     warnings: tuple[str, ...] = field(default=())
     omissions: tuple[str, ...] = field(default=())
     validation: ValidationRecord = field(default_factory=ValidationRecord)
-    ports: PortsRecord | None = None
-    reduced: Mapping[str, Mapping[int, ReducedRecord]] = field(default_factory=dict)
-    shapes: Matrix | None = None
+    reduced: Mapping[str, Mapping[int, ReducedModel]] = field(default_factory=dict)
     normal_modes: ModeCount | None = None
     factor_bytes: int = 0

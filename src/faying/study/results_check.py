@@ -10,15 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from faying.files.described import Meaning
 from faying.interface.interface import FacePairs
 from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock
 from faying.model.surface import N_NODES
-from faying.reduction.basis import ModeKind
-from faying.study.portable_records import sparse_matrix
-from faying.study.recovery_results import PortsRecord, ReducedRecord, SparseRecord
 from faying.study.results import CaseResult, InterfaceRecord, Response, Results
-from faying.study.store_fields import MEANINGS, Meaning
+from faying.study.store_fields import MEANINGS
 
 Axes = dict[str, int]
 """Names of axes to their lengths, as far as they are known."""
@@ -39,22 +37,12 @@ def check_results(results: Results) -> None:
         Naming the entry as it is called in the file.
     """
     _check_names(results)
-    ports = results.ports
     axes: Axes = {
         "n_node": len(results.nodes),
         "n_stage": len(results.tightening_stages),
         "n_bolt": len(results.bolts),
         "n_point": _n_points(results.interfaces),
-        "n_shape": 0 if results.shapes is None else len(results.shapes),
     }
-    if ports is not None:
-        axes |= {
-            "n_port": len(ports.compliance),
-            "n_relative": ports.interpolation.shape[1],
-            "n_boundary": sum(len(one.nodes) for one in ports.boundaries.values()),
-            "n_pattern": len(ports.load_patterns),
-        }
-        _check_ports(ports, axes)
     _check(results, axes, "", timed=False)
 
 
@@ -141,11 +129,6 @@ def _check_record(value: Any, axes: Axes, place: str) -> None:
         _check_width(value.minus, N_NODES[value.kind], f"{place}/minus")
     elif isinstance(value, InterfaceRecord):
         _check_faces(value, axes["n_node"], place)
-    elif isinstance(value, SparseRecord):
-        sparse_matrix(value).check_format(full_check=True)
-    elif isinstance(value, ReducedRecord):
-        for kind in value.kinds:
-            _check_known(kind, list(ModeKind), f"{place}/kinds")
 
 
 def _check_faces(record: InterfaceRecord, n_node: int, place: str) -> None:
@@ -172,23 +155,8 @@ def _check_known(name: str, known: Collection[str], place: str) -> None:
         raise ValueError(message)
 
 
-def _check_ports(ports: PortsRecord, axes: Axes) -> None:
-    inner = axes["n_relative"] + axes["n_boundary"] + axes["n_bolt"] + axes["n_pattern"]
-    if axes["n_port"] != inner:
-        message = f"'/ports/compliance' is of {axes['n_port']} ports, and there are {inner}"
-        raise ValueError(message)
-    if ports.interpolation.shape[0] != axes["n_point"]:
-        message = (
-            f"'/ports/interpolation' has {ports.interpolation.shape[0]} rows for "
-            f"{axes['n_point']} contact points"
-        )
-        raise ValueError(message)
-
-
 def _check_names(results: Results) -> None:
     """Check that responses are of the bolts, interfaces and boundaries there are."""
-    if results.ports is not None:
-        _check_same(results.ports.bolt_stiffness, results.bolts, "/ports/bolt_stiffness")
     for name, case in results.cases.items():
         responses = {"reference": case.reference, "half_step": case.half_step}
         for method, sizes in case.methods.items():

@@ -1,22 +1,13 @@
 """What every entry of ``results.h5`` means: dimension, shape and one line, by value and field."""
 
-from dataclasses import dataclass
-
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
-from faying.interface.interface import FacePairs
-from faying.model.elements import SOLIDS
-from faying.model.mesh import CellBlock
+from faying.files.described import Meaning, Table
 from faying.reduction.mode_count import ModeCount
-from faying.study.recovery_results import (
-    BoundaryRecord,
-    PortsRecord,
-    RecoveredRecord,
-    ReducedRecord,
-    SparseRecord,
-)
+from faying.reduction.model_fields import GEOMETRY, SURFACE
+from faying.study.recovered import RecoveredRecord
 from faying.study.results import (
     BoltRecord,
     CaseResult,
@@ -31,29 +22,14 @@ from faying.study.results import (
     WorstCaseRecord,
 )
 
-
-@dataclass(frozen=True)
-class Meaning:
-    """Meaning of one field.
-
-    Attributes
-    ----------
-    description
-    dimension
-        In words, as ``"force/length²"``; ``"1"`` is a plain number; empty for text and groups.
-    shape
-        Names of the axes; empty for one value.
-    index
-        Axis that whole numbers point into.
-    """
-
-    description: str
-    dimension: str = ""
-    shape: str = ""
-    index: str = ""
-
-
-MEANINGS: dict[type, dict[str, Meaning]] = {
+MEANINGS: dict[type, Table] = {
+    **GEOMETRY,
+    InterfaceRecord: {
+        **SURFACE,
+        "preload_pressure": Meaning(
+            "pressure after tightening, nothing stuck yet", "force/length²", "(n_point,)"
+        ),
+    },
     Results: {
         "title": Meaning("title of the study"),
         "units": Meaning("consistent unit set, length-mass-time"),
@@ -73,13 +49,7 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "warnings": Meaning("what did not converge or deserves notice", "", "(n_warning,)"),
         "omissions": Meaning("validation and the like that failed, and why", "", "(n_omission,)"),
         "validation": Meaning("load space, worst loads and penalty"),
-        "ports": Meaning("the joint as seen through its ports, for recovery and export"),
         "reduced": Meaning("reduced models: method name, then number of joint modes"),
-        "shapes": Meaning(
-            "displacements of all nodes per coordinate q, each shape once",
-            "1",
-            "(n_shape, n_node, 3)",
-        ),
         "normal_modes": Meaning("proof that no fixed-interface normal mode was missed"),
         "factor_bytes": Meaning("memory of the factors of the full model", "1"),
     },
@@ -88,63 +58,6 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "found": Meaning("modes computed below it", "1"),
         "counted": Meaning("modes there are, by the inertia of K - w^2 M", "1"),
         "reason": Meaning("why they could not be counted"),
-    },
-    PortsRecord: {
-        "compliance": Meaning(
-            "displacement per force between ports: relative displacements of the contact pairs, "
-            "boundary degrees of freedom, bolt elongations, load patterns",
-            "length/force",
-            "(n_port, n_port)",
-        ),
-        "interpolation": Meaning("gaps at contact points from relative displacements (CSR)"),
-        "boundaries": Meaning("boundaries by name, in the order of their ports"),
-        "bolt_stiffness": Meaning("EA/L by bolt, in the order of their ports", "force/length"),
-        "frame_recovery": Meaning(
-            "port displacements per acceleration of a moving frame, Q K⁻¹ M A: of the origin in x, "
-            "y, z [time²], then e_i X_j row by row [length·time²]",
-            "time²",
-            "(n_port, 12)",
-        ),
-        "load_patterns": Meaning("loads of the deck, in the order of their ports"),
-    },
-    SparseRecord: {
-        "values": Meaning("entries", "1", "(n_entry,)"),
-        "columns": Meaning("column of each entry", "1", "(n_entry,)"),
-        "row_starts": Meaning("first entry of each row; last is n_entry", "1", "(n_row + 1,)"),
-        "shape": Meaning("rows and columns", "1", "(2,)"),
-    },
-    BoundaryRecord: {
-        "nodes": Meaning("node id of each degree of freedom", "1", "(n,)"),
-        "components": Meaning("its component, 0..5 for ux..rz", "1", "(n,)"),
-    },
-    ReducedRecord: {
-        "kinds": Meaning("kinds of the coordinates q in their order", "", "(n_mode,)"),
-        "mass": Meaning("Φᵀ M Φ", "mass", "(n_mode, n_mode)"),
-        "damping": Meaning("Φᵀ C Φ", "mass/time", "(n_mode, n_mode)"),
-        "stiffness": Meaning("Φᵀ K Φ", "force/length", "(n_mode, n_mode)"),
-        "relative": Meaning("relative displacements of the pairs", "1", "(n_relative, n_mode)"),
-        "elongations": Meaning("elongations of the bolts", "1", "(n_bolt, n_mode)"),
-        "boundary": Meaning("coordinate of each boundary dof", "1", "(n_boundary,)", "n_mode"),
-        "inertia_recovery": Meaning(
-            "port displacements per acceleration, Q K⁻¹ M Φ", "time²", "(n_port, n_mode)"
-        ),
-        "damping_recovery": Meaning(
-            "port displacements per velocity, Q K⁻¹ C Φ", "time", "(n_port, n_mode)"
-        ),
-        "compliance": Meaning(
-            "whether pairs also move by (S - relative stiffness⁻¹ relativeᵀ) times their forces, "
-            "S of ports/compliance"
-        ),
-        "shapes": Meaning("which of /shapes each coordinate moves", "1", "(n_mode,)", "n_shape"),
-        "invariants": Meaning(
-            "mass integrals of products of the fields 1, x, y, z [length] and the components x, y, "
-            "z of each trial vector, for floating frames",
-            "mass",
-            "(4 + 3 n_mode, 4 + 3 n_mode)",
-        ),
-        "pattern_forces": Meaning(
-            "forces of the load patterns; absent without any", "force", "(n_pattern, n_mode)"
-        ),
     },
     RecoveredRecord: {
         "title": Meaning("title of the study"),
@@ -167,51 +80,6 @@ MEANINGS: dict[type, dict[str, Meaning]] = {
         "bolt_force": Meaning("axial force by bolt, tension positive", "force", "(n_time,)"),
         "max_pressure": Meaning("largest over all contact points", "force/length²", "(n_time,)"),
         "iterations": Meaning("linear systems of the contact problem", "1", "(n_time,)"),
-    },
-    CellBlock: {
-        "kind": Meaning(f"one of {', '.join(SOLIDS)}"),
-        "nodes": Meaning(
-            "indices into /nodes, Nastran order", "1", "(n_cell, n_node_per_cell)", "n_node"
-        ),
-        "ids": Meaning("element ids", "1", "(n_cell,)"),
-        "properties": Meaning("property ids", "1", "(n_cell,)"),
-    },
-    InterfaceRecord: {
-        "points": Meaning("contact points", "length", "(n_point, 3)"),
-        "normals": Meaning("unit normals out of the minus side", "1", "(n_point, 3)"),
-        "weights": Meaning("area each contact point stands for", "length²", "(n_point,)"),
-        "initial_gap": Meaning("gap before any load", "length", "(n_point,)"),
-        "slice": Meaning("first and last + 1 of its points in pressures and gaps", "1", "(2,)"),
-        "pairs": Meaning(
-            "touching nodes (minus, plus), indices into /nodes", "1", "(n_pair, 2)", "n_node"
-        ),
-        "pair_points": Meaning("where the pairs are", "length", "(n_pair, 3)"),
-        "averaging": Meaning("point values to nodal averages", "1", "(n_pair, n_point)"),
-        "faces": Meaning("matched facets, one group per kind"),
-        "penalty": Meaning("contact stiffness c_n; inf is hard contact", "force/length³"),
-        "quadrature": Meaning("rule that places the contact points"),
-        "stuck": Meaning("pairs that stick in tangential direction", "1", "(n_pair,)"),
-        "preload_pressure": Meaning(
-            "pressure after tightening, nothing stuck yet", "force/length²", "(n_point,)"
-        ),
-        "face_coverage": Meaning(
-            "share of each facet that the other side covers; absent where meshes match",
-            "1",
-            "(n_face,)",
-        ),
-        "overlap": Meaning(
-            "triangles of the common part of facets covered in part; absent where meshes match",
-            "length",
-            "(n_triangle, 3, 3)",
-        ),
-        "declared_area": Meaning(
-            "area of the smaller side that was named as faces; absent where none was", "length²"
-        ),
-    },
-    FacePairs: {
-        "kind": Meaning("tri3, tri6, quad4 or quad8"),
-        "minus": Meaning("indices into /nodes", "1", "(n_face, n_node_per_face)", "n_node"),
-        "plus": Meaning("the nodes that touch them", "1", "(n_face, n_node_per_face)", "n_node"),
     },
     BoltRecord: {
         "preload": Meaning("nominal final axial force", "force"),

@@ -9,9 +9,11 @@ from typing import Any
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.files.lock import held
+from faying.reduction.method import CLASSIC
 from faying.study.cases import CaseRunner, case_groups
 from faying.study.checkpoint import Checkpoint, open_checkpoint
 from faying.study.extras import Extras
+from faying.study.kept_models import Kept, kept_models, with_kept
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
@@ -89,8 +91,13 @@ def _computed(
     joint = prepare_joint(study, stages)
     trained = build_bases(study, joint, stages, checkpoint)
     choices = choose_counts(study, joint.model, trained, stages)
-    models = reduced_models(study, joint.model, trained, choices, stages)
+    bare = reduced_models(study, joint.model, trained, choices, stages)
     extras = Extras()
+    kept: Kept = {}
+    with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
+        title = study.title or study.path.stem
+        kept = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
+    models = with_kept(bare, kept)
     runner = CaseRunner(
         joint=joint,
         models=models,
@@ -104,7 +111,7 @@ def _computed(
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages, extras)
     with stages.stage("records"):
-        found = record(study, joint, models, trained, cases, validation, stages, extras, failures)
+        found = record(study, joint, kept, trained, cases, validation, extras, failures)
     return replace(found, timings=stages.account()), not failures
 
 

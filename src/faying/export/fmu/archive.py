@@ -20,8 +20,9 @@ from faying.export.fmu.library import compile_library, platform_folder, suffix
 from faying.export.fmu.quantities import fmu_units, seconds
 from faying.export.fmu.resources import joint_file, read_me, recovery_file
 from faying.export.fmu.variables import Defaults, Variable, scalars, with_arrays
-from faying.export.hand_over import HandOver
-from faying.export.linearized import linearized
+from faying.export.linearized import linearize
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.results import Results
 
 SOURCES = Path(__file__).parent / "sources"
 SHARED = ("linalg.c", "joint.c", "contact.c", "motion.c", "mean.c", "steps.c", "variables.c")
@@ -33,13 +34,15 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of all members: equal joints give equal archives."""
 
 
-def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
+def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Path, ...]:
     """Write an FMI 2.0 FMU, and beside it one of FMI 3.0, with the contact of the joint inside.
 
     Parameters
     ----------
     path
         Of the FMI 2.0 FMU; the other one is called ``NAME_fmi3.fmu``.
+    run
+        Where the model comes from; its first transient says the time step.
 
     Returns
     -------
@@ -57,21 +60,21 @@ def write(hand_over: HandOver, path: Path) -> tuple[Path, ...]:
     -----
     Sources always; a binary for this system if it has a C compiler, which takes some seconds.
     """
-    defaults = Defaults(step_size=_step_size(hand_over))
-    joint, token = joint_file(hand_over, defaults)
+    defaults = Defaults(step_size=_step_size(rom, run))
+    joint, token = joint_file(rom, defaults)
     common = Description(
-        title=hand_over.title,
-        text=f"bolted joint with contact, reduced by {hand_over.method}",
+        title=rom.name,
+        text=f"bolted joint with contact, reduced by {rom.method}",
         identifier=_identifier(path.stem),
         token=token,
-        variables=scalars(hand_over, defaults),
-        units=fmu_units(hand_over.units),
+        variables=scalars(rom, defaults),
+        units=fmu_units(rom.units),
         step_size=defaults.step_size,
     )
-    arrays = replace(common, variables=with_arrays(hand_over, defaults))
+    arrays = replace(common, variables=with_arrays(rom, defaults))
     resources = {
         "resources/joint.bin": joint,
-        "resources/recovery.npz": recovery_file(hand_over),
+        "resources/recovery.npz": recovery_file(rom),
         "resources/README.txt": read_me().encode(),
     }
     second = path.with_name(f"{path.stem}_fmi3{path.suffix}")
@@ -135,13 +138,13 @@ def _identifier(stem: str) -> str:
     return plain if re.match(r"[A-Za-z]", plain) else f"joint_{plain}"
 
 
-def _step_size(given: HandOver) -> float:
+def _step_size(rom: ReducedModel, run: Results | None) -> float:
     """Return the time step of the run's first transient, or a part of the lowest period [s]."""
-    cases = () if given.results is None else given.results.cases.values()
+    cases = () if run is None else run.cases.values()
     for case in cases:
         if case.times is not None and len(case.times) > 1:
-            return float(case.times[1] - case.times[0]) * seconds(given.units)
-    lowest = float(linearized(given).frequencies(1)[0]) / seconds(given.units)
+            return float(case.times[1] - case.times[0]) * seconds(rom.units)
+    lowest = float(linearize(rom).frequencies(1)[0]) / seconds(rom.units)
     return float(np.format_float_scientific(1 / (STEPS_PER_PERIOD * lowest), precision=0))
 
 

@@ -11,9 +11,9 @@ from faying._typing import Vector
 from faying.exceptions import StudyError
 from faying.export.fmu.quantities import seconds
 from faying.export.fmu.variables import Defaults
-from faying.export.hand_over import HandOver
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations
+from faying.reduction.reduced_model import ReducedModel
 
 MAGIC = int.from_bytes(b"FYJOINT1", "little")
 TOKEN_LENGTH = 64
@@ -23,7 +23,7 @@ MOST_HARD_POINTS = 8192
 """Points of hard contact, which is solved between points: two dense matrices, 1 GB."""
 
 
-def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
+def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
     """Return ``joint.bin`` and the instantiation token that it holds.
 
     Raises
@@ -37,7 +37,7 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
     Layout: see ``sources/joint.c``. The token is a hash of everything else, so equal joints give
     equal files.
     """
-    contact, model = given.model.contact, given.model
+    contact = rom.contact
     residual = contact.residual_compliance
     if residual is not None and not isinstance(residual, np.ndarray):
         message = "the interface is too large for an FMU: its compliance is compressed"
@@ -50,16 +50,16 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
         raise StudyError(message)
     rows = sp.csr_array(contact.interpolation)
     relative = np.asarray(contact.relative_operator)
-    time = seconds(given.units)
-    bolts = list(model.bolts.values())
+    time = seconds(rom.units)
+    bolts = list(rom.bolts.values())
     slices = list(contact.slices.values())
-    boundary = boundary_dofs(model.boundaries)
+    boundary = boundary_dofs(rom.boundaries)
     numbers: list[Vector] = [
-        model.M * time**2,
-        model.C * time,
-        model.K,
+        rom.M * time**2,
+        rom.C * time,
+        rom.K,
         relative,
-        elongations(model.bolts, len(model.K)),
+        elongations(rom.bolts, len(rom.K)),
         np.array([bolt.stiffness for bolt in bolts]),
         np.array([bolt.initial_force for bolt in bolts]),
         contact.initial_gap,
@@ -75,7 +75,7 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
         ),
         rows.data,
         np.empty(0) if residual is None else residual,
-        pattern_forces(model.load_patterns, len(model.K)),
+        pattern_forces(rom.load_patterns, len(rom.K)),
     ]
     indices = [boundary, [0, *(one.stop for one in slices)], rows.indptr, rows.indices]
     payload = b"".join(
@@ -85,7 +85,7 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
         ]
     )
     counts = (
-        len(model.K),
+        len(rom.K),
         len(boundary),
         len(bolts),
         len(slices),
@@ -93,7 +93,7 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
         relative.shape[0],
         len(rows.data),
         int(residual is not None),
-        len(model.load_patterns),
+        len(rom.load_patterns),
     )
     header = np.zeros(N_HEADER, dtype="<u8")
     header[0], header[1 : 1 + len(counts)], header[-1] = MAGIC, counts, _checksum(payload)
@@ -101,16 +101,16 @@ def joint_file(given: HandOver, defaults: Defaults) -> tuple[bytes, str]:
     return header.tobytes() + token.encode().ljust(TOKEN_LENGTH, b"\0") + payload, token
 
 
-def recovery_file(given: HandOver) -> bytes:
+def recovery_file(rom: ReducedModel) -> bytes:
     """Return ``recovery.npz``: what gives pressures of the full model from a history of q."""
-    contact, ports = given.joint.contact, given.recovery.ports
+    contact, ports = rom.contact, rom.joint.port_compliance
     rows = sp.csr_array(contact.interpolation)
-    time = seconds(given.units)
+    time = seconds(rom.units)
     file = io.BytesIO()
     np.savez_compressed(
         file,
-        inertia=given.recovery.inertia * time**2,
-        damping=given.recovery.damping * time,
+        inertia=rom.recovery.inertia * time**2,
+        damping=rom.recovery.damping * time,
         relative_compliance=np.asarray(ports.relative),
         contact_columns=ports.contact_columns,
         input_rows=ports.input_rows,
@@ -120,7 +120,7 @@ def recovery_file(given: HandOver) -> bytes:
         initial_gap=contact.initial_gap,
         weights=contact.weights,
         penalty=contact.penalty,
-        points=np.concatenate([one.points for one in given.interfaces.values()]),
+        points=np.concatenate([one.points for one in rom.interfaces.values()]),
         interface_names=np.array(list(contact.slices)),
         interface_stops=np.array([one.stop for one in contact.slices.values()]),
     )

@@ -11,8 +11,8 @@ import numpy as np
 
 from faying.exceptions import ModelError
 from faying.export.fmu import quantities
-from faying.export.hand_over import HandOver
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
+from faying.reduction.reduced_model import ReducedModel
 
 INDEX_BITS = 20
 WHOLE = 2**INDEX_BITS - 1
@@ -102,7 +102,7 @@ class Defaults:
     start_loaded: bool = True
 
 
-def scalars(given: HandOver, defaults: Defaults) -> tuple[Variable, ...]:
+def scalars(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
     """Return all variables without arrays, which FMI 2.0 does not have.
 
     Raises
@@ -111,15 +111,15 @@ def scalars(given: HandOver, defaults: Defaults) -> tuple[Variable, ...]:
         If two of them have the same name.
     """
     found = (
-        *_parameters(given, defaults),
-        *_ports(given),
-        *_of_interfaces(given),
-        *_motion(given, arrays=False),
+        *_parameters(rom, defaults),
+        *_ports(rom),
+        *_of_interfaces(rom),
+        *_motion(rom, arrays=False),
     )
     return _distinct(found)
 
 
-def with_arrays(given: HandOver, defaults: Defaults) -> tuple[Variable, ...]:
+def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
     """Return all variables, pressures and motion as arrays.
 
     Raises
@@ -128,11 +128,11 @@ def with_arrays(given: HandOver, defaults: Defaults) -> tuple[Variable, ...]:
         If two of them have the same name.
     """
     found = (
-        *_parameters(given, defaults),
-        *_ports(given),
-        *_of_interfaces(given),
-        *_pressures(given),
-        *_motion(given, arrays=True),
+        *_parameters(rom, defaults),
+        *_ports(rom),
+        *_of_interfaces(rom),
+        *_pressures(rom),
+        *_motion(rom, arrays=True),
     )
     return _distinct(found)
 
@@ -150,7 +150,7 @@ def _distinct(found: Sequence[Variable]) -> tuple[Variable, ...]:
     return tuple(found)
 
 
-def _parameters(given: HandOver, defaults: Defaults) -> Iterator[Variable]:
+def _parameters(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
     yield Variable(
         name="step_size",
         kind=Kind.STEP_SIZE,
@@ -190,8 +190,8 @@ def _parameters(given: HandOver, defaults: Defaults) -> Iterator[Variable]:
         description="start in equilibrium with the boundary forces at initialization (true), or "
         "under the bolts alone, with those forces applied at once (false)",
     )
-    for index, (name, points) in enumerate(given.model.contact.slices.items()):
-        penalty = given.model.contact.penalty[points]
+    for index, (name, points) in enumerate(rom.contact.slices.items()):
+        penalty = rom.contact.penalty[points]
         if len(penalty) and np.isfinite(penalty[0]):
             yield Variable(
                 name=f"{name}.penalty",
@@ -205,7 +205,7 @@ def _parameters(given: HandOver, defaults: Defaults) -> Iterator[Variable]:
             )
 
 
-def _ports(given: HandOver) -> Iterator[Variable]:
+def _ports(rom: ReducedModel) -> Iterator[Variable]:
     turning = (False, False, False, True, True, True)
     families = (
         (Kind.FORCE, FORCE_NAMES, "input", quantities.FORCE, quantities.MOMENT, "force on"),
@@ -227,7 +227,7 @@ def _ports(given: HandOver) -> Iterator[Variable]:
         ),
     )
     for kind, names, causality, straight, turned, text in families:
-        for index, (place, component) in enumerate(_places(given.model.boundaries.values())):
+        for index, (place, component) in enumerate(_places(rom.boundaries.values())):
             unit = turned if turning[component] else straight
             yield Variable(
                 name=f"{place}.{names[component]}",
@@ -239,9 +239,9 @@ def _ports(given: HandOver) -> Iterator[Variable]:
                 description=f"{'moment on' if unit is quantities.MOMENT else text} {place}",
             )
         if kind == Kind.FORCE:
-            yield from _initial_forces(given)
-            yield from _factors(given)
-    for index, name in enumerate(given.model.bolts):
+            yield from _initial_forces(rom)
+            yield from _factors(rom)
+    for index, name in enumerate(rom.bolts):
         yield Variable(
             name=f"{name}.force",
             kind=Kind.BOLT_FORCE,
@@ -252,8 +252,8 @@ def _ports(given: HandOver) -> Iterator[Variable]:
         )
 
 
-def _initial_forces(given: HandOver) -> Iterator[Variable]:
-    for index, (name, bolt) in enumerate(given.model.bolts.items()):
+def _initial_forces(rom: ReducedModel) -> Iterator[Variable]:
+    for index, (name, bolt) in enumerate(rom.bolts.items()):
         yield Variable(
             name=f"{name}.initial_force",
             kind=Kind.INITIAL_FORCE,
@@ -266,8 +266,8 @@ def _initial_forces(given: HandOver) -> Iterator[Variable]:
         )
 
 
-def _factors(given: HandOver) -> Iterator[Variable]:
-    for index, name in enumerate(given.model.load_patterns):
+def _factors(rom: ReducedModel) -> Iterator[Variable]:
+    for index, name in enumerate(rom.load_patterns):
         yield Variable(
             name=f"{name}.factor",
             kind=Kind.FACTOR,
@@ -288,7 +288,7 @@ def _places(boundaries: Iterable[Boundary]) -> Iterator[tuple[str, int]]:
             yield (f"{boundary.name}.{node}" if several else boundary.name), component
 
 
-def _of_interfaces(given: HandOver) -> Iterator[Variable]:
+def _of_interfaces(rom: ReducedModel) -> Iterator[Variable]:
     families = (
         (Kind.CONTACT_FORCE, "contact_force", quantities.FORCE, "normal force through"),
         (Kind.MAX_PRESSURE, "max_pressure", quantities.PRESSURE, "largest contact pressure in"),
@@ -300,7 +300,7 @@ def _of_interfaces(given: HandOver) -> Iterator[Variable]:
         ),
     )
     for kind, label, quantity, text in families:
-        for index, name in enumerate(given.model.contact.slices):
+        for index, name in enumerate(rom.contact.slices):
             yield Variable(
                 name=f"{name}.{label}",
                 kind=kind,
@@ -311,8 +311,8 @@ def _of_interfaces(given: HandOver) -> Iterator[Variable]:
             )
 
 
-def _pressures(given: HandOver) -> Iterator[Variable]:
-    for index, (name, points) in enumerate(given.model.contact.slices.items()):
+def _pressures(rom: ReducedModel) -> Iterator[Variable]:
+    for index, (name, points) in enumerate(rom.contact.slices.items()):
         if points.stop > points.start:
             yield Variable(
                 name=f"{name}.pressure",
@@ -325,8 +325,8 @@ def _pressures(given: HandOver) -> Iterator[Variable]:
             )
 
 
-def _motion(given: HandOver, *, arrays: bool) -> Iterator[Variable]:
-    count = len(given.model.K)
+def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:
+    count = len(rom.K)
     families = (
         (Kind.Q, "q", "generalized coordinates"),
         (Kind.Q_VELOCITY, "v", "their velocities, per second"),

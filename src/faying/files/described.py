@@ -1,0 +1,377 @@
+"""Values in self-describing HDF5 files: every member says what it is and in which unit.
+
+A value is a group, a mapping is a group with one member per key, an array, number or text is a
+dataset. Every member has the attribute ``description``; datasets of numbers also have ``unit`` (as
+``MPa``), ``dimension`` (as ``force/length²``) and ``shape`` (names of the axes). Optional entries
+that do not exist are absent. Members keep their order (HDF5 creation order). ``/`` and ``%`` in
+names are written ``%2F`` and ``%25``. Numbers are float64, int64 or bool, larger arrays shuffled,
+gzipped and check-summed; sparse matrices are groups in compressed row form.
+"""
+
+import inspect
+import types
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+from urllib.parse import unquote
+
+import h5py
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import SparseMatrix
+from faying.exceptions import FormatError
+from faying.files.atomic import replacing
+from faying.files.hdf5 import open_hdf5
+from faying.units import Units
+
+SMALL = 64
+"""Arrays of up to this many numbers are not worth a compressed chunk."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """Meaning of one field.
+
+    Attributes
+    ----------
+    description
+    dimension
+        In words, as ``"force/length²"``; ``"1"`` is a plain number; empty for text and groups.
+    shape
+        Names of the axes; empty for one value.
+    index
+        Axis that whole numbers point into.
+    """
+
+    description: str
+    dimension: str = ""
+    shape: str = ""
+    index: str = ""
+
+
+Table = Mapping[str, Meaning]
+"""Members of a group and what they mean."""
+
+SPARSE: Table = {
+    "values": Meaning("entries", "1", "(n_entry,)"),
+    "columns": Meaning("column of each entry", "1", "(n_entry,)"),
+    "row_starts": Meaning("first entry of each row; last is n_entry", "1", "(n_row + 1,)"),
+    "shape": Meaning("rows and columns", "1", "(2,)"),
+}
+"""Members of a sparse matrix."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A kind of file.
+
+    Attributes
+    ----------
+    name, version
+        The attributes ``format``, "faying " and the name, and ``format_version``.
+    wanted
+        What to name instead, for messages.
+    remedy
+        What to do about a file of another version, or a damaged one.
+    description
+        Of the whole file.
+    """
+
+    name: str
+    version: int
+    wanted: str
+    remedy: str
+    description: str
+
+
+@contextmanager
+def new_file(
+    path: Path, kind: Format, attributes: Mapping[str, str], units: Units
+) -> Iterator[h5py.File]:
+    """Yield a new file that takes its place once it is complete.
+
+    Parameters
+    ----------
+    attributes
+        Of the root, beside those of the format and the units.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be written.
+    """
+    from faying import __version__
+
+    # In memory first: HDF5 cannot close a file whose disk is full, and complains of it for ever.
+    options = {"driver": "core", "backing_store": False, "block_size": 2**20}
+    with replacing(path) as temporary:
+        with h5py.File(temporary, "w", track_order=True, **options) as file:
+            file.attrs["format"] = f"faying {kind.name}"
+            file.attrs["format_version"] = kind.version
+            file.attrs["faying"] = __version__
+            for name, text in attributes.items():
+                file.attrs[name] = text
+            file.attrs["unit_of_force"] = units.force
+            file.attrs["unit_of_pressure"] = units.pressure
+            file.attrs["description"] = kind.description
+            yield file
+            file.flush()
+            image = file.id.get_file_image()
+        temporary.write_bytes(image)
+
+
+@contextmanager
+def described_file(path: Path, kind: Format) -> Iterator[h5py.File]:
+    """Yield a file of a format; what goes wrong while it is read is said in one message.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, is of another format or version, or is damaged.
+    """
+    if not path.is_file():
+        message = f"{path} does not exist; name {kind.wanted}"
+        raise FormatError(message)
+    with open_hdf5(path, kind.wanted, kind.remedy) as file:
+        _check_header(file, kind, path)
+        yield file
+
+
+def _check_header(file: h5py.File, kind: Format, path: Path) -> None:
+    if file.attrs.get("format") != f"faying {kind.name}":
+        message = f"{path} is an HDF5 file but not one of faying's {kind.name}; name {kind.wanted}"
+        raise FormatError(message)
+    version = file.attrs.get("format_version", 0)
+    if version != kind.version:
+        message = (
+            f"{path} has {kind.name} format {str(version)[:60]}, this faying reads {kind.version}; "
+            f"use faying {file.attrs.get('faying', '')} or {kind.remedy}"
+        )
+        raise FormatError(message)
+
+
+def new_group(group: h5py.Group, name: str, meaning: Meaning) -> h5py.Group:
+    """Make a group that keeps the order of its members."""
+    inner = group.create_group(member_name(name), track_order=True)
+    inner.attrs["description"] = meaning.description
+    return inner
+
+
+def write_members(
+    group: h5py.Group,
+    members: Mapping[str, Any],
+    table: Table,
+    units: Units,
+    tables: Mapping[type, Table] = types.MappingProxyType({}),
+) -> None:
+    """Write members of a group as its table has them; those that are None stay absent.
+
+    Parameters
+    ----------
+    tables
+        Of the dataclasses among the members, and of those within.
+    """
+    for name, meaning in table.items():
+        _write(group, name, members[name], meaning, units, tables)
+
+
+def _write(
+    group: h5py.Group,
+    name: str,
+    value: Any,
+    meaning: Meaning,
+    units: Units,
+    tables: Mapping[type, Table],
+) -> None:
+    """Write a member, by what it is."""
+    if value is None:
+        return
+    if sp.issparse(value):
+        rows = sp.csr_array(value)
+        parts = (rows.data, rows.indices, rows.indptr, rows.shape)
+        members = dict(zip(SPARSE, (np.asarray(part) for part in parts), strict=True))
+        write_members(new_group(group, name, meaning), members, SPARSE, units)
+    elif is_dataclass(value):
+        table = next(tables[kind] for kind in inspect.getmro(type(value)) if kind in tables)
+        own = {name: getattr(value, name) for name in table}
+        write_members(new_group(group, name, meaning), own, table, units, tables)
+    elif isinstance(value, Mapping) or _is_list_of_values(value):
+        inner = new_group(group, name, meaning)
+        items = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for key, member in items:
+            _write(inner, str(key), member, meaning, units, tables)
+    else:
+        _write_data(group, name, value, meaning, units)
+
+
+def _is_list_of_values(value: Any) -> bool:
+    return isinstance(value, tuple) and bool(value) and all(map(is_dataclass, value))
+
+
+def _write_data(group: h5py.Group, name: str, value: Any, meaning: Meaning, units: Units) -> None:
+    if isinstance(value, str) or (isinstance(value, tuple) and _is_text(value)):
+        data = group.create_dataset(member_name(name), data=value, dtype=h5py.string_dtype())
+    else:
+        array = np.asarray(value)
+        if array.dtype.kind in "iu":
+            array = array.astype(np.int64)
+        packed: dict[str, Any] = (
+            {"compression": "gzip", "shuffle": True, "fletcher32": True}
+            if array.size > SMALL
+            else {}
+        )
+        data = group.create_dataset(member_name(name), data=array, **packed)
+        data.attrs["dimension"] = meaning.dimension
+        data.attrs["unit"] = units.of(meaning.dimension)
+    data.attrs["shape"] = meaning.shape
+    data.attrs["description"] = meaning.description
+
+
+def _is_text(value: tuple[Any, ...]) -> bool:
+    return all(isinstance(entry, str) for entry in value)
+
+
+def member_name(name: str) -> str:
+    """Return a name as HDF5 takes it for a member of a group."""
+    quoted = name.replace("%", "%25").replace("/", "%2F")
+    return "%2E" if quoted == "." else quoted
+
+
+def items(group: h5py.Group) -> Iterator[tuple[str, Any]]:
+    """Yield the members of a group by their names as they were before they were written."""
+    for name in group:
+        yield unquote(name), group[name]
+
+
+def member(group: h5py.Group, name: str) -> Any:
+    """Return a member of a group.
+
+    Raises
+    ------
+    KeyError
+        If there is none.
+    """
+    if member_name(name) not in group:
+        message = f"{group.name.rstrip('/')}/{name} is missing"
+        raise KeyError(message)
+    return group[member_name(name)]
+
+
+def numbers(
+    group: h5py.Group, name: str, shape: tuple[int, ...] | None = None, dtype: Any = np.float64
+) -> Any:
+    """Return the numbers of a member.
+
+    Parameters
+    ----------
+    shape
+        That it must have; any where None.
+
+    Raises
+    ------
+    KeyError
+        If there is none.
+    ValueError
+        If it holds anything else, or numbers that are not finite.
+    """
+    data = member(group, name)
+    _check_kind(data, "iub" if dtype is np.int64 else "fiub", "numbers")
+    if shape is not None and data.shape != shape:
+        message = f"'{data.name}' has shape {data.shape}, expected {shape}"
+        raise ValueError(message)
+    values = np.asarray(data[()], dtype=dtype)
+    if not np.isfinite(values).all():
+        message = f"'{data.name}' holds numbers that are not finite"
+        raise ValueError(message)
+    return values
+
+
+def texts(group: h5py.Group, name: str) -> tuple[str, ...]:
+    """Return the texts of a member, one or several; none where there is none."""
+    if name not in group or group[name].size == 0:
+        return ()
+    _check_kind(group[name], "OS", "texts")
+    return tuple(np.atleast_1d(group[name].asstr()[()]).tolist())
+
+
+def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
+    """Return a sparse matrix.
+
+    Raises
+    ------
+    ValueError
+        If its parts do not fit together.
+    """
+    node = member(group, name)
+    values, columns, starts, shape = (
+        numbers(node, part, dtype=np.float64 if part == "values" else np.int64) for part in SPARSE
+    )
+    matrix = sp.csr_array((values, columns, starts), shape=tuple(shape.tolist()))
+    matrix.check_format(full_check=True)
+    return matrix
+
+
+def read_value(group: h5py.Group, kind: type, tables: Mapping[type, Table]) -> Any:
+    """Read a dataclass; the annotations of its fields say how."""
+    hints = get_type_hints(kind)
+    defaulted = {
+        field.name
+        for field in fields(kind)
+        if field.default is not MISSING or field.default_factory is not MISSING
+    }
+    values: dict[str, Any] = {}
+    for name in tables[kind]:
+        if name in group:
+            values[name] = read_member(group[name], hints[name], tables)
+        elif types.NoneType in get_args(hints[name]):
+            values[name] = None
+        elif name not in defaulted:
+            message = f"{group.name.rstrip('/')}/{name} is missing"
+            raise KeyError(message)
+    return kind(**values)
+
+
+def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type, Table]) -> Any:
+    """Read a member as the type it is annotated with."""
+    origin, arguments = get_origin(hint), get_args(hint)
+    if origin in (types.UnionType, Union):
+        return read_member(node, arguments[0], tables)
+    if is_dataclass(hint):
+        return read_value(node, hint, tables)  # type: ignore[arg-type]
+    if origin is np.ndarray:
+        _check_kind(node, "fiub", "numbers")
+        return np.asarray(node[()], dtype=get_args(arguments[1])[0])
+    if origin is tuple:
+        return _read_tuple(node, arguments, tables)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        key: Callable[[str], Any] = arguments[0]
+        return {key(name): read_member(one, arguments[1], tables) for name, one in items(node)}
+    if hint is str or origin is Literal:
+        _check_kind(node, "OS", "a text", ndim=0)
+        return node.asstr()[()]
+    _check_kind(node, "fiub", "one number", ndim=0)
+    return hint(node[()])
+
+
+def _read_tuple(
+    node: h5py.Group | h5py.Dataset, arguments: tuple[Any, ...], tables: Mapping[type, Table]
+) -> tuple[Any, ...]:
+    if isinstance(node, h5py.Group):
+        return tuple(read_value(one, arguments[0], tables) for _, one in items(node))
+    if node.size == 0:  # written as texts, whatever it would hold
+        return ()
+    _check_kind(node, "OS" if arguments[0] is str else "fiub", "a list", ndim=1)
+    return tuple(node.asstr()[()]) if arguments[0] is str else tuple(node[()].tolist())
+
+
+def _check_kind(
+    node: h5py.Group | h5py.Dataset, kinds: str, expected: str, ndim: int | None = None
+) -> None:
+    """Refuse a member that is of another kind."""
+    found = isinstance(node, h5py.Dataset) and node.dtype.kind in kinds
+    if not found or ndim not in (None, node.ndim):
+        message = f"'{node.name}' does not hold {expected}"
+        raise ValueError(message)

@@ -1,0 +1,75 @@
+"""What a reduced model knows: matrices in its coordinates, contact, and the ports it came from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from faying._typing import Matrix, frozen
+from faying.contact.contact import Contact
+from faying.interface.surface import ContactSurface
+from faying.joint.load_pattern import LoadPattern
+from faying.joint.system import PortCompliance
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.reduction.basis import Basis
+from faying.reduction.mesh_shapes import MeshShapes
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModelData:
+    """What is known of a reduced model, and what its file keeps.
+
+    Optional parts are None where they are unknown or were left out.
+
+    Attributes
+    ----------
+    M, C, K : (n_mode, n_mode)
+    contact
+        With PΦ in place of P, and the residual compliance where it is kept.
+    boundaries, bolts, load_patterns
+        As seen by the generalized coordinates.
+    basis
+        Φ with the kinds of its vectors; without rows where the vectors were left behind.
+    interfaces
+        Geometry and law of the contact points, by name.
+    mesh
+        Nodes, elements and how they move.
+    name, units
+        Of the full model.
+    method
+        Name of the reduction.
+    ports
+        Q K⁻¹ Qᵀ, compliance of the full model between its ports; None where the structure is not
+        held without its boundary.
+    recovery_inertia, recovery_damping : (n_port, n_mode)
+        Q K⁻¹ M Φ and Q K⁻¹ C Φ, see :class:`~faying.reduction.recovery.Recovery`.
+    recovery_frame : (n_port, 12)
+        Q K⁻¹ M A, for supports that move.
+    invariants : (4 + 3 n_mode, 4 + 3 n_mode)
+        ∫ρ a b dV of the fields 1, x, y, z and the components of the trial vectors, for floating
+        frames.
+    """
+
+    M: Matrix
+    C: Matrix
+    K: Matrix
+    contact: Contact
+    boundaries: Mapping[str, Boundary]
+    bolts: Mapping[str, Bolt]
+    basis: Basis
+    interfaces: Mapping[str, ContactSurface]
+    mesh: MeshShapes
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
+    name: str = "model"
+    units: str = "mm-t-s"
+    method: str = "model"
+    ports: PortCompliance | None = None
+    recovery_inertia: Matrix | None = None
+    recovery_damping: Matrix | None = None
+    recovery_frame: Matrix | None = None
+    invariants: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        names = ("M", "C", "K", "recovery_inertia", "recovery_damping", "recovery_frame")
+        for name in (*names, "invariants"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, frozen(getattr(self, name)))

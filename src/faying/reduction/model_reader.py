@@ -1,0 +1,251 @@
+"""Reduced models out of HDF5 files, as :mod:`faying.reduction.model_writer` puts them there."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import fields, replace
+from itertools import pairwise
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from faying._typing import Matrix, frozen
+from faying.contact.contact import Contact
+from faying.contact.laws import Law, normal_law
+from faying.files.described import (
+    described_file,
+    items,
+    member,
+    numbers,
+    read_member,
+    sparse_matrix,
+    texts,
+)
+from faying.interface.surface import ContactSurface
+from faying.joint.load_pattern import LoadPattern
+from faying.joint.system import (
+    boundary_slices,
+    port_compliance_of,
+)
+from faying.linalg.budget import default_budget
+from faying.linalg.compressed import plus
+from faying.linalg.factorization import factorize
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.model.mesh import CellBlock
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.mesh_shapes import MeshShapes
+from faying.reduction.model_fields import LAWS, TABLES
+from faying.reduction.model_writer import MODEL
+from faying.reduction.reduced_model import ReducedModel
+
+
+def load(path: Path | str) -> ReducedModel:
+    """Read a reduced model that :meth:`ReducedModel.save` wrote.
+
+    Returns
+    -------
+    ReducedModel
+        Of the same numbers, to the last bit.
+
+    Raises
+    ------
+    FormatError
+        If the file is missing, is none of faying's reduced models, is of another version or is
+        damaged.
+    """
+    with described_file(Path(path), MODEL) as file:
+        name, method, units = (_text(file, key) for key in ("name", "method", "units"))
+        interfaces = read_member(member(file, "interfaces"), Mapping[str, ContactSurface], TABLES)
+        forces = {
+            bolt: float(numbers(one, "initial_force", ()))
+            for bolt, one in items(member(file, "bolts"))
+        }
+        ids = numbers(file, "node_ids", dtype=np.int64)
+        mesh = MeshShapes(
+            nodes=numbers(file, "nodes", (len(ids), 3)),
+            node_ids=ids,
+            blocks=read_member(member(file, "blocks"), tuple[CellBlock, ...], TABLES),
+        )
+        joint = read_ports(member(file, "ports"), interfaces, forces, mesh)
+        laws = {interface: _law(group) for interface, group in items(member(file, "laws"))}
+        if list(laws) != list(joint.contact.slices):
+            message = f"/laws has {', '.join(laws)}, /interfaces {', '.join(joint.contact.slices)}"
+            raise ValueError(message)
+        contact = replace(joint.contact, laws=laws)
+        joint = replace(joint, contact=contact, name=name, method=method, units=units)
+        group = member(file, "reduced")
+        return _with_shapes(group, read_model(group, joint))
+
+
+def read_ports(
+    group: h5py.Group,
+    interfaces: Mapping[str, ContactSurface],
+    bolt_forces: Mapping[str, float],
+    mesh: MeshShapes,
+) -> ReducedModel:
+    """Return what the models of a file have in common, as a model without coordinates."""
+    boundaries, first = {}, 0
+    for name, one in items(member(group, "boundaries")):
+        nodes = numbers(one, "nodes", dtype=np.int64)
+        components = numbers(one, "components", nodes.shape, np.int64)
+        dofs = np.arange(first, first + len(nodes))
+        boundaries[name] = Boundary(name=name, nodes=nodes, components=components, dofs=dofs)
+        first += len(nodes)
+    stiffness = read_member(member(group, "bolt_stiffness"), Mapping[str, float], TABLES)
+    patterns = texts(group, "load_patterns")
+    if set(stiffness) != set(bolt_forces):
+        names = ", ".join(bolt_forces)
+        message = f"'{group.name}/bolt_stiffness' is of {', '.join(stiffness)}, expected {names}"
+        raise ValueError(message)
+    contact = _contact(group, interfaces)
+    n_relative = int(contact.relative_operator.shape[0])
+    n_port = n_relative + first + len(stiffness) + len(patterns)
+    ports = _optional(group, "compliance", (n_port, n_port))
+    none = np.zeros((0, 0))
+    return ReducedModel(
+        M=none,
+        C=none,
+        K=none,
+        contact=contact,
+        boundaries=boundaries,
+        bolts={
+            name: Bolt(
+                name=name, elongation=np.zeros(0), stiffness=one, initial_force=bolt_forces[name]
+            )
+            for name, one in stiffness.items()
+        },
+        basis=Basis(vectors=none, kinds=()),
+        load_patterns={name: LoadPattern(name=name, forces=np.zeros(0)) for name in patterns},
+        ports=None
+        if ports is None
+        else port_compliance_of(ports, n_relative, first, len(patterns)),
+        recovery_frame=_optional(group, "frame_recovery", (n_port, 12)),
+        interfaces=interfaces,
+        mesh=mesh,
+    )
+
+
+def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
+    """Return a reduced model from its matrices and what it has in common with others.
+
+    Where the file has no residual compliance, it is R = P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ (M5).
+    """
+    kinds = tuple(map(ModeKind, texts(group, "kinds")))
+    n, n_relative = len(kinds), int(joint.contact.relative_operator.shape[0])
+    M, C, K = (numbers(group, name, (n, n)) for name in ("mass", "damping", "stiffness"))
+    seen = numbers(group, "relative", (n_relative, n))
+    rows = numbers(group, "elongations", (len(joint.bolts), n))
+    places = boundary_slices(joint.boundaries)
+    n_boundary = sum(len(one.dofs) for one in joint.boundaries.values())
+    at = numbers(group, "boundary", (n_boundary,), np.int64)
+    if n_boundary and not 0 <= at.min() <= at.max() < n:
+        message = f"{group.name}/boundary points beyond the {n} coordinates"
+        raise ValueError(message)
+    loads = _optional(group, "pattern_forces", (len(joint.load_patterns), n))
+    residual = _optional(group, "residual_compliance", (n_relative, n_relative))
+    if (
+        residual is None
+        and read_member(member(group, "compliance"), bool, TABLES)
+        and joint.ports is not None
+    ):
+        flexibility = factorize(K).solve(np.eye(n))
+        residual = np.asarray(plus(joint.ports.relative, seen, -flexibility))
+    n_port = n_relative + n_boundary + len(joint.bolts) + len(joint.load_patterns)
+    return replace(
+        joint,
+        M=M,
+        C=C,
+        K=K,
+        contact=replace(
+            joint.contact,
+            relative_operator=frozen(seen),
+            residual_compliance=None if residual is None else frozen(residual),
+        ),
+        boundaries={
+            name: one.with_dofs(at[places[name]]) for name, one in joint.boundaries.items()
+        },
+        bolts={
+            name: replace(one, elongation=row)
+            for (name, one), row in zip(joint.bolts.items(), rows, strict=True)
+        },
+        basis=Basis(vectors=np.zeros((0, n)), kinds=kinds),
+        load_patterns={
+            name: replace(one, forces=row)
+            for (name, one), row in zip(joint.load_patterns.items(), loads, strict=True)
+        }
+        if loads is not None
+        else {},
+        recovery_inertia=_optional(group, "inertia_recovery", (n_port, n)),
+        recovery_damping=_optional(group, "damping_recovery", (n_port, n)),
+        invariants=_optional(group, "invariants", (4 + 3 * n, 4 + 3 * n)),
+    )
+
+
+def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:
+    """Add the trial vectors of a model in a file of its own, or what they do to the nodes."""
+    n, n_node = len(rom.K), len(rom.mesh.nodes)
+    mesh = replace(rom.mesh, columns=np.arange(n))
+    if "trial_vectors" in group:
+        vectors = numbers(group, "trial_vectors")
+        rom = replace(rom, basis=Basis(vectors=vectors, kinds=rom.basis.kinds))
+    if "translations" in group:
+        rows = sparse_matrix(group, "translations")
+        if rows.shape != (3 * n_node, len(rom.basis.vectors)):
+            message = f"{len(rom.basis.vectors)} rows of trial vectors do not move {n_node} nodes"
+            raise ValueError(message)
+        mesh = replace(mesh, vectors=rom.basis.vectors, translations=rows)
+    if "nodal_shapes" in group:
+        shapes = numbers(group, "nodal_shapes", (n, n_node, 3))
+        mesh = replace(mesh, vectors=shapes.reshape(n, -1).T)
+    return replace(rom, mesh=mesh)
+
+
+def _law(group: h5py.Group) -> Law:
+    """Return the contact law of an interface by its name and its parameters."""
+    name = _text(group, "law")
+    if name not in LAWS:
+        message = f"{group.name} names the contact law '{name}'; known are {', '.join(LAWS)}"
+        raise ValueError(message)
+    parameters = {one.name: float(numbers(group, one.name, ())) for one in fields(LAWS[name])}
+    return LAWS[name](**parameters)
+
+
+def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Contact:
+    records = list(interfaces.values())
+    interpolation = sparse_matrix(group, "interpolation")
+    n_relative = int(interpolation.shape[1])
+    sizes = [len(record.weights) for record in records]
+    ends = np.cumsum([0, *sizes]).tolist()
+    if [record.slice for record in records] != list(pairwise(ends)) or (
+        interpolation.shape[0] != ends[-1]
+    ):
+        message = f"the interfaces have {ends[-1]} points, {group.name} does not"
+        raise ValueError(message)
+    budget = (
+        numbers(group, "dense_budget", (), np.int64)
+        if "dense_budget" in group
+        else default_budget()
+    )
+    return Contact(
+        relative_operator=np.zeros((n_relative, 0)),
+        interpolation=interpolation,
+        initial_gap=_joined(record.initial_gap for record in records),
+        weights=_joined(record.weights for record in records),
+        laws={name: normal_law(record.penalty) for name, record in interfaces.items()},
+        slices={name: slice(*record.slice) for name, record in interfaces.items()},
+        places=_optional(group, "places", (n_relative, 3)),
+        dense_budget=int(budget),
+    )
+
+
+def _joined(parts: Iterable[Matrix]) -> Matrix:
+    joined: Matrix = frozen(np.concatenate([*parts, np.empty(0)]))
+    return joined
+
+
+def _optional(group: h5py.Group, name: str, shape: tuple[int, ...]) -> Matrix | None:
+    return numbers(group, name, shape) if name in group else None
+
+
+def _text(group: h5py.Group, name: str) -> str:
+    return str(read_member(member(group, name), str, TABLES))

@@ -1,0 +1,159 @@
+"""Reduced models into HDF5 files: one into a file of its own, or those of a run into its results.
+
+Both have the compliance of the full model under ``/ports`` and matrices in the coordinates under
+``/reduced``; :mod:`faying.reduction.model_fields` says what each entry means. A file of its own
+keeps what gives the same numbers to the last bit, so the residual compliance too, which those of a
+run form anew from the compliance of the ports.
+"""
+
+import platform
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.files.described import Format, Meaning, new_file, new_group, write_members
+from faying.joint.load_pattern import pattern_forces
+from faying.joint.system import boundary_dofs, elongations
+from faying.reduction.model_data import ModelData
+from faying.reduction.model_fields import (
+    COORDINATES,
+    OWN_COORDINATES,
+    OWN_PORTS,
+    OWN_ROOT,
+    PORTS,
+    TABLES,
+)
+from faying.units import Units, units_of
+
+MODEL = Format(
+    name="reduced model",
+    version=1,
+    wanted="a file that ReducedModel.save wrote",
+    remedy="save the model again",
+    description=(
+        "A jointed structure in a few generalized coordinates, with its contact and what recovers "
+        "the contact pressures of the full finite element model. Gaps are positive where open."
+    ),
+)
+
+MOST_PORTS = 4096
+"""Ports up to which results keep their compliance: 134 MB."""
+
+_PORTS = Meaning("the joint as seen through its ports, for recovery and export")
+_REDUCED = Meaning("the reduced model in its coordinates")
+_MODELS = Meaning("reduced models: method name, then number of joint modes")
+_SHAPES = Meaning(
+    "displacements of all nodes per coordinate q, each shape once", "1", "(n_shape, n_node, 3)"
+)
+
+
+def write_model(rom: ModelData, path: Path, *, shapes: bool) -> None:
+    """Write one reduced model, as :meth:`ReducedModel.save`."""
+    residual = rom.contact.residual_compliance
+    relative = None if rom.ports is None else rom.ports.relative
+    if not all(one is None or isinstance(one, np.ndarray) for one in (residual, relative)):
+        message = (
+            f"the interfaces of '{rom.name}' are so large that their compliance is compressed, "
+            "which a file does not take; use a coarser interface, or raise the budget with "
+            "model.with_dense_budget before reducing"
+        )
+        raise FormatError(message)
+    units = units_of(rom.units)
+    root = {
+        "name": rom.name,
+        "method": rom.method,
+        "units": rom.units,
+        "nodes": rom.mesh.nodes,
+        "node_ids": rom.mesh.node_ids,
+        "blocks": tuple(rom.mesh.blocks),
+        "interfaces": rom.interfaces,
+        "laws": {name: {"law": law.name, **vars(law)} for name, law in rom.contact.laws.items()},
+        "bolts": {name: {"initial_force": one.initial_force} for name, one in rom.bolts.items()},
+        "provenance": {
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        },
+    }
+    title = f"{rom.name}, {rom.method}"
+    attributes = {"title": title, "units": rom.units, "model": rom.name, "method": rom.method}
+    with new_file(path, MODEL, attributes, units) as file:
+        write_members(file, root, OWN_ROOT, units, TABLES)
+        ports = new_group(file, "ports", _PORTS)
+        write_members(ports, _port_members(rom), {**PORTS, **OWN_PORTS}, units, TABLES)
+        reduced = new_group(file, "reduced", _REDUCED)
+        members = {**_members(rom, None), **_own_members(rom, shapes=shapes)}
+        write_members(reduced, members, {**COORDINATES, **OWN_COORDINATES}, units)
+
+
+def write_models(
+    file: h5py.File, models: Mapping[str, Mapping[int, ModelData]], units: Units
+) -> None:
+    """Write the reduced models of a run into its results."""
+    everyone = [rom for sizes in models.values() for rom in sizes.values()]
+    if not everyone:
+        return
+    ports = everyone[0].ports
+    if ports is not None and ports.n_port <= MOST_PORTS and isinstance(ports.relative, np.ndarray):
+        group = new_group(file, "ports", _PORTS)
+        write_members(group, _port_members(everyone[0]), PORTS, units, TABLES)
+    nodal = [rom.mesh for rom in everyone if rom.mesh.translations is None]
+    shapes = next((mesh.vectors for mesh in nodal if mesh.vectors is not None), None)
+    reduced = new_group(file, "reduced", _MODELS)
+    for method, sizes in models.items():
+        inner = new_group(reduced, method, _MODELS)
+        for count, rom in sizes.items():
+            columns = None if shapes is None or rom.mesh.vectors is not shapes else rom.mesh.columns
+            own = new_group(inner, str(count), _REDUCED)
+            write_members(own, _members(rom, columns), COORDINATES, units)
+    if shapes is not None:
+        nodal_shapes = shapes.T.reshape(-1, len(everyone[0].mesh.nodes), 3)
+        write_members(file, {"shapes": nodal_shapes}, {"shapes": _SHAPES}, units)
+
+
+def _port_members(rom: ModelData) -> dict[str, Any]:
+    return {
+        "compliance": None if rom.ports is None else rom.ports.whole,
+        "interpolation": rom.contact.interpolation,
+        "boundaries": rom.boundaries,
+        "bolt_stiffness": {name: float(bolt.stiffness) for name, bolt in rom.bolts.items()},
+        "frame_recovery": rom.recovery_frame,
+        "load_patterns": tuple(rom.load_patterns),
+        "places": rom.contact.places,
+        "dense_budget": rom.contact.dense_budget,
+    }
+
+
+def _members(rom: ModelData, shapes: Indices | None) -> dict[str, Any]:
+    n = len(rom.K)
+    return {
+        "kinds": tuple(kind.value for kind in rom.basis.kinds),
+        "mass": rom.M,
+        "damping": rom.C,
+        "stiffness": rom.K,
+        "relative": np.asarray(rom.contact.relative_operator),
+        "elongations": elongations(rom.bolts, n),
+        "boundary": boundary_dofs(rom.boundaries),
+        "inertia_recovery": rom.recovery_inertia,
+        "damping_recovery": rom.recovery_damping,
+        "compliance": rom.contact.residual_compliance is not None,
+        "shapes": shapes,
+        "invariants": rom.invariants,
+        "pattern_forces": pattern_forces(rom.load_patterns, n) if rom.load_patterns else None,
+    }
+
+
+def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
+    mesh, vectors = rom.mesh, rom.basis.vectors
+    return {
+        "residual_compliance": rom.contact.residual_compliance,
+        "trial_vectors": vectors if shapes and len(vectors) else None,
+        "translations": mesh.translations if shapes else None,
+        "nodal_shapes": mesh.modes if shapes and mesh.translations is None else None,
+    }

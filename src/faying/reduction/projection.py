@@ -1,0 +1,293 @@
+"""Galerkin projection, Eq. (15.16), and what a reduced model keeps of the full one beside it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, frozen
+from faying.exceptions import ModelError
+from faying.interface.surface import ContactSurface, contact_surface
+from faying.joint.model import Model
+from faying.joint.system import PortCompliance
+from faying.linalg.compressed import Compliance, plus
+from faying.linalg.factorization import SingularMatrixError
+from faying.model.boundary import Boundary
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.mesh_shapes import MeshShapes
+from faying.reduction.recovery import frame_operator, supported_operator
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.frame_motion import mass_invariants
+from faying.simulation.solution import Solution
+
+VANISHING = (ModeKind.NORMAL, ModeKind.BOLT, ModeKind.LOAD, ModeKind.JOINT)
+"""Kinds of trial vectors that vanish on the boundary, Φ_f."""
+
+MOST_SHAPE_BYTES = 256_000_000
+"""What the nodal displacements of all trial vectors may take: 100 vectors of 100 000 nodes."""
+
+
+def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:
+    """Project a model onto a basis.
+
+    Parameters
+    ----------
+    basis
+        Trial vectors; boundary rows [I 0] where it has constraint modes.
+    compliance
+        Keep the compliance between contact points that the basis lacks, as a massless spring
+        between contact forces and gaps, (M5): static solutions are then exact.
+
+    Returns
+    -------
+    ReducedModel
+        Solved by the same functions as the full model, and independent of it.
+
+    Notes
+    -----
+    Three projections; with ``compliance`` one back-substitution per contact pair, made once for
+    all bases of a structure; for the recovery matrices as
+    :func:`~faying.reduction.recovery.supported_operator`.
+    """
+    rom = projected(model, basis, compliance=compliance)
+    ports = _ports(model)
+    if ports is None:
+        return rom
+    known = supported_operator(model, basis)
+    return replace(rom, ports=ports, recovery_inertia=known.inertia, recovery_damping=known.damping)
+
+
+def projected(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:
+    """Project as :func:`reduce`, without what recovers pressures of the full model."""
+    phi = basis.vectors
+    contact = replace(
+        model.contact,
+        relative_operator=frozen(model.contact.relative_operator @ phi),
+        residual_compliance=residual_compliance(model, basis) if compliance else None,
+    )
+    mesh = model.assembly.mesh
+    return ReducedModel(
+        M=_symmetric(model.M @ phi, phi),
+        C=_symmetric(model.C @ phi, phi),
+        K=_symmetric(model.K @ phi, phi),
+        contact=contact,
+        boundaries=_boundaries(model, basis),
+        bolts={name: bolt.projected(phi) for name, bolt in model.bolts.items()},
+        basis=basis,
+        load_patterns={name: one.projected(phi) for name, one in model.load_patterns.items()},
+        name=model.name,
+        units=model.units,
+        method=_method(basis, compliance=compliance),
+        interfaces=contact_surfaces(model),
+        mesh=MeshShapes(
+            nodes=mesh.nodes,
+            node_ids=mesh.node_ids,
+            blocks=mesh.blocks,
+            vectors=phi,
+            columns=np.arange(len(basis)),
+            translations=model.dofs.translations,
+        ),
+    )
+
+
+def contact_surfaces(model: Model) -> dict[str, ContactSurface]:
+    """Return geometry and law of the interfaces of a model, by name."""
+    nodes, slices = model.assembly.mesh.nodes, model.contact.slices
+    return {
+        name: contact_surface(interface, slices[name], nodes, model.stuck.get(name))
+        for name, interface in model.interfaces.items()
+    }
+
+
+def for_moving_supports(model: Model, rom: ReducedModel) -> ReducedModel:
+    """Return a reduced model that also knows what moving supports and floating frames need.
+
+    Notes
+    -----
+    Two assemblies of the mass matrix and twelve back-substitutions.
+    """
+    shapes = nodal_shapes(model, rom.basis)
+    return replace(
+        rom,
+        recovery_frame=frame_operator(model),
+        invariants=mass_invariants(model, rom.trial_vectors, shapes)
+        if len(shapes) == len(rom.K)
+        else None,
+    )
+
+
+def completed(model: Model, models: Sequence[ReducedModel]) -> list[ReducedModel]:
+    """Give reduced models of one full model all that files keep, computed together.
+
+    Recovery matrices, those of moving supports, and shapes as far as there is room for them.
+
+    Notes
+    -----
+    As :func:`~faying.reduction.recovery.recovery_operator`; trial vectors that bases share are
+    solved once.
+    """
+    ports = _ports(model)
+    if ports is None:
+        return list(models)
+    # The shortest first, for shapes are kept as far as there is room.
+    order = sorted(models, key=lambda rom: len(rom.basis))
+    together, columns = _shared_vectors([rom.basis for rom in order])
+    known, frame = supported_operator(model, together), frame_operator(model)
+    shapes = nodal_shapes(model, together)
+    invariants = mass_invariants(model, together.vectors[:, : len(shapes)], shapes)
+    rows = shapes.reshape(len(shapes), -1).T
+    found: dict[int, ReducedModel] = {}
+    for rom, at in zip(order, columns, strict=True):
+        fields = np.concatenate([np.arange(4), (4 + 3 * at[:, None] + np.arange(3)).ravel()])
+        fits = at.max(initial=-1) < len(shapes)
+        found[id(rom)] = replace(
+            rom,
+            ports=ports,
+            recovery_inertia=known.inertia[:, at],
+            recovery_damping=known.damping[:, at],
+            recovery_frame=frame,
+            invariants=invariants[np.ix_(fields, fields)] if fits else None,
+            mesh=replace(rom.mesh, vectors=rows if fits else None, columns=at, translations=None),
+        )
+    return [found[id(rom)] for rom in models]
+
+
+def nodal_shapes(model: Model, basis: Basis, most_bytes: int = MOST_SHAPE_BYTES) -> Matrix:
+    """Return trial vectors as displacements of all nodes (n_shape, n_node, 3), the first that fit.
+
+    Parameters
+    ----------
+    most_bytes
+        What they may take.
+    """
+    n_node = model.dofs.n_nodes
+    count = min(len(basis), most_bytes // max(24 * n_node, 1))
+    shapes: Matrix = model.dofs.translations @ basis.vectors[:, :count]
+    return np.ascontiguousarray(shapes.T).reshape(count, n_node, 3)
+
+
+def residual_compliance(model: Model, basis: Basis) -> Compliance:
+    """Compliance R (n_relative, n_relative) between contact pairs that a basis cannot express.
+
+    R = P K_ii⁻¹ Pᵀ − PΦ_f (Φ_fᵀ K Φ_f)⁻¹ (PΦ_f)ᵀ, (M6), with Φ_f the shapes that vanish on the
+    boundary.
+    Constraint modes are exact and K-orthogonal to Φ_f, so this equals (M5),
+    P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, where the structure is held, and exists where it is not. Positive
+    semidefinite: it is the compliance of the structure with its boundary and Φ_f held.
+    """
+    fixed = basis.of_kind(*VANISHING)
+    seen = model.structure.relative_operator @ fixed
+    stiffness = fixed.T @ (model.K @ fixed)
+    residual = plus(model.structure.held_compliance, seen, -np.linalg.inv(stiffness))
+    return frozen(residual) if isinstance(residual, np.ndarray) else residual
+
+
+def full_displacement(model: Model, solution: Solution) -> Matrix:
+    """Return displacements at the free degrees of freedom of the full model (..., n_dof).
+
+    Of a reduced model that keeps a residual compliance with the displacements that this stands
+    for: gaps agree with them, and static ones are those of the full model.
+
+    Parameters
+    ----------
+    model
+        The full model that was reduced.
+    solution
+        Of a reduced model with trial vectors, or of the full model.
+
+    Raises
+    ------
+    ModelError
+        If the model came without its trial vectors, or is no reduced one of this full model.
+
+    Notes
+    -----
+    One back-substitution for each case or instant where there is a residual compliance.
+    """
+    rom = solution.system
+    if not isinstance(rom, ReducedModel) or rom.contact.residual_compliance is None:
+        return solution.full_displacement()
+    vectors = rom.trial_vectors
+    if len(vectors) != model.structure.n_dof:
+        message = (
+            f"the trial vectors have {len(vectors)} rows but the model {model.structure.n_dof} "
+            "degrees of freedom; give the model that was reduced"
+        )
+        raise ModelError(message)
+    if solution.shear_forces is not None:
+        message = (
+            "a reduced model expands what normal contact forces move, not friction yet; take "
+            "displacements at boundaries, gaps and slips, or the path of the full model"
+        )
+        raise ModelError(message)
+    moved: Matrix = solution.states @ vectors.T
+    pairs = solution.contact_forces @ rom.contact.interpolation
+    return moved + residual_displacement(model, rom.basis, pairs)
+
+
+def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
+    """Displacements (..., n_dof) behind R: those of pair forces (..., n_relative) beyond a basis.
+
+    K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
+
+    Notes
+    -----
+    One back-substitution for each f.
+    """
+    fixed = basis.of_kind(*VANISHING)
+    at_dofs = (np.atleast_2d(forces) @ model.structure.relative_operator).T
+    held = model.structure.solve_held(at_dofs)
+    shares = np.linalg.solve(fixed.T @ (model.K @ fixed), fixed.T @ at_dofs)
+    beyond: Matrix = (held - fixed @ shares).T
+    return beyond.reshape(*np.shape(forces)[:-1], -1)
+
+
+def _ports(model: Model) -> PortCompliance | None:
+    """Return the compliance of the full model; None where nothing holds it but its boundary."""
+    try:
+        return model.port_compliance
+    except SingularMatrixError:
+        return None
+
+
+def _shared_vectors(bases: Sequence[Basis]) -> tuple[Basis, list[Indices]]:
+    """Return the distinct vectors of several bases, and where those of each basis are."""
+    places: dict[bytes, int] = {}
+    columns: list[tuple[Basis, int]] = []
+    chosen: list[Indices] = []
+    for basis in bases:
+        keys = [column.tobytes() for column in basis.vectors.T]
+        for number, key in enumerate(keys):
+            if key not in places:
+                places[key] = len(columns)
+                columns.append((basis, number))
+        chosen.append(np.array([places[key] for key in keys], dtype=np.int64))
+    together = Basis(
+        vectors=np.column_stack([basis.vectors[:, number] for basis, number in columns]),
+        kinds=tuple(basis.kinds[number] for basis, number in columns),
+    )
+    return together, chosen
+
+
+def _symmetric(image: Matrix, phi: Matrix) -> Matrix:
+    product: Matrix = phi.T @ image
+    return (product + product.T) / 2
+
+
+def _boundaries(model: Model, basis: Basis) -> dict[str, Boundary]:
+    """Constraint modes come in the order of the structure's boundary."""
+    constraint = np.array([kind is ModeKind.CONSTRAINT for kind in basis.kinds])
+    column = dict(
+        zip(model.structure.boundary.tolist(), np.flatnonzero(constraint).tolist(), strict=True)
+    )
+    return {
+        name: boundary.with_dofs(np.array([column[dof] for dof in boundary.dofs.tolist()]))
+        for name, boundary in model.boundaries.items()
+    }
+
+
+def _method(basis: Basis, *, compliance: bool) -> str:
+    """Name a reduction by its basis, where nobody gave it a name."""
+    if not basis.count(ModeKind.JOINT):
+        return "compliance" if compliance else "craig-bampton"
+    return "joint-modes+compliance" if compliance else "joint-modes"

@@ -1,0 +1,128 @@
+"""The recovery matrices of a basis: port displacements of the full model per motion of q.
+
+What :mod:`faying.assessment.recovery` takes from a reduced trajectory are its inertia and damping
+forces; these matrices say what they do to the ports. ``docs/theory/recovery.md`` derives them.
+"""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, frozen
+from faying.exceptions import ModelError
+from faying.joint.model import Model
+from faying.joint.system import Joint, PortCompliance
+from faying.reduction.basis import Basis
+from faying.simulation.frame_motion import frame_loads
+from faying.simulation.static import port_forces
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Recovery:
+    """What recovery needs of a model and a basis: a few dense matrices, no finite elements.
+
+    With Q the ports (relative displacements, boundary, bolt elongations, load patterns):
+
+    Attributes
+    ----------
+    joint
+        The full model, or what is known of it at its ports: contact points, law and compliance.
+    inertia : (n_port, n_mode)
+        Q K⁻¹ M Φ.
+    damping : (n_port, n_mode)
+        Q K⁻¹ C Φ.
+    frame : (n_port, 12) or None
+        Q K⁻¹ M A for supports that move, see :mod:`faying.simulation.frame_motion`.
+    """
+
+    joint: Joint
+    inertia: Matrix
+    damping: Matrix
+    frame: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inertia", frozen(self.inertia))
+        object.__setattr__(self, "damping", frozen(self.damping))
+
+    def free_displacements(
+        self, inputs: Matrix, velocities: Matrix, accelerations: Matrix
+    ) -> Matrix:
+        """Return Q K⁻¹ (f − M Φ q̈ − C Φ q̇) (..., n_port) for all instants at once."""
+        moving = accelerations @ self.inertia.T + velocities @ self.damping.T
+        free: Matrix = static_displacements(self.joint.port_compliance, inputs) - moving
+        return free
+
+
+def recovery_operator(model: Model, basis: Basis) -> Recovery:
+    """Precompute the recovery matrices of a model and a basis.
+
+    Independent of any solution; the matrices are all an importing program needs. A reduced model
+    has them as ``rom.recovery``, except those of supports that move.
+
+    Raises
+    ------
+    ModelError
+        If the basis belongs to a model with another number of degrees of freedom.
+    SingularMatrixError
+        If the structure is not held without its boundary.
+
+    Notes
+    -----
+    As :func:`supported_operator` and :func:`frame_operator`.
+    """
+    return replace(supported_operator(model, basis), frame=frame_operator(model))
+
+
+def supported_operator(model: Model, basis: Basis) -> Recovery:
+    """Precompute the recovery matrices of a model whose supports rest, as the model's own do.
+
+    As :func:`recovery_operator`, without what only moving supports need.
+
+    Notes
+    -----
+    One back-substitution per trial vector. Damping in proportion to mass and stiffness follows
+    from the same, K⁻¹ (α M + β K) Φ = α K⁻¹ M Φ + β Φ; any other takes a second one.
+    """
+    structure, vectors, law = model.structure, basis.vectors, model.damping
+    if vectors.shape[0] != structure.n_dof:
+        message = (
+            f"the basis has {vectors.shape[0]} rows but the model has {structure.n_dof} "
+            "degrees of freedom; recover with the model the basis was made from"
+        )
+        raise ModelError(message)
+    inertia = at_ports(model, structure.solve(model.M @ vectors))
+    damping = law.alpha * inertia + law.beta * at_ports(model, vectors)
+    others = model.C - (law.alpha * model.M + law.beta * model.K)
+    if others.count_nonzero():
+        damping = damping + at_ports(model, structure.solve(others @ vectors))
+    return Recovery(joint=model, inertia=inertia, damping=damping)
+
+
+def frame_operator(model: Model) -> Matrix:
+    """Return Q K⁻¹ M A (n_port, 12) for supports that move.
+
+    Notes
+    -----
+    One assembly of the mass matrix and twelve back-substitutions.
+    """
+    return at_ports(model, model.structure.solve(frame_loads(model)))
+
+
+def at_ports(model: Model, displacements: Matrix) -> Matrix:
+    """Q U (n_port[, k]) of displacements U (n_dof[, k])."""
+    structure = model.structure
+    return np.concatenate(
+        [
+            structure.relative_operator @ displacements,
+            displacements[structure.boundary],
+            structure.elongations @ displacements,
+            model.pattern_forces @ displacements,
+        ]
+    )
+
+
+def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
+    """Return port displacements Q K⁻¹ f (..., n_port) under inputs alone."""
+    return ports.per_input(port_forces(ports, inputs))
