@@ -23,8 +23,7 @@ from faying.contact.forces import ContactForces
 from faying.contact.frictional import FrictionalContact
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
-from faying.joint.system import System
-from faying.reduction.contact_reduction import ContactReducedModel
+from faying.reduction.contact_reduction import AnyModel, with_static_contact
 from faying.reduction.pod import pod
 
 EXCHANGES = 100
@@ -159,7 +158,7 @@ def deim(contact_forces: Matrix, *, count: int) -> Deim:
     return Deim(points=np.array(points), interpolation=interpolation)
 
 
-def with_deim(system: System, sampling: Deim) -> ContactReducedModel:
+def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
     """Return a system whose contact law is evaluated at the sampling points only.
 
     Parameters
@@ -185,7 +184,7 @@ def with_deim(system: System, sampling: Deim) -> ContactReducedModel:
     contact = DeimContact(
         contact=system.contact, flexibility=system.static_contact.flexibility, deim=sampling
     )
-    return ContactReducedModel(system=system, static_contact=contact)
+    return with_static_contact(system, contact)
 
 
 def _exchange(matrix: Matrix, gap: Vector, closed: Mask) -> tuple[Vector, int]:

@@ -24,8 +24,7 @@ from faying.contact.frictional import FrictionalContact
 from faying.contact.problem import ContactProblem
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
-from faying.joint.system import System
-from faying.reduction.contact_reduction import ContactReducedModel
+from faying.reduction.contact_reduction import AnyModel, with_static_contact
 
 SPANNED = 1e-10
 """Part of a snapshot outside the cone below which it is round-off of the projection."""
@@ -131,7 +130,7 @@ class ForceBasisContact:
         return np.asarray(solution.slack - self.contact.flexibility * solution.forces)
 
 
-def with_force_basis(system: System, basis: ForceBasis) -> ContactReducedModel:
+def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
     """Return a system whose contact forces are nonnegative combinations of a force basis.
 
     Parameters
@@ -158,7 +157,7 @@ def with_force_basis(system: System, basis: ForceBasis) -> ContactReducedModel:
     contact = ForceBasisContact(
         contact=system.contact, flexibility=system.static_contact.flexibility, basis=basis
     )
-    return ContactReducedModel(system=system, static_contact=contact)
+    return with_static_contact(system, contact)
 
 
 def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
