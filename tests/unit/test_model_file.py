@@ -139,6 +139,18 @@ def test_recovery_certificates_and_frequencies_are_the_same(before, after, name)
     np.testing.assert_array_equal(*(one.boundary_forces.contact_forces for one in sensitive))
 
 
+def test_friction_comes_back(tmp_path):
+    model = fy.lap_joint(element_size=5.0, penalty=1e5).with_bolt_forces({"bolt": 8e3})
+    model = model.with_friction(0.3)
+    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
+    rom.save(tmp_path / "joint.h5")
+    there = fy.load(tmp_path / "joint.h5")
+    assert_same_bits(there, rom)
+    path = [fy.Load({}), fy.Load({"tip.Fx": 2e3}), fy.Load({"tip.Fx": -1e3})]
+    one, other = (fy.solve_path(system, path) for system in (rom, there))
+    np.testing.assert_array_equal(one.traction, other.traction)
+
+
 def test_recovery_knows_enough_of_the_full_model(damped, before):
     """With the reduced model alone as with the full one: the same matrices."""
     for name in ("classic", "compliance", "joint modes"):
@@ -342,7 +354,7 @@ def set_to(name, value):
         (set_to("reduced/mass", np.eye(3)), r"'/reduced/mass' has shape \(3, 3\), expected"),
         (set_to("reduced/mass", "heavy"), "does not hold numbers"),
         (set_to("reduced/stiffness", np.full((13, 13), np.nan)), "are not finite"),
-        (set_to("laws/joint/law", "glue"), "contact law 'glue'; known are hard, penalty"),
+        (set_to("laws/joint/law", "glue"), "contact law 'glue'; known are hard, penalty, coulomb"),
         (set_to("reduced/boundary", np.full(6, 99)), "beyond the"),
         (set_to("reduced/kinds", ["odd"] * 13), "'odd' is not a valid ModeKind"),
         (set_to("ports/interpolation/columns", np.zeros(3, int)), "damaged"),

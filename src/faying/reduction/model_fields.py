@@ -1,6 +1,6 @@
 """What every entry of a stored reduced model means, in results.h5 and in a file of its own."""
 
-from faying.contact.laws import Hard, Penalty
+from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.files.described import Meaning, Table
 from faying.interface.interface import FacePairs
 from faying.interface.surface import ContactSurface
@@ -132,6 +132,8 @@ OWN_ROOT: Table = {
 
 OWN_PORTS: Table = {
     "places": Meaning("where the relative displacements are", "length", "(n_relative, 3)"),
+    "shear": Meaning("tangential displacements from relative ones (CSR); absent without friction"),
+    "tangents": Meaning("directions of those", "1", "(2, n_point, 3)"),
     "dense_budget": Meaning("memory that dense matrices between contact points may take", "1"),
 }
 """What such a file has beside :data:`PORTS`."""
@@ -159,5 +161,9 @@ OWN_COORDINATES: Table = {
 }
 """What such a file has beside :data:`COORDINATES`."""
 
-LAWS: dict[str, type[Hard | Penalty]] = {"hard": Hard, "penalty": Penalty}
+LAWS: dict[str, type[Hard | Penalty | Coulomb]] = {
+    "hard": Hard,
+    "penalty": Penalty,
+    "coulomb": Coulomb,
+}
 """Contact laws by the names that files give them."""

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -206,7 +207,11 @@ def _law(group: h5py.Group) -> Law:
     if name not in LAWS:
         message = f"{group.name} names the contact law '{name}'; known are {', '.join(LAWS)}"
         raise ValueError(message)
-    parameters = {one.name: float(numbers(group, one.name, ())) for one in fields(LAWS[name])}
+    parameters: dict[str, Any] = {}
+    for one in fields(LAWS[name]):
+        value = member(group, one.name)
+        inner = isinstance(value, h5py.Group)
+        parameters[one.name] = _law(value) if inner else read_member(value, float, TABLES)
     return LAWS[name](**parameters)
 
 
@@ -234,6 +239,8 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         laws={name: normal_law(record.penalty) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
         places=_optional(group, "places", (n_relative, 3)),
+        shear=sparse_matrix(group, "shear") if "shear" in group else None,
+        tangents=_optional(group, "tangents", (2, ends[-1], 3)),
         dense_budget=int(budget),
     )
 

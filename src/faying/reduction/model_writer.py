@@ -16,6 +16,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Indices
+from faying.contact.laws import Law
 from faying.exceptions import FormatError
 from faying.files.described import Format, Meaning, new_file, new_group, write_members
 from faying.joint.load_pattern import pattern_forces
@@ -73,7 +74,7 @@ def write_model(rom: ModelData, path: Path, *, shapes: bool) -> None:
         "node_ids": rom.mesh.node_ids,
         "blocks": tuple(rom.mesh.blocks),
         "interfaces": rom.interfaces,
-        "laws": {name: {"law": law.name, **vars(law)} for name, law in rom.contact.laws.items()},
+        "laws": {name: _law(law) for name, law in rom.contact.laws.items()},
         "bolts": {name: {"initial_force": one.initial_force} for name, one in rom.bolts.items()},
         "provenance": {
             "python": platform.python_version(),
@@ -117,6 +118,15 @@ def write_models(
         write_members(file, {"shapes": nodal_shapes}, {"shapes": _SHAPES}, units)
 
 
+def _law(law: Law) -> dict[str, Any]:
+    """Return name and parameters of a law, one of which may be a law itself."""
+    own = {
+        name: _law(value) if hasattr(value, "admissible") else value
+        for name, value in vars(law).items()
+    }
+    return {"law": law.name, **own}
+
+
 def _port_members(rom: ModelData) -> dict[str, Any]:
     return {
         "compliance": None if rom.ports is None else rom.ports.whole,
@@ -126,6 +136,8 @@ def _port_members(rom: ModelData) -> dict[str, Any]:
         "frame_recovery": rom.recovery_frame,
         "load_patterns": tuple(rom.load_patterns),
         "places": rom.contact.places,
+        "shear": rom.contact.shear,
+        "tangents": rom.contact.tangents,
         "dense_budget": rom.contact.dense_budget,
     }
 

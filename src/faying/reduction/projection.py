@@ -205,19 +205,14 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
     One back-substitution for each case or instant where there is a residual compliance.
     """
     rom = solution.system
-    if not isinstance(rom, ReducedModel) or rom.contact.residual_compliance is None:
+    residual = rom.contact.residual_compliance
+    if not isinstance(rom, ReducedModel) or residual is None or solution.shear_forces is not None:
         return solution.full_displacement()
     vectors = rom.trial_vectors
     if len(vectors) != model.structure.n_dof:
         message = (
             f"the trial vectors have {len(vectors)} rows but the model {model.structure.n_dof} "
             "degrees of freedom; give the model that was reduced"
-        )
-        raise ModelError(message)
-    if solution.shear_forces is not None:
-        message = (
-            "a reduced model expands what normal contact forces move, not friction yet; take "
-            "displacements at boundaries, gaps and slips, or the path of the full model"
         )
         raise ModelError(message)
     moved: Matrix = solution.states @ vectors.T

@@ -149,6 +149,12 @@ class Solution:
             If the model came without its trial vectors, or keeps a residual compliance, whose
             displacements take the full model: :func:`faying.full_displacement`.
         """
+        if self.shear_forces is not None and self.system.contact.residual_compliance is not None:
+            message = (
+                "a reduced model expands what normal contact forces move, not friction yet; take "
+                "displacements at boundaries, gaps and slips, or the path of the full model"
+            )
+            raise ModelError(message)
         return self.system.expand(self.states)
 
     def _points(self, interface: str | None) -> slice:
