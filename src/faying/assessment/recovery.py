@@ -11,6 +11,7 @@ It is the mode-acceleration method of structural dynamics with contact. ``docs/t
 derives it and says what limits it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -169,6 +170,13 @@ def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
     inputs = load.inputs(joint, np.zeros(1))[0]
     free = static_displacements(joint.port_compliance, inputs)
     return solve_instants(joint, load.name, inputs, free, None)
+
+
+def solve_cases_at_ports(joint: Joint, loads: Sequence[Load]) -> Recovered:
+    """Return the static solutions of many loads, as :func:`solve_at_ports`."""
+    inputs = np.concatenate([load.inputs(joint, np.zeros(1)) for load in loads])
+    free = static_displacements(joint.port_compliance, inputs)
+    return solve_instants(joint, "cases", inputs, free, None)
 
 
 def _selected(solution: Solution, at: slice | Indices) -> Solution:

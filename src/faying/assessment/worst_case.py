@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.accuracy import Accuracy, compare
 from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
-from faying.assessment.recovery import Recovered, solve_at_ports
+from faying.assessment.recovery import Recovered, solve_at_ports, solve_cases_at_ports
 from faying.exceptions import ModelError
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import LoadBox
@@ -167,7 +167,7 @@ def _within_round_off(search: _Search, places: Matrix) -> bool:
     """Say whether pressures at all places are those of the full model, which is cheap by then."""
     loads = [search.load(place) for place in places]
     found = solve_static_cases(search.rom, loads).pressure
-    full = solve_static_cases(search.rom.model, loads)
+    full = solve_cases_at_ports(search.rom.joint, loads)
     errors = np.abs(found - full.pressure).max(axis=1)
     return bool((errors <= ROUND_OFF * full.max_pressure).all())
 
