@@ -5,8 +5,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 from rich import box
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import FreeParts
@@ -60,7 +60,7 @@ def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]])
     for column in columns:
         table.add_column(column, overflow="fold")
     for row in rows:
-        table.add_row(*(escape(_text(cell)) for cell in row))
+        table.add_row(*(Text(_text(cell)) for cell in row))
     return table
 
 
