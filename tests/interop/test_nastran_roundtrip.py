@@ -186,7 +186,7 @@ def test_nothing_is_left_behind_when_writing_fails(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="node ids must lie between"):
         write_deck(empty, path)
     assert ([p.name for p in tmp_path.iterdir()], path.read_text()) == (["a.bdf"], "old")
-    with pytest.raises(FormatError, match="cannot be written"):
+    with pytest.raises(FormatError, match="cannot write"):
         write_deck(everything(), tmp_path / "no" / "a.bdf")
     eye = np.eye(1)
     block = MatrixBlock(M=eye, K=eye, nodes=[0], components=[0])
