@@ -70,5 +70,5 @@ class DensePoints:
         block = self.H.take(points, axis=0)[:, points].T
         factor, failed = lapack.dpotrf(block, lower=1, overwrite_a=1, clean=0)
         pivots = np.diag(factor)
-        least, most = pivots.min(initial=1.0), pivots.max(initial=0.0)
+        least, most = pivots.min(initial=np.inf), pivots.max(initial=0.0)
         return factor, not failed and bool(least >= SINGULAR_PIVOT * most)
