@@ -9,11 +9,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_limits
 
 import faying as fy
-from faying.study.schema import read_study
-from faying.workflow.run import run
 
 SMALL = """
 [model]
@@ -95,6 +92,23 @@ A clock on the wall would hit other places when other programs run.
 """
 
 
+SEQUENCE = """
+import sys
+from pathlib import Path
+from threadpoolctl import threadpool_limits
+from faying.study.schema import read_study
+from faying.workflow.run import run
+
+paths = list(map(Path, sys.argv[1:]))
+for path, out in zip(paths[::2], paths[1::2], strict=True):
+    study = read_study(path)
+    quiet = study.output.model_copy(update={"report": False})
+    with threadpool_limits(1):
+        assert run(study.model_copy(update={"output": quiet}), out).converged
+"""
+"""Runs one after the other in one process, without reports, which compute nothing."""
+
+
 def bits(out: Path) -> dict[str, object]:
     """Type, shape and bytes of every dataset that a run leaves, but for dates and seconds."""
     found: dict[str, object] = {}
@@ -118,15 +132,6 @@ def assert_same(found: Mapping[str, object], expected: Mapping[str, object], wha
     assert len(names) > 100
 
 
-def here(path: Path, out: Path) -> dict[str, object]:
-    """Run in this process, without the report, which computes nothing."""
-    study = read_study(path)
-    quiet = study.output.model_copy(update={"report": False})
-    with threadpool_limits(1):
-        assert run(study.model_copy(update={"output": quiet}), out).converged
-    return bits(out)
-
-
 def elsewhere(path: Path, out: Path, seconds: float = np.inf) -> subprocess.CompletedProcess[str]:
     """Run, or resume, in a process of its own; killed after some seconds."""
     return subprocess.run(
@@ -145,15 +150,26 @@ def finished(path: Path, out: Path) -> float:
 
 
 def check_orders(studies: Mapping[str, Path], order: Iterable[str], folder: Path) -> None:
-    """Run studies one after the other, and each in a process of its own."""
+    """Run studies one after the other in one process, and each in a process of its own.
+
+    Not in the process of the tests: libraries that other tests load round differently afterwards.
+    """
     expected: dict[str, dict[str, object]] = {}
     for name, path in studies.items():
         finished(path, folder / name)
         expected[name] = bits(folder / name)
+    outs = [(name, folder / f"{place}-{name}") for place, name in enumerate(order)]
+    pairs = [argument for name, out in outs for argument in (studies[name], out)]
+    ended = subprocess.run(
+        [sys.executable, "-W", "error", "-c", SEQUENCE, *pairs],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
     before = "nothing"
-    for place, name in enumerate(order):
-        found = here(studies[name], folder / f"{place}-{name}")
-        assert_same(found, expected[name], f"{name} after {before}")
+    for name, out in outs:
+        assert_same(bits(out), expected[name], f"{name} after {before}")
         before = name
 
 
