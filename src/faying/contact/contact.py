@@ -118,13 +118,6 @@ class Contact:
         penalty: Vector = frozen(self._by_point(lambda law, _: law.penalty))
         return penalty
 
-    def admissible(self, forces: Matrix) -> Matrix:
-        """Return the admissible contact forces (..., n_point) nearest to given ones."""
-        result = np.array(forces, dtype=float)
-        for name, points in self.slices.items():
-            result[..., points] = self.laws[name].admissible(result[None, ..., points])[0]
-        return result
-
     def _by_point(self, value: Callable[[Law, slice], Vector | float]) -> Vector:
         """Return a value of the laws at every point (n_point,)."""
         result = np.empty(self.n_points)

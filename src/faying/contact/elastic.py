@@ -83,8 +83,7 @@ class ElasticContact:
         if state is not None and state.supported is not None:
             if not self.pairs.near(state.supported, start):
                 return self.pairs.supported(start)
-            at_hand: SupportedCompliance | None = state.factor
-            return self.pairs.supported(state.supported) if at_hand is None else at_hand
+            return self.pairs.at_hand(state)
         few = len(self.pairs.S) <= FEW_PAIRS
         steady = state is not None and state.steady and self._enough(start)
         return self.pairs.supported(start) if few or steady else None

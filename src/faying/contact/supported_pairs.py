@@ -192,6 +192,13 @@ class SupportedPairs:
         seen = _Rows(np.empty((room, len(self.S))), np.full(len(self.D), -1))
         return SupportedCompliance(closed=closed.copy(), E=E, rows=self.rows, seen=seen)
 
+    def at_hand(self, state: ContactState) -> SupportedCompliance | None:
+        """Return the E that a state comes with, formed again where it was stored as its points."""
+        if state.supported is None:
+            return None
+        support: SupportedCompliance | None = state.factor
+        return self.supported(state.supported) if support is None else support
+
     def arrays(self, support: SupportedCompliance) -> dict[str, Matrix | Mask | Indices]:
         """Return what a compiled solver needs, row by row."""
         return {

@@ -17,7 +17,6 @@ from faying.contact.state import ContactState
 from faying.contact.supported_pairs import (
     MOST_CHANGED,
     MOST_RENEWALS,
-    SupportedCompliance,
     SupportedPairs,
 )
 from faying.exceptions import ModelError
@@ -118,7 +117,7 @@ class CompiledSteps:
             Where contact stands after them.
         """
         loop, guess = import_loop(), state.active.copy()
-        support = self._at_hand(state)
+        support = self.pairs.at_hand(state)
         done, renewals = 0, 0
         while done < len(applied) and renewals <= MOST_RENEWALS:
             if done or support is None or not self.pairs.near(support.closed, guess):
@@ -149,13 +148,6 @@ class CompiledSteps:
                 break
         closed = None if support is None else support.closed
         return done, ContactState(active=guess, supported=closed, steady=True, factor=support)
-
-    def _at_hand(self, state: ContactState) -> SupportedCompliance | None:
-        """Return the E that a state comes with."""
-        if state.supported is None:
-            return None
-        at_hand: SupportedCompliance | None = state.factor
-        return self.pairs.supported(state.supported) if at_hand is None else at_hand
 
 
 def compiled_steps(
