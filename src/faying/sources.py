@@ -5,12 +5,14 @@ One function for Python and one entry of :data:`SOURCES` for studies each.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
 
+from faying.io.deck_geometry import ABAQUS, NASTRAN
 from faying.joint.build import build_model
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.joint.model import Model
@@ -57,6 +59,7 @@ def read_nastran(
     boundaries: Sequence[BoundarySpec] = (),
     damping: Rayleigh | None = None,
     subcase: int | None = None,
+    ignore: Sequence[str] = (),
 ) -> Model:
     """Build a model from a Nastran bulk-data deck.
 
@@ -71,6 +74,9 @@ def read_nastran(
         Where loads enter.
     subcase
         Subcase whose sets count; the first unless given.
+    ignore
+        What the deck has and the model shall not: ``"plastic"``, ``"friction"``, ``"temperature"``
+        (:data:`faying.io.left_out.IGNORABLE` says what each means).
 
     Raises
     ------
@@ -81,7 +87,7 @@ def read_nastran(
     """
     from faying.io.nastran import read_joint
 
-    described = read_joint(path, subcase=subcase)
+    described = read_joint(path, subcase=subcase, ignore=ignore)
     return _of_deck(described, interfaces, bolts, boundaries, damping)
 
 
@@ -93,6 +99,7 @@ def read_abaqus(
     boundaries: Sequence[BoundarySpec] = (),
     damping: Rayleigh | None = None,
     step: int | None = None,
+    ignore: Sequence[str] = (),
 ) -> Model:
     """Build a model from an Abaqus or CalculiX input deck.
 
@@ -108,6 +115,8 @@ def read_abaqus(
         Where loads enter.
     step
         Step whose boundary conditions count; the last general one unless given.
+    ignore
+        As for :func:`read_nastran`.
 
     Raises
     ------
@@ -118,7 +127,8 @@ def read_abaqus(
     """
     from faying.io.abaqus import read_joint
 
-    return _of_deck(read_joint(path, step=step), interfaces, bolts, boundaries, damping)
+    described = read_joint(path, step=step, ignore=ignore)
+    return _of_deck(described, interfaces, bolts, boundaries, damping)
 
 
 def _of_deck(
@@ -268,6 +278,7 @@ class SourceKeys:
     file: Path
     files: Mapping[str, Path | None] = field(default_factory=dict)
     subcase: int | None = None
+    ignore: tuple[str, ...] = ()
     element: str = "incompatible"
     separate: tuple[str, ...] = ()
     lap_joint: Mapping[str, Any] = field(default_factory=dict)
@@ -295,6 +306,8 @@ class Source:
         Whether there are elements, hence materials and bolts that are elements.
     is_mesh
         Whether materials must be given whole, and groups may be separated.
+    suffixes
+        Of files that are read by it without a study.
     remedy
         What to do about a bolt that comes with it and is not as wished.
     """
@@ -308,6 +321,7 @@ class Source:
     has_boundaries: bool = False
     has_elements: bool = True
     is_mesh: bool = False
+    suffixes: tuple[str, ...] = ()
     remedy: str = "remove the key, or change the deck"
 
 
@@ -321,13 +335,13 @@ def _lap_joint(keys: SourceKeys) -> JointDescription:
 def _nastran(keys: SourceKeys) -> JointDescription:
     from faying.io.nastran import read_joint
 
-    return read_joint(keys.file, subcase=keys.subcase)
+    return read_joint(keys.file, subcase=keys.subcase, ignore=keys.ignore)
 
 
 def _abaqus(keys: SourceKeys) -> JointDescription:
     from faying.io.abaqus import read_joint
 
-    return read_joint(keys.file, step=keys.subcase)
+    return read_joint(keys.file, step=keys.subcase, ignore=keys.ignore)
 
 
 def _mesh(keys: SourceKeys) -> JointDescription:
@@ -355,6 +369,8 @@ def _matrices(keys: SourceKeys) -> JointDescription:
     return JointDescription(assembly=read_matrices(**files))
 
 
+_deck = partial(Source, key="file", is_deck=True, has_joint=True)
+
 SOURCES: Mapping[str, Source] = MappingProxyType(
     {
         source.name: source
@@ -368,8 +384,8 @@ SOURCES: Mapping[str, Source] = MappingProxyType(
                 has_boundaries=True,
                 remedy="give measures in [model.lap_joint] (bolt_diameter, washer_radius, ...)",
             ),
-            Source(name="nastran", key="file", read=_nastran, is_deck=True, has_joint=True),
-            Source(name="abaqus", key="file", read=_abaqus, is_deck=True, has_joint=True),
+            _deck(name="nastran", read=_nastran, suffixes=(*NASTRAN, ".dat")),
+            _deck(name="abaqus", read=_abaqus, suffixes=ABAQUS),
             Source(name="mesh", key="file", read=_mesh, is_mesh=True),
             Source(name="matrices", key="files", read=_matrices, has_elements=False),
         )

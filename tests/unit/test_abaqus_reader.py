@@ -464,8 +464,7 @@ def test_sections_that_cut_nothing_are_refused(read, change, message):
 
 def test_harmless_keywords_are_listed_once(small):
     ignored = small.assembly.ignored
-    assert "1 *HEADING" in ignored
-    assert "1 *NODE FILE" in ignored
+    assert any(note.startswith("1 *HEADING, 1 *NODE FILE: ") for note in ignored)
     assert len(ignored) == len(set(ignored))
 
 
@@ -473,7 +472,8 @@ def test_harmless_keywords_are_listed_once(small):
 
 REFUSED = [
     (before_steps("*TIE, NAME=T\nSLAVE, MASTER\n"), r":81: \*TIE: .*not supported.*shared nodes"),
-    (before_steps("*INITIAL CONDITIONS, TYPE=STRESS\n"), r"\*INITIAL CONDITIONS: .*not supported"),
+    (before_steps("*INITIAL CONDITIONS, TYPE=STRESS\n"),
+     r"\*INITIAL CONDITIONS, TYPE=STRESS: .*not supported"),
     (before_steps("*BLA\n"), r":81: \*BLA: the keyword is not supported"),
     (edited(("1, 0., 0., 0.", "1, 0., 0.O, 0.")),
      r"deck\.inp:5: \*NODE: a coordinate: '0.O' is not"),
@@ -485,8 +485,8 @@ REFUSED = [
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 99\n")), r":27: \*ELEMENT: there is no node 99"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 7\n")), r":27: .*element 1 names a node twice"),
     (edited(("2, 11, 12", "1, 11, 12")), r":29: \*ELEMENT: element 1 is defined twice"),
-    (edited(("TYPE=C3D8,", "TYPE=S4,")), r":26: \*ELEMENT: elements of TYPE=S4 are not supported"),
-    (edited(("TYPE=B31", "TYPE=T3D2")), r"TYPE=T3D2 are not supported; use B31"),
+    (edited(("TYPE=C3D8,", "TYPE=S4,")), r":26: \*ELEMENT, TYPE=S4: .*mesh with solids"),
+    (edited(("TYPE=B31", "TYPE=T3D2")), r"TYPE=T3D2: .*not supported.*use B31"),
     (edited(("ELSET=LOWER", "ELSETT=LOWER")), r"the parameter ELSETT is not supported"),
     (edited(("15, 18, 1", "15, 19, 1")), r"the range starts or ends at 19"),
     (edited(("15, 18, 1", "15, 18, 2")), r"does not work out"),

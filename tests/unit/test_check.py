@@ -11,6 +11,7 @@ import faying as fy
 from faying import cli
 from faying.joint.diagnosis import free_parts
 from faying.linalg.backends import available_backends
+from small_abaqus_deck import DECK
 
 SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -127,3 +128,89 @@ def test_joint_without_bolt_lets_one_body_go():
     ((name, how),) = found.parts.items()
     assert name.startswith("body 'upper'")
     assert how == "is held by nothing"
+
+
+# --- decks alone, and studies that are not ready to run ---------------------------------------
+
+
+def run_check(monkeypatch, capsys, path, *options):
+    """Check a file; return status, lines and error."""
+    monkeypatch.setattr(sys, "argv", ["faying", "check", str(path), *options])
+    monkeypatch.setenv("COLUMNS", "200")
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    out, err = capsys.readouterr()
+    return ended.value.code or 0, [line.split() for line in out.splitlines()], err
+
+
+@pytest.fixture
+def check_file(monkeypatch, capsys):
+    return lambda path, *options: run_check(monkeypatch, capsys, path, *options)
+
+
+def without_contact(text):
+    start, end = text.index("*SURFACE INTERACTION"), text.index("*RIGID BODY")
+    return text[:start] + text[end:]
+
+
+def test_a_bare_deck_is_told_with_what_a_run_would_need(check_file, tmp_path):
+    path = tmp_path / "joint.inp"
+    path.write_text(DECK.replace("102, 1, 6", "102, 1, 2"))
+    status, lines, err = check_file(path, "--out", str(tmp_path))
+    assert (status, err) == (0, "")
+    assert ["Interfaces"] in lines
+    assert cells(lines, "Joint")[-1] == "1e+06"
+    assert " ".join(cells(lines, "bolt")).endswith("400 the source")
+    needs = lines.index(["what", "a", "run", "would", "still", "need"])
+    assert ["a", "[[load_case]]"] in lines[needs:]
+    # A study is refused for that; of a deck it is told.
+    assert any(line[:2] == ["supports:", "something"] for line in lines[needs:])
+    assert (tmp_path / "model.png").stat().st_size > 0
+    start = lines.index(["[model]"])
+    pasted = "\n".join(" ".join(line) for line in lines[start : start + 3])
+    assert tomllib.loads(pasted) == {"model": {"source": "abaqus", "file": "joint.inp"}}
+
+
+def test_candidates_where_no_interface_is_declared(check_file, tmp_path):
+    path = tmp_path / "bricks.inp"
+    path.write_text(without_contact(DECK))
+    study = tmp_path / "study.toml"
+    study.write_text('[model]\nsource = "abaqus"\nfile = "bricks.inp"\n')
+    for one in (path, study):
+        status, lines, err = check_file(one)
+        assert (status, err) == (0, "")
+        assert ["Candidate", "interfaces"] in lines
+        assert cells(lines, "joint")[1:4] == ["1", "4", "4"]
+        start = lines.index(["[[interface]]"])
+        pasted = "\n".join(" ".join(line) for line in lines[start : start + 5])
+        (found,) = tomllib.loads(pasted)["interface"]
+        assert found == {"name": "joint", "minus": "auto", "plus": "auto", "meshes": "matching"}
+    apart = without_contact(DECK)
+    for node in range(11, 19):
+        apart = re.sub(rf"^({node}, .*), (.)\.$", r"\1, 2\2.", apart, flags=re.MULTILINE)
+    path.write_text(apart)
+    status, lines, _ = check_file(path)
+    assert status == 0
+    assert ["Candidate", "interfaces"] not in lines
+    assert any(line[:4] == ["an", "interface:", "no", "bodies"] for line in lines)
+
+
+def test_a_study_without_density_is_told_that_it_needs_one(check_file, tmp_path):
+    """It is refused when it is run."""
+    (tmp_path / "cantilever.bdf").write_text(
+        (EXAMPLES / "cantilever.bdf").read_text().replace("7.82-9", "")
+    )
+    study = tmp_path / "study.toml"
+    text = (EXAMPLES / "nastran_deck.toml").read_text()
+    study.write_text(text)
+    status, lines, _ = check_file(study)
+    assert status == 0
+    assert any(line[:1] == ["densities:"] for line in lines)
+
+
+def test_files_of_no_known_kind_are_refused(check_file, tmp_path):
+    path = tmp_path / "joint.step"
+    path.write_text("")
+    status, _, err = check_file(path)
+    assert status == 2
+    assert "'.step' is neither .toml nor a suffix of decks (.bdf, " in err

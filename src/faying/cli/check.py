@@ -5,48 +5,57 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from faying.cli.arguments import StudyPath, usable_folder
+from faying.cli.arguments import usable_folder
 
 if TYPE_CHECKING:
     from faying.joint.model import Model
     from faying.study.load_model import LoadedModel
 
 
+StudyOrDeck = Annotated[
+    Path, typer.Argument(metavar="STUDY.toml|DECK", help="The study file, or a deck alone.")
+]
+
+
 def check(
-    study: StudyPath,
+    study: StudyOrDeck,
     out: Annotated[Path | None, typer.Option(help="Folder for pictures of the model.")] = None,
 ) -> None:
-    """Read and check a study; print mass, bodies, constraints, interfaces and loads."""
+    """Read and check a study or a deck; print mass, bodies, constraints, interfaces and loads."""
     from rich.console import Console
 
     from faying.cli.description import described
-    from faying.joint.diagnosis import check_held, free_parts
+    from faying.joint.diagnosis import check_held
+    from faying.study.bare_deck import is_bare, study_or_deck
     from faying.study.declared import missing_contact
-    from faying.study.load_model import build_loaded, load_model
-    from faying.study.loads import check_loads
+    from faying.study.load_model import load_model
+    from faying.study.loads import check_targets
     from faying.study.naming_tables import naming_tables
-    from faying.study.schema import read_study
     from faying.study.solid_constants import doubts
+    from faying.study.understood import understood
 
-    checked = read_study(study)
+    checked, bare = study_or_deck(study), is_bare(study)
     if out is not None:
         usable_folder(out)
     with naming_tables(checked):
         loaded = load_model(checked)
-        model = build_loaded(loaded)
-    check_loads(checked, model)
-    console, free = Console(markup=False), free_parts(model)
-    for table in described(checked, loaded, model, free):
+        found = understood(checked, loaded, bare=bare)
+    model = found.model
+    check_targets(checked, model)
+    console = Console(markup=False)
+    for table in described(checked, loaded, found):
         console.print(table)
     missing = [
         missing_contact(name, interface.area, interface.declared_area)
         for name, interface in model.interfaces.items()
     ]
-    for doubt in [*doubts(loaded.assembly.materials, loaded.units), *filter(None, missing)]:
+    # The units of a bare deck are nowhere said.
+    constants = () if bare else doubts(loaded.assembly.materials, loaded.units)
+    for doubt in [*constants, *filter(None, missing)]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
-    if free.count:
+    if found.free.count and not bare:
         # Last, so that what can move is seen in the tables and the picture first.
         check_held(model)
 

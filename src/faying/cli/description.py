@@ -21,9 +21,11 @@ from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.simulation.integrators import named_integrator
+from faying.study.bare_deck import is_bare, quoted
 from faying.study.declared import kept_share
 from faying.study.load_model import LoadedModel
 from faying.study.tables import ForceSection, LoadCaseSection, Study
+from faying.study.understood import Understood
 
 MOST_IDS = 6
 """Elements of a bolt that are named."""
@@ -32,18 +34,23 @@ MOST_LOADS = 8
 """Loads of the source for which a load case is written out."""
 
 
-def described(study: Study, loaded: LoadedModel, model: Model, free: FreeParts) -> Iterator[Table]:
+def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[Table]:
     """Yield the tables of ``faying check``, in the order of the data flow."""
+    model = found.model
     yield _overview(study, model)
     yield _bodies(model.assembly.mesh)
     yield _materials(model.assembly)
     yield _connections(model.assembly)
-    yield _rigid_body_modes(free)
-    yield _interfaces(model)
-    yield _sides(model)
-    yield _bolts(study, loaded, model)
-    yield _boundaries(model)
-    yield _load_cases(study)
+    yield _rigid_body_modes(found.free)
+    if model.interfaces:
+        yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
+        yield _sides(model)
+    if loaded.bolts:
+        yield _bolts(study, loaded, model)
+    if model.boundaries:
+        yield _boundaries(model)
+    if study.load_cases:
+        yield _load_cases(study)
     if model.assembly.loads:
         yield _deck_loads(study, loaded)
         yield from _unused_loads(study, loaded)
@@ -53,6 +60,24 @@ def described(study: Study, loaded: LoadedModel, model: Model, free: FreeParts) 
             ["left out, or taken otherwise"],
             ([text] for text in model.assembly.ignored),
         )
+    yield from _missing(study, found)
+
+
+def _missing(study: Study, found: Understood) -> Iterator[Table]:
+    """Say what a run would still need, and the beginning of a study that says it."""
+    if found.needs:
+        columns = ["what a run would still need"]
+        yield _table("Not ready to run", columns, ([need] for need in found.needs))
+    lines = []
+    if is_bare(study.path):
+        lines += ["[model]", f'source = "{study.model.source}"']
+        lines += [f"file = {quoted(study.path.name)}", ""]
+    if found.candidate is not None:
+        lines += ["[[interface]]", f'name = "{found.candidate.name}"']
+        lines += ['minus = "auto"', 'plus = "auto"', f'meshes = "{found.candidate.meshes}"', ""]
+    if lines:
+        title = f"A study begins like this ({study.path.stem}.toml)"
+        yield _table(title if is_bare(study.path) else "Add", ["TOML"], ([x] for x in lines[:-1]))
 
 
 def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:
@@ -162,11 +187,11 @@ def _supports(assembly: Assembly) -> dict[str, list[int]]:
     return held
 
 
-def _interfaces(model: Model) -> Table:
+def _interfaces(model: Model, title: str) -> Table:
     columns = ["name", "faces", "pairs", "points", "rule", "area", "of declared"]
     columns += ["mean gap", "penalty"]
     rows = (_interface(interface) for interface in model.interfaces.values())
-    return _table("Interfaces", columns, rows)
+    return _table(title, columns, rows)
 
 
 def _sides(model: Model) -> Table:
@@ -265,7 +290,7 @@ def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
         return
     lines = []
     for name in unused[:MOST_LOADS]:
-        text = json.dumps(name, ensure_ascii=False)  # a TOML basic string
+        text = quoted(name)
         lines += ["[[load_case]]", f"name = {json.dumps(_case_name(study, name))}"]
         lines += ['kind = "static"', f"forces = [{{ deck_load = {text}, value = 1.0 }}]", ""]
     title = "To apply loads of the source that no load case does, paste into the study"

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, SparseMatrix, Vector, read_only
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import declared_area
@@ -68,6 +68,36 @@ def build_model(
     -----
     Assembly and elimination of constraints only; nothing is factorized yet.
     """
+    model = _built(assembly, interfaces, bolts, boundaries, damping, units)
+    if not model.interfaces:
+        message = "the model has no interface; name one, or let faying find it with 'auto'"
+        raise ModelError(message)
+    return model
+
+
+def model_without_contact(
+    assembly: Assembly,
+    *,
+    bolts: Sequence[BoltSpec] = (),
+    boundaries: Sequence[BoundarySpec] = (),
+    damping: Rayleigh | None = None,
+    units: str = "mm-t-s",
+) -> Model:
+    """Build the structure of a joint alone, to be looked at: nothing of it touches.
+
+    Parameters and errors are those of :func:`build_model`.
+    """
+    return _built(assembly, (), bolts, boundaries, damping, units)
+
+
+def _built(
+    assembly: Assembly,
+    interfaces: Sequence[InterfaceSpec],
+    bolts: Sequence[BoltSpec],
+    boundaries: Sequence[BoundarySpec],
+    damping: Rayleigh | None,
+    units: str,
+) -> Model:
     assembly, bolts = _with_generated_bolts(assembly, bolts)
     seats = _bolt_seats(assembly, bolts)
     check_not_twice(seats)
@@ -91,13 +121,13 @@ def build_model(
         for spec, end in zip(boundaries, ends, strict=True)
     }
     tightened = {spec.name: _bolt(assembly, dofs, K, spec, seats) for spec in bolts}
-    stacked = stack(joints)
+    relative_operator, places = _relative(joints, K.shape[0])
     structure = Structure(
         M=M,
         C=C,
         K=K,
-        relative_operator=stacked.relative_operator,
-        places=stacked.places,
+        relative_operator=relative_operator,
+        places=places,
         boundary=boundary_dofs(placed),
         elongations=elongations(tightened, K.shape[0]),
         diagnose=partial(unconstrained, assembly, dofs),
@@ -176,11 +206,16 @@ def _interfaces(
                 message = f"two interfaces are called '{name}'; give each its own name"
                 raise ModelError(message)
             joints[name] = interface
-    if not joints:
-        message = "the model has no interface; name one, or let faying find it with 'auto'"
-        raise ModelError(message)
     check_not_doubled(joints)
     return joints
+
+
+def _relative(joints: Mapping[str, Interface], n_dof: int) -> tuple[SparseMatrix, Matrix | None]:
+    """Return P of all interfaces, and where its rows are."""
+    if not joints:
+        return sp.csr_array((0, n_dof)), np.zeros((0, 3))
+    stacked = stack(joints)
+    return stacked.relative_operator, stacked.places
 
 
 def _found(

@@ -101,6 +101,9 @@ def _model_files(study: Study) -> Iterator[Problem]:
     if study.model.subcase is not None and not source.is_deck:
         text = f"source '{source.name}' has no subcases; remove it"
         yield _problem(study, ("model", "subcase"), text)
+    if study.model.ignore and not source.is_deck:
+        text = f"source '{source.name}' is no deck that could hold more than is read; remove it"
+        yield _problem(study, ("model", "ignore"), text)
     for key in dict.fromkeys(one.key for one in SOURCES.values()):
         given = key in study.model.model_fields_set
         if key == source.key and not given and source.needs_key:
@@ -119,9 +122,6 @@ def _sets(study: Study) -> Iterator[Problem]:
 
 
 def _interfaces(study: Study) -> Iterator[Problem]:
-    if not _source(study).has_joint and not study.interfaces:
-        text = 'there is no [[interface]]; add one with a name, minus = "auto" and plus = "auto"'
-        yield Problem((), f"{study.path.name}: {text}")
     for i, interface in enumerate(study.interfaces):
         if (interface.minus == "auto") != (interface.plus == "auto"):
             text = 'only one of minus and plus is "auto"; name both sides, or neither'

@@ -88,12 +88,6 @@ def load_model(study: Study) -> LoadedModel:
     check_distinct_bolts(study, bolts)
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
-    if not interfaces:
-        message = (
-            f"{study.path.name}: neither the study nor its deck has a contact interface; add "
-            '[[interface]] with a name, minus = "auto" and plus = "auto"'
-        )
-        raise StudyError(message)
     known = [spec.name for spec in boundaries]
     problems = [*boundary_problems(study, known), *deck_load_problems(study, assembly)]
     reject(study.source, problems)
@@ -154,6 +148,21 @@ def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
     return with_gap_offset(interface, np.asarray(offset))
 
 
+def check_interfaces(study: Study, loaded: LoadedModel) -> None:
+    """Refuse to compute a model in which nothing touches.
+
+    Raises
+    ------
+    StudyError
+    """
+    if not loaded.interfaces:
+        message = (
+            f"{study.path.name}: neither the study nor its source has a contact interface; add "
+            '[[interface]] with a name, minus = "auto" and plus = "auto"'
+        )
+        raise StudyError(message)
+
+
 def build(study: Study) -> Model:
     """Build the model of a study; check that it is held and its loads find their components.
 
@@ -163,7 +172,9 @@ def build(study: Study) -> Model:
         As :func:`load_model`, :func:`build_loaded`, :func:`faying.study.loads.check_loads` and
         :func:`faying.joint.diagnosis.check_held`.
     """
-    model = build_loaded(load_model(study))
+    loaded = load_model(study)
+    check_interfaces(study, loaded)
+    model = build_loaded(loaded)
     check_loads(study, model)
     check_held(model)
     return model
@@ -177,6 +188,7 @@ def _described(study: Study) -> JointDescription:
             file=model.file or Path(),
             files=dict(model.files or {}),
             subcase=model.subcase,
+            ignore=model.ignore,
             element=model.element,
             separate=model.separate,
             lap_joint=lap_joint_keywords(study) if model.lap_joint else {},

@@ -59,12 +59,28 @@ def check_loads(study: Study, model: Model) -> None:
     ModelError
         The message names the boundary and its components, or what needs the mass.
     """
-    if not model.structure.has_mass and (needed_by := _transients(study)):
-        message = (
-            "the model has no mass: its materials have no density and it has no point masses, and "
-            f"{needed_by}; give rho where the materials are, or by [material.NAME] in the study"
-        )
-        raise ModelError(message)
+    if missing := missing_mass(study, model):
+        raise ModelError(missing)
+    check_targets(study, model)
+
+
+def missing_mass(study: Study, model: Model) -> str:
+    """Say what needs the mass that a model has not; nothing where there is some, or no need."""
+    needed_by = "" if model.structure.has_mass else _transients(study)
+    return needed_by and (
+        "the model has no mass: its materials have no density and it has no point masses, and "
+        f"{needed_by}; give rho where the materials are, or by [material.NAME] in the study"
+    )
+
+
+def check_targets(study: Study, model: Model) -> None:
+    """Refuse loads on components a boundary does not have.
+
+    Raises
+    ------
+    ModelError
+        The message names the boundary and its components.
+    """
     start = np.zeros(1)
     training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
     worst = Load({side.target: 0.0 for side in study.validation.box}, name="validation")

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from faying.io.left_out import IGNORABLE
 from faying.sources import SOURCES
 from faying.study.errors import refusal, shown
 from faying.study.section import (
@@ -94,6 +95,8 @@ class ModelSection(Section):
         Deck of sources "nastran" and "abaqus", mesh file of source "mesh".
     subcase
         Subcase or step of the deck whose supports and loads count; the first unless given.
+    ignore
+        What the deck has and the model shall not, see :data:`faying.io.left_out.IGNORABLE`.
     files
         Matrix and table files of source "matrices".
     element
@@ -109,6 +112,7 @@ class ModelSection(Section):
     source: Annotated[str, name_in(SOURCES)]
     file: ExistingFile | None = None
     subcase: Count | None = None
+    ignore: tuple[Annotated[str, name_in(IGNORABLE)], ...] = ()
     files: MatrixFiles | None = None
     element: Literal["incompatible", "standard"] = "incompatible"
     separate: tuple[Name, ...] = ()

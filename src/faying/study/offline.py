@@ -24,7 +24,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.study.checkpoint import Checkpoint
-from faying.study.load_model import LoadedModel, build_loaded, load_model
+from faying.study.load_model import LoadedModel, build_loaded, check_interfaces, load_model
 from faying.study.loads import check_loads, is_trained, training_box
 from faying.study.progress import Stages
 from faying.study.tables import Study
@@ -70,6 +70,7 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
     """
     with stages.stage("assembly"):
         loaded = load_model(study)
+        check_interfaces(study, loaded)
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
         check_loads(study, model)
     _condense(model, stages)

@@ -14,6 +14,7 @@ from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
+from faying.io.left_out import IGNORABLE
 from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
@@ -50,11 +51,21 @@ def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[st
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
         name = head.required("NAME")
+        if "friction" in deck.ignore:
+            members = _frictionless(members, ignored)
         behaviours[name.upper()] = name, _behaviour(head, members, ignored)
     pairs = []
     for keyword in deck.of("CONTACT PAIR"):
         pairs += _pairs(keyword, surfaces, _adjust(keyword, sets), behaviours, ignored)
     return pairs
+
+
+def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
+    """Leave out friction as asked."""
+    kept = [member for member in members if member.name != "FRICTION"]
+    if len(kept) < len(members):
+        ignored.append(f"*FRICTION: {IGNORABLE['friction']} (ignore = friction)")
+    return kept
 
 
 def _pairs(
@@ -125,10 +136,7 @@ def _behaviour(
             penalty = _surface_behavior(member, ignored)
         elif member.name == "FRICTION":
             _check_frictionless(member)
-        elif member.name == "CONTACT DAMPING":
-            message = "damping in contact is not supported; remove it"
-            raise member.error(message)
-        else:
+        elif member.name == "GAP CONDUCTANCE":
             ignored.append(f"*{member.name} of {head.value('NAME')}")
     return penalty
 

@@ -23,11 +23,14 @@ class Deck:
         Number of steps.
     path
         The deck, for messages that concern all of it.
+    ignore
+        What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
     """
 
     keywords: Sequence[Keyword]
     n_step: int
     path: Path
+    ignore: frozenset[str] = frozenset()
 
     def of(self, *names: str) -> list[Keyword]:
         """Return the keywords of these names."""
@@ -80,7 +83,7 @@ class Deck:
         return iter(found)
 
 
-def read_keyword_deck(path: Path, ignored: list[str]) -> Deck:
+def read_keyword_deck(path: Path, ignored: list[str], ignore: frozenset[str] = frozenset()) -> Deck:
     """Read a deck into keywords.
 
     Raises
@@ -106,7 +109,7 @@ def read_keyword_deck(path: Path, ignored: list[str]) -> Deck:
                 raise keyword.error(message)
             inside = False
     _check_order(numbered)
-    return Deck(keywords=numbered, n_step=step, path=path)
+    return Deck(keywords=numbered, n_step=step, path=path, ignore=ignore)
 
 
 def _check_order(keywords: Sequence[Keyword]) -> None:

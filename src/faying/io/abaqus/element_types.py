@@ -20,17 +20,8 @@ LINE_TYPES: Mapping[str, int] = {
     "MASS": 1,
     "ROTARYI": 1,
     "DCOUP3D": 1,
+    "DASHPOTA": 2,
+    "DASHPOT1": 1,
+    "DASHPOT2": 2,
 }
 """Nodes of elements that are no solids."""
-
-REMEDIES: Mapping[str, str] = {
-    "T3D2": "use B31 or SPRING2",
-    "T3D3": "use B31 or SPRING2",
-    "C3D20I": "use C3D20",
-    "C3D8H": "use C3D8 or C3D8I; hybrid elements are not supported",
-    "C3D10H": "use C3D10; hybrid elements are not supported",
-    "CONN3D2": "use *COUPLING, *MPC or *EQUATION",
-    "GAPUNI": "use *CONTACT PAIR",
-    "DASHPOTA": "remove it and give damping in the study",
-    "C3D5": "mesh with hexahedra, wedges or tetrahedra",
-}

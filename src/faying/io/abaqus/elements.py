@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.element_types import LINE_TYPES, REMEDIES, SOLID_TYPES
+from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.fields import integers, table
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.nodes import Nodes
@@ -85,8 +85,8 @@ def _block(keyword: Keyword, nodes: Nodes) -> ElementBlock:
     elif kind in LINE_TYPES:
         size = LINE_TYPES[kind]
     else:
-        remedy = REMEDIES.get(kind, f"supported are {', '.join([*SOLID_TYPES, *LINE_TYPES])}")
-        message = f"elements of TYPE={kind} are not supported; {remedy}"
+        known = ", ".join([*SOLID_TYPES, *LINE_TYPES])
+        message = f"elements of TYPE={kind} are not supported; supported are {known}"
         raise keyword.error(message)
     width = size + 1
     if not keyword.data:

@@ -1,5 +1,6 @@
 """Read an Abaqus or CalculiX deck: the structure, its contact pairs and its bolts."""
 
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
@@ -7,11 +8,14 @@ import numpy as np
 
 from faying.io.abaqus.deck import read_keyword_deck
 from faying.io.abaqus.model import description
+from faying.io.left_out import checked_ignore
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
 
 
-def read_joint(path: str | PathLike[str], *, step: int | None = None) -> JointDescription:
+def read_joint(
+    path: str | PathLike[str], *, step: int | None = None, ignore: Sequence[str] = ()
+) -> JointDescription:
     """Read a deck, its contact pairs as interfaces and its pretension sections as bolts.
 
     Parameters
@@ -21,6 +25,10 @@ def read_joint(path: str | PathLike[str], *, step: int | None = None) -> JointDe
     step
         Step whose boundary conditions, loads and bolt forces count, with what earlier steps leave
         in force; the last general one unless given.
+
+    ignore
+        What the deck has and the model shall not: words of
+        :data:`faying.io.left_out.IGNORABLE`, which says what each means.
 
     Returns
     -------
@@ -34,7 +42,7 @@ def read_joint(path: str | PathLike[str], *, step: int | None = None) -> JointDe
     ------
     FormatError
         With file and line: a missing file, a malformed number, a reference to something that is
-        not there, a repeated id, or a keyword that changes the structure and is not supported.
+        not there, a repeated id; or all keywords that change the structure and are not supported.
 
     Notes
     -----
@@ -44,7 +52,8 @@ def read_joint(path: str | PathLike[str], *, step: int | None = None) -> JointDe
     ignored: list[str] = []
     # Overflow is caught by the finiteness checks, where the culprit can be named.
     with np.errstate(over="ignore", invalid="ignore"):
-        return description(read_keyword_deck(path, ignored).until(step), ignored)
+        deck = read_keyword_deck(path, ignored, checked_ignore(ignore))
+        return description(deck.until(step), ignored)
 
 
 def read_deck(path: str | PathLike[str]) -> Assembly:

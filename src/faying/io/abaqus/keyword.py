@@ -61,10 +61,13 @@ class Keyword:
     scope: Scope = field(default_factory=Scope)
     step: int = 0
 
+    def where(self, row: int | None = None) -> str:
+        """Return file:line of the keyword, or of a data line."""
+        return self.lines.where(self.line if row is None else int(self.data_lines[row]))
+
     def error(self, text: str, row: int | None = None) -> FormatError:
         """Return an error that names file, line and keyword; ``row`` is a data line."""
-        line = self.line if row is None else int(self.data_lines[row])
-        return FormatError(f"{self.lines.where(line)}: *{self.name}: {text}")
+        return FormatError(f"{self.where(row)}: *{self.name}: {text}")
 
     def has(self, name: str) -> bool:
         """Whether a parameter is given."""

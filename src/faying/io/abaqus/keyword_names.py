@@ -2,18 +2,18 @@
 
 from collections.abc import Mapping
 
-from faying.io.abaqus.left_out import HARMLESS, REMEDIES
+from faying.io.abaqus.left_out import KEYWORDS
 
 READ = frozenset(
     (
         *("NODE", "SYSTEM", "ELEMENT", "NSET", "ELSET", "SURFACE", "MATERIAL", "ELASTIC"),
-        *("DENSITY", "DAMPING", "EXPANSION", "CONDUCTIVITY", "SPECIFIC HEAT", "LATENT HEAT"),
+        *("DENSITY", "EXPANSION", "CONDUCTIVITY", "SPECIFIC HEAT", "LATENT HEAT"),
         *("INELASTIC HEAT FRACTION", "SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION"),
         *("TRANSVERSE SHEAR STIFFNESS", "SPRING", "MASS", "ROTARY INERTIA", "TRANSFORM"),
         *("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD", "EQUATION", "MPC", "RIGID BODY", "COUPLING"),
         *("KINEMATIC", "DISTRIBUTING", "DISTRIBUTING COUPLING", "PRE-TENSION SECTION"),
         *("CONTACT PAIR", "SURFACE INTERACTION", "SURFACE BEHAVIOR", "FRICTION", "CLEARANCE"),
-        *("CONTACT DAMPING", "GAP CONDUCTANCE", "AMPLITUDE"),
+        *("GAP CONDUCTANCE", "AMPLITUDE"),
     )
 )
 """Keywords whose data are read, or refused for what they say."""
@@ -29,7 +29,7 @@ def without_blanks(name: str) -> str:
 
 
 _KNOWN: Mapping[str, str] = {
-    without_blanks(name): name for name in (*READ, *HARMLESS, *REMEDIES, *_STRUCTURE)
+    without_blanks(name): name for name in (*READ, *KEYWORDS.names(), *_STRUCTURE)
 }
 
 

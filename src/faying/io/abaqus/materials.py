@@ -7,7 +7,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ
-from faying.io.abaqus.left_out import HARMLESS as HARMLESS_KEYWORDS
+from faying.io.abaqus.left_out import KEYWORDS
 from faying.model.assembly import Material
 
 HARMLESS = frozenset(
@@ -31,7 +31,7 @@ def without_unused(deck: Deck, ignored: list[str]) -> Deck:
             unused = bool(name) and name.upper() not in used
             if unused:
                 ignored.append(f"material {name}, which no section names")
-        elif keyword.name in READ | HARMLESS_KEYWORDS and keyword.name not in MEMBERS:
+        elif keyword.name in READ | KEYWORDS.harmless.keys() and keyword.name not in MEMBERS:
             unused = False
         if not unused:
             kept.append(keyword)
@@ -60,9 +60,7 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
                 elastic = _elastic(member)
             elif member.name == "DENSITY":
                 density = _density(member)
-            elif member.name == "DAMPING":
-                _check_no_damping(member)
-            else:
+            elif member.name in HARMLESS:
                 ignored.append(f"*{member.name} of material {name} (no temperatures)")
         if elastic is None:
             message = f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
@@ -106,13 +104,3 @@ def _check_one(keyword: Keyword, rows: list[list[str]], most: int, expected: str
     if len(rows[0]) > most:
         message = f"found {len(rows[0])} fields, expected {expected}"
         raise keyword.error(message, 0)
-
-
-def _check_no_damping(keyword: Keyword) -> None:
-    for name, text in keyword.parameters.items():
-        if real(keyword, None, text, f"the value of {name}") != 0.0:
-            message = (
-                "damping of a material is not supported; remove it and give alpha and beta under "
-                "[damping] in the study"
-            )
-            raise keyword.error(message)

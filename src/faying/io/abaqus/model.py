@@ -14,10 +14,12 @@ from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
+from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations, read_mpcs
-from faying.io.abaqus.keyword_names import READ
-from faying.io.abaqus.left_out import HARMLESS, REMEDIES
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword_names import READ, without_blanks
+from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.nodes import read_nodes
@@ -27,6 +29,7 @@ from faying.io.abaqus.solid_sections import formulation, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
 from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
+from faying.io.left_out import Occurrence
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
@@ -168,27 +171,38 @@ def _tied(
 
 
 def check_supported(deck: Deck, ignored: list[str]) -> None:
-    """Refuse keywords that may change the structure; count the harmless ones.
+    """Refuse keywords and elements that may change the structure; note what is left out.
 
     Raises
     ------
     FormatError
-        Naming the keyword, its line and what to do instead.
+        Naming all of them, their lines and what to do instead.
     """
-    counts: dict[str, int] = {}
+    found: dict[str, list[Keyword]] = {}
     for keyword in deck.keywords:
-        if keyword.name in READ:
-            continue
-        if keyword.name not in HARMLESS:
-            remedy = REMEDIES.get(keyword.name, "remove it, or model it with supported keywords")
-            message = f"the keyword is not supported and may change the structure; {remedy}"
-            raise keyword.error(message)
-        counts[keyword.name] = counts.get(keyword.name, 0) + 1
-    ignored += [f"{count} *{name}" for name, count in counts.items()]
+        name = _unread_name(keyword)
+        if name:
+            found.setdefault(name, []).append(keyword)
+    occurrences = [
+        Occurrence(name=name, count=len(these), where=these[0].where())
+        for name, these in found.items()
+    ]
+    ignored += KEYWORDS.notes(occurrences, deck.ignore, deck.path)
     if any(
         k.choice("NLGEOM", "NO") != "NO" or k.value("NLGEOM", "-") == "" for k in deck.of("STEP")
     ):
         ignored.append("NLGEOM of *STEP: displacements are small here")
+
+
+def _unread_name(keyword: Keyword) -> str:
+    """Return what a keyword that is not read is called where it is handled; else nothing."""
+    if keyword.name == "ELEMENT":
+        kind = keyword.choice("TYPE")
+        known = not kind or kind in SOLID_TYPES or kind in LINE_TYPES
+        return "" if known else f"ELEMENT, TYPE={kind}"
+    if keyword.name == "INITIAL CONDITIONS" and keyword.has("TYPE"):
+        return f"INITIAL CONDITIONS, TYPE={without_blanks(keyword.value('TYPE'))}"
+    return "" if keyword.name in READ else keyword.name
 
 
 def _loads(

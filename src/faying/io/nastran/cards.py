@@ -80,9 +80,13 @@ class Cards:
         """Return some of the cards."""
         return Cards(bulk=self.bulk, name=self.name, index=self.index[which])
 
+    def place(self, card: int, field: int = 0) -> str:
+        """Return file:line of a card."""
+        return self.bulk.where(int(self.start[card]) + field)
+
     def where(self, card: int, field: int = 0) -> str:
         """Return file:line and the name of a card."""
-        return f"{self.bulk.where(int(self.start[card]) + field)}: {self.name}"
+        return f"{self.place(card, field)}: {self.name}"
 
     def error(self, card: int, text: str, field: int = 0) -> FormatError:
         """Return the error that names file, line and card."""

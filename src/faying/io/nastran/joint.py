@@ -1,6 +1,6 @@
 """A Nastran deck with what it says about contact and bolts."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.deck_lines import naming
+from faying.io.left_out import checked_ignore
 from faying.io.nastran.bolts import read_bolts
 from faying.io.nastran.contact_msc import all_bodies_touch, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
@@ -20,7 +21,9 @@ from faying.model.specs import InterfaceSpec
 from faying.model.surface import exterior_facets, unique_rows
 
 
-def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> JointDescription:
+def read_joint(
+    path: str | PathLike[str], *, subcase: int | None = None, ignore: Sequence[str] = ()
+) -> JointDescription:
     """Read a deck, its contact definitions as interfaces and its bolts with their pretension.
 
     Contact is BCTSET (Simcenter, selected by BCSET) or BCTABLE, BCTABL1, BCONECT (MSC, selected by
@@ -35,6 +38,9 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
         The deck; see :func:`faying.io.nastran.read_deck` for what is read.
     subcase
         Subcase whose selections count; the first unless given.
+    ignore
+        What the deck has and the model shall not: words of
+        :data:`faying.io.left_out.IGNORABLE`, which says what each means.
 
     Raises
     ------
@@ -48,7 +54,7 @@ def read_joint(path: str | PathLike[str], *, subcase: int | None = None) -> Join
     is then named in ``assembly.ignored``. Penalty factors are left to the study.
     """
     with naming(path):
-        return _described(read_parts(path, subcase))
+        return _described(read_parts(path, subcase, checked_ignore(ignore)))
 
 
 def _described(deck: Deck) -> JointDescription:

@@ -8,16 +8,18 @@ from pathlib import Path
 import numpy as np
 
 from faying.exceptions import FormatError
+from faying.io.left_out import Occurrence
 from faying.io.nastran.beams import read_beams
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
 from faying.io.nastran.couplings import read_average_couplings, read_rigid_couplings
 from faying.io.nastran.equations import read_equations
 from faying.io.nastran.grids import Grids, read_grids
+from faying.io.nastran.left_out import CARDS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses
 from faying.io.nastran.materials import MATERIALS, materials_named, read_materials
-from faying.io.nastran.parameters import HARMLESS, mass_factor
+from faying.io.nastran.parameters import mass_factor
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.solids import (
@@ -52,19 +54,6 @@ _READ = frozenset(
         *("BOLT", "BOLTFOR", "BOLTLD", "BOLTFRC", "BOLTSEQ"),
     )
 )
-_REMEDIES = {
-    "CPYRAM": "mesh with CHEXA, CPENTA or CTETRA",
-    "CPYRA": "mesh with CHEXA, CPENTA or CTETRA",
-    "CROD": "use CBAR",
-    "CONROD": "use CBAR",
-    "CBUSH": "use CELAS2",
-    "RBAR": "use RBE2",
-    "RBE1": "use RBE2 or MPC",
-    "PLSOLID": "use PSOLID",
-    "MAT9": "use MAT1; only isotropic materials are supported",
-    "CMASS2": "use CONM2",
-    "CONM1": "use CONM2",
-}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,6 +64,8 @@ class Deck:
     ----------
     ignored
         Notes so far; readers append theirs.
+    ignore
+        What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
     """
 
     cards: Mapping[str, Cards]
@@ -83,9 +74,14 @@ class Deck:
     solids: Solids
     assembly: Assembly
     ignored: list[str]
+    ignore: frozenset[str] = frozenset()
 
 
-def read_parts(path: str | PathLike[str], subcase: int | None = None) -> Deck:
+def read_parts(
+    path: str | PathLike[str],
+    subcase: int | None = None,
+    ignore: frozenset[str] = frozenset(),
+) -> Deck:
     """Read the structure of a deck; see :func:`faying.io.nastran.read_deck`.
 
     Raises
@@ -99,7 +95,7 @@ def read_parts(path: str | PathLike[str], subcase: int | None = None) -> Deck:
     cards = bulk.cards()
     ignored: list[str] = []
     control = read_case_control(source.control, ignored, subcase)
-    _check_supported(cards, ignored)
+    _check_supported(cards, ignored, ignore, path)
     # Overflow is caught by the finiteness checks, where the culprit can be named.
     with np.errstate(over="ignore", invalid="ignore"):
         parameters = read_cards(parameter_lines(source.control))
@@ -141,24 +137,25 @@ def read_parts(path: str | PathLike[str], subcase: int | None = None) -> Deck:
         solids=solids,
         assembly=assembly,
         ignored=ignored,
+        ignore=ignore,
     )
 
 
-def _check_supported(cards: Mapping[str, Cards], ignored: list[str]) -> None:
+def _check_supported(
+    cards: Mapping[str, Cards], ignored: list[str], ignore: frozenset[str], path: Path
+) -> None:
+    """Refuse cards that may change the structure, all at once; note what is left out."""
     named = materials_named(cards)
+    unread = []
     for name, found in cards.items():
         if name in _READ:
             continue
-        if name in HARMLESS:
-            ignored.append(f"{len(found)} {name}")
-            continue
-        refused = 0
+        first = 0
         if name in MATERIALS:
             used = [card.number for card in found if card.integer(0) in named]
             if not used:
                 ignored.append(f"{len(found)} {name} that no property names")
                 continue
-            refused = used[0]
-        remedy = _REMEDIES.get(name, "remove it, or model it with supported cards")
-        message = f"the card is not supported and may change the structure; {remedy}"
-        raise found.error(refused, message)
+            first = used[0]
+        unread.append(Occurrence(name=name, count=len(found), where=found.place(first)))
+    ignored += CARDS.notes(unread, ignore, path)

@@ -1,0 +1,144 @@
+"""Which decks of a folder are read, which are refused, and why.
+
+    python benchmarks/decks.py FOLDER [--limit SECONDS] [--ignore plastic,friction,temperature]
+
+Every deck below the folder is read and built in a process of its own, as ``faying check DECK``
+does. The tables count outcomes of decks with solids, and the names that stop them; a name that
+stops a deck is counted once for it, however often it stands there.
+"""
+
+import argparse
+import re
+import sys
+import time
+from collections import Counter
+from dataclasses import dataclass
+from multiprocessing import Pipe, Process
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from faying.exceptions import FayingError
+from faying.sources import SOURCES
+
+SOLID = {
+    "abaqus": re.compile(rb"^\s*\*\s*ELEMENT\s*,.*TYPE\s*=\s*C3D", re.IGNORECASE | re.MULTILINE),
+    "nastran": re.compile(rb"^\s*(CHEXA|CPENTA|CTETRA|CPYRAM)", re.IGNORECASE | re.MULTILINE),
+}
+PLACE = re.compile(r"^\s*\S.*?:\d+: ([^:]+?)(?: \(\d+\))?(?::|$)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What became of one deck: a class, the reasons or needs, and how long it took [s]."""
+
+    path: Path
+    kind: str
+    reasons: tuple[str, ...]
+    text: str
+    seconds: float
+
+
+def names_in(message: str) -> tuple[str, ...]:
+    """Return the keywords or cards a refusal names, else its text without place."""
+    places = [PLACE.match(line) for line in message.splitlines()]
+    found = dict.fromkeys(match[1] for match in places if match)
+    return tuple(found) or (message.splitlines()[0].split(": ", 1)[-1][:80],)
+
+
+def tried(path: Path, ignore: tuple[str, ...]) -> tuple[str, tuple[str, ...], str]:
+    """Read and build one deck."""
+    from faying.study.bare_deck import study_or_deck
+    from faying.study.load_model import load_model
+    from faying.study.understood import understood
+
+    try:
+        study = study_or_deck(path)
+        wished = study.model.model_copy(update={"ignore": ignore})
+        loaded = load_model(study.model_copy(update={"model": wished}))
+    except FayingError as error:
+        return "refused", names_in(str(error)), str(error)
+    try:
+        found = understood(study, loaded, bare=True)
+    except FayingError as error:
+        return "read, not built", (str(error)[:100],), str(error)
+    needs = tuple(need for need in found.needs if need.startswith("contact"))
+    kind = "read, contact not built" if needs else "read and built"
+    return kind, needs, "\n".join(found.needs)
+
+
+def worker(pipe: Connection, ignore: tuple[str, ...]) -> None:
+    """Try decks as they come."""
+    while True:
+        path = pipe.recv()
+        try:
+            pipe.send(tried(path, ignore))
+        except Exception as error:  # any traceback is a finding
+            pipe.send(("bug", (f"{type(error).__name__}: {error}"[:100],), repr(error)))
+
+
+def outcomes(paths: list[Path], limit: float, ignore: tuple[str, ...]) -> list[Outcome]:
+    """Try all decks, each no longer than the limit."""
+    found = []
+    ours: Connection | None = None
+    process: Process | None = None
+    for path in paths:
+        if process is None or ours is None:
+            ours, theirs = Pipe()
+            process = Process(target=worker, args=(theirs, ignore), daemon=True)
+            process.start()
+        start = time.monotonic()
+        ours.send(path)
+        kind, reasons, text = "too slow", (f"more than {limit:g} s",), ""
+        try:
+            if ours.poll(limit):
+                kind, reasons, text = ours.recv()
+        except EOFError:
+            kind, reasons = "bug", ("the process died",)
+        if kind == "too slow" or not process.is_alive():
+            process.kill()
+            process.join()
+            process = None
+        seconds = time.monotonic() - start
+        found.append(Outcome(path=path, kind=kind, reasons=reasons, text=text, seconds=seconds))
+    return found
+
+
+def has_solids(path: Path) -> bool:
+    """Say whether a deck has three-dimensional solids, in it or in what it includes."""
+    text = path.read_bytes()
+    source = "abaqus" if path.suffix.lower() == ".inp" else "nastran"
+    return SOLID[source].search(text) is not None or b"INCLUDE" in text.upper()
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--limit", type=float, default=20.0, help="seconds for each deck")
+    parser.add_argument("--ignore", default="", help="words for [model] ignore, with commas")
+    parser.add_argument("--match", default="*", help="names of the decks, as in *contact*")
+    parser.add_argument("--all", action="store_true", help="print a line for every deck")
+    wished = parser.parse_args()
+    suffixes = {suffix for source in SOURCES.values() for suffix in source.suffixes}
+    paths = sorted(p for p in wished.folder.rglob(wished.match) if p.suffix.lower() in suffixes)
+    solid = [path for path in paths if has_solids(path)]
+    ignore = tuple(word for word in wished.ignore.split(",") if word)
+    found = outcomes(solid, wished.limit, ignore)
+    lines = []
+    if wished.all:
+        for one in found:
+            first = one.text.splitlines()[0] if one.text else ""
+            name = one.path.relative_to(wished.folder)
+            lines.append(f"{one.kind}\t{name}\t{one.seconds:.1f}\t{first}")
+    lines += [f"{len(paths)} decks, {len(solid)} with solids", "", "| outcome | decks | share |"]
+    lines.append("|---|---|---|")
+    for kind, count in Counter(one.kind for one in found).most_common():
+        lines.append(f"| {kind} | {count} | {count / len(found):.0%} |")
+    lines += ["", "| what stops decks | decks |", "|---|---|"]
+    stops = Counter(reason for one in found for reason in dict.fromkeys(one.reasons))
+    lines += [f"| {reason} | {count} |" for reason, count in stops.most_common(60)]
+    sys.stdout.write("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    main()

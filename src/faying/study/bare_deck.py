@@ -1,0 +1,49 @@
+"""A deck without a study, as the study that says nothing but where it is."""
+
+import json
+from pathlib import Path
+
+from faying.exceptions import StudyError
+from faying.sources import SOURCES
+from faying.study.schema import parse_study, read_study
+from faying.study.tables import Study
+
+STUDY = ".toml"
+
+
+def is_bare(path: Path) -> bool:
+    """Whether a file is no study, by its suffix."""
+    return path.suffix.lower() != STUDY
+
+
+def study_or_deck(path: Path) -> Study:
+    """Read a study, or take a deck as one that adds nothing to it.
+
+    Raises
+    ------
+    StudyError
+        As :func:`faying.study.schema.read_study`, or if the suffix is that of no source.
+    """
+    if not is_bare(path):
+        return read_study(path)
+    lines = ["[model]", f'source = "{_source(path)}"', f"file = {quoted(path.name)}"]
+    return parse_study("\n".join(lines), path)
+
+
+def quoted(text: str) -> str:
+    """Return a TOML basic string."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _source(path: Path) -> str:
+    """Return the source that reads files of this suffix."""
+    suffix = path.suffix.lower()
+    for source in SOURCES.values():
+        if suffix in source.suffixes:
+            return source.name
+    known = ", ".join(suffix for source in SOURCES.values() for suffix in source.suffixes)
+    message = (
+        f"{path}: '{path.suffix}' is neither {STUDY} nor a suffix of decks ({known}); rename the "
+        "file, or name it and its source in a study"
+    )
+    raise StudyError(message)

@@ -1,0 +1,110 @@
+"""What can be said of a study that is not ready to run: its model, and what a run would need."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from faying.exceptions import ModelError
+from faying.interface.mortar import find_couplings
+from faying.interface.pairing import find_interfaces
+from faying.joint.build import model_without_contact
+from faying.joint.diagnosis import FreeParts, free_parts
+from faying.joint.model import Model
+from faying.model.assembly import Assembly
+from faying.model.specs import InterfaceSpec
+from faying.study.load_model import LoadedModel, build_loaded
+from faying.study.loads import missing_mass
+from faying.study.tables import Study
+
+CANDIDATES: tuple[tuple[InterfaceSpec, Callable[[Assembly, InterfaceSpec], object]], ...] = (
+    (InterfaceSpec(name="joint"), find_interfaces),
+    (InterfaceSpec(name="joint", meshes="non-matching"), find_couplings),
+)
+"""Where a model without interfaces may have some, the first that is found."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Understood:
+    """A model and what is missing from it.
+
+    Attributes
+    ----------
+    candidate
+        The interface that was found where none is declared, which the model then has.
+    free
+        What can move in it.
+    needs
+        What a run would still need, in sentences.
+    """
+
+    model: Model
+    candidate: InterfaceSpec | None
+    free: FreeParts
+    needs: tuple[str, ...]
+
+
+def understood(study: Study, loaded: LoadedModel, *, bare: bool) -> Understood:
+    """Build the model as far as it can be built.
+
+    Parameters
+    ----------
+    bare
+        Whether there is a deck alone, whose faults are then needs of a run.
+
+    Raises
+    ------
+    ModelError
+        If the structure cannot be built; and of studies, if a declared interface cannot.
+    """
+    problem = ""
+    candidate = None if loaded.interfaces else _candidate(loaded.assembly)
+    try:
+        specs = loaded.interfaces if candidate is None else (candidate,)
+        model = build_loaded(replace(loaded, interfaces=specs)) if specs else _structure(loaded)
+    except ModelError as error:
+        if not bare and loaded.interfaces:
+            raise
+        model, problem = _structure(loaded), str(error)
+    free = free_parts(model)
+    needs = tuple(_needs(study, loaded, model, free, problem))
+    return Understood(model=model, candidate=candidate, free=free, needs=needs)
+
+
+def _candidate(assembly: Assembly) -> InterfaceSpec | None:
+    """Return the contact of all bodies that touch, whether their meshes match or not."""
+    for spec, find in CANDIDATES:
+        try:
+            find(assembly, spec)
+        except ModelError:
+            continue
+        return spec
+    return None
+
+
+def _structure(loaded: LoadedModel) -> Model:
+    return model_without_contact(
+        loaded.assembly,
+        bolts=loaded.bolts,
+        boundaries=loaded.boundaries,
+        damping=loaded.damping,
+        units=loaded.units,
+    )
+
+
+def _needs(
+    study: Study, loaded: LoadedModel, model: Model, free: FreeParts, problem: str
+) -> Iterator[str]:
+    if problem:
+        yield f"contact that can be built: {problem}"
+    elif not model.interfaces:
+        yield "an interface: no bodies touch, and none is declared; name both sides of one"
+    elif not loaded.interfaces:
+        yield "an interface in the study; those found are above, with what to paste below"
+    if free.count:
+        yield "supports: something can move, as the rigid-body modes say"
+    for spec in loaded.bolts:
+        if spec.name not in loaded.preloads and spec.name not in loaded.initial_forces:
+            yield f"the preload of bolt '{spec.name}'"
+    if missing := missing_mass(study, model):
+        yield f"densities: {missing}"
+    if not study.load_cases:
+        yield "a [[load_case]]"
