@@ -9,8 +9,10 @@ from faying.cli.check import check
 from faying.cli.demo import demo
 from faying.cli.export import export
 from faying.cli.recover import recover
+from faying.cli.reduce import reduce
 from faying.cli.report import report
 from faying.cli.run import run
+from faying.cli.solve import solve
 from faying.exceptions import FayingError
 
 BAD_INPUT = 2
@@ -25,7 +27,7 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
-for command in (demo, run, check, report, recover, export):
+for command in (demo, run, check, report, recover, export, reduce, solve):
     app.command()(command)
 
 

@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from faying.reduction.reduced_model import ReducedModel
+from faying.cli.model_sizes import model_sizes
 
 
 def export(
@@ -43,26 +42,9 @@ def export(
     target = out or folder / default_name(rom, to)
     paths = write(run, to, out=target, method=method, joint_modes=joint_modes)
     typer.echo(f"{chosen.kind.capitalize()}: {MEANINGS[chosen.kind]}")
-    typer.echo(_described(rom))
+    typer.echo(model_sizes(rom))
     for path in _shown(paths):
         typer.echo(f"Wrote {path}")
-
-
-def _described(rom: "ReducedModel") -> str:
-    """Say which model it is and what its numbers are measured in."""
-    from faying.units import units_of
-
-    units = units_of(rom.units)
-    counts = {
-        "coordinate": len(rom.K),
-        "boundary displacement": sum(len(one.dofs) for one in rom.boundaries.values()),
-        "bolt": len(rom.bolts),
-        "contact point": rom.contact.n_points,
-    }
-    sizes = ", ".join(f"{n} {name}{'s' * (n != 1)}" for name, n in counts.items())
-    modes = f" with {rom.joint_modes} joint modes" if rom.joint_modes else ""
-    measures = (units.length, units.mass, units.time, units.force, units.pressure)
-    return f"Model: {rom.method}{modes}, {sizes}\nUnits: {', '.join(measures)}"
 
 
 FEW = 8

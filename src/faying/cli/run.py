@@ -56,22 +56,17 @@ def compute(
         raise StudyError(message)
     usable_folder(out)
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
     from faying.cli.outcome import show_outcome
+    from faying.cli.progress import progress_bar
     from faying.study.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
 
     console = Console(stderr=True)
-    # A bar that is not seen would leave an empty line among the messages.
-    hidden = not console.is_terminal
-    # Brackets in the names of load cases are no markup.
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn())
-    bar = Progress(*columns, console=console, transient=True, disable=hidden)
     try:
         with ExitStack() as stack:
             executor = _executor(workers, scheduler, stack)
-            progress = stack.enter_context(bar)
+            progress = stack.enter_context(progress_bar(console))
             stack.enter_context(naming_tables(study))
             result = run_study(
                 study, out, resume=resume, progress=progress, executor=executor, since=since

@@ -303,7 +303,22 @@ def _bolt(
     elongation = (row @ dofs.transformation).toarray().ravel()
     if spec.nodes is not None:
         check_contained(K, elongation, spec)
-    return Bolt(name=spec.name, elongation=elongation, stiffness=stiffness)
+    return Bolt(
+        name=spec.name,
+        elongation=elongation,
+        stiffness=stiffness,
+        ends=assembly.mesh.nodes[_end_nodes(assembly, spec)],
+    )
+
+
+def _end_nodes(assembly: Assembly, spec: BoltSpec) -> Indices:
+    """Return the two nodes (2,) between which a bolt is tightened."""
+    if spec.nodes is not None:
+        return assembly.mesh.node_index(np.array(spec.nodes))
+    element = bolt_axis_element(assembly, spec)
+    if isinstance(element, Beam):
+        return np.array(element.nodes)
+    return np.array([node for node, _ in element.ends])
 
 
 def _of_element(assembly: Assembly, spec: BoltSpec, seats: Seats) -> tuple[SparseMatrix, float]:

@@ -20,15 +20,20 @@ class Bolt:
         EA/L of the element that is tightened.
     initial_force : [force]
         N₀; zero for a bolt not yet tightened.
+    ends : (2, 3) or None [length]
+        Where what is tightened begins and ends.
     """
 
     name: str
     elongation: Vector
     stiffness: float
     initial_force: float = 0.0
+    ends: Matrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elongation", frozen(self.elongation))
+        if self.ends is not None:
+            object.__setattr__(self, "ends", frozen(self.ends))
 
     def force(self, displacement: Matrix) -> Matrix:
         """Axial force for displacements of shape (..., n_dof); tension is positive."""

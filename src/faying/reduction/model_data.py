@@ -35,6 +35,8 @@ class ModelData:
         Nodes, elements and how they move.
     name, units
         Of the full model.
+    period
+        Longest period of its small vibrations about the preloaded state [time]; None where unknown.
     method
         Name of the reduction.
     ports
@@ -61,6 +63,7 @@ class ModelData:
     load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
     name: str = "model"
     units: str = "mm-t-s"
+    period: float | None = None
     method: str = "model"
     ports: PortCompliance | None = None
     recovery_inertia: Matrix | None = None

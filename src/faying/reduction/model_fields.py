@@ -125,7 +125,11 @@ OWN_ROOT: Table = {
     "blocks": Meaning("solid elements, one group per block of one kind"),
     "interfaces": Meaning("contact interfaces by name"),
     "laws": Meaning("contact law of each interface: its name, and its parameters in model units"),
+    "period": Meaning(
+        "longest period of small vibrations about the preloaded state; absent where unknown", "time"
+    ),
     "bolts": Meaning("initial force each bolt is locked at", "force"),
+    "bolt_ends": Meaning("where each bolt begins and ends, as far as known", "length", "(2, 3)"),
     "provenance": Meaning("what made this file"),
 }
 """Of a file of one reduced model."""

@@ -16,6 +16,7 @@ from faying.files.described import (
     described_file,
     items,
     member,
+    member_name,
     numbers,
     read_member,
     sparse_matrix,
@@ -72,8 +73,15 @@ def load(path: Path | str) -> ReducedModel:
         if list(laws) != list(joint.contact.slices):
             message = f"/laws has {', '.join(laws)}, /interfaces {', '.join(joint.contact.slices)}"
             raise ValueError(message)
-        contact = replace(joint.contact, laws=laws)
-        joint = replace(joint, contact=contact, name=name, method=method, units=units)
+        joint = replace(
+            joint,
+            contact=replace(joint.contact, laws=laws),
+            bolts=_with_ends(file, joint.bolts),
+            name=name,
+            method=method,
+            units=units,
+            period=float(numbers(file, "period", ())) if "period" in file else None,
+        )
         group = member(file, "reduced")
         return _with_shapes(group, read_model(group, joint))
 
@@ -199,6 +207,17 @@ def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:
         shapes = numbers(group, "nodal_shapes", (n, n_node, 3))
         mesh = replace(mesh, vectors=shapes.reshape(n, -1).T)
     return replace(rom, mesh=mesh)
+
+
+def _with_ends(file: h5py.File, bolts: Mapping[str, Bolt]) -> dict[str, Bolt]:
+    """Return bolts with the places they are at, where the file has them."""
+    group = file.get("bolt_ends", {})
+    return {
+        name: replace(bolt, ends=numbers(group, name, (2, 3)))
+        if member_name(name) in group
+        else bolt
+        for name, bolt in bolts.items()
+    }
 
 
 def _law(group: h5py.Group) -> Law:

@@ -54,7 +54,7 @@ _SHAPES = Meaning(
 )
 
 
-def write_model(rom: ModelData, path: Path, *, shapes: bool) -> None:
+def write_model(rom: ModelData, path: Path, *, shapes: bool, provenance: Mapping[str, str]) -> None:
     """Write one reduced model, as :meth:`ReducedModel.save`."""
     residual = rom.contact.residual_compliance
     relative = None if rom.ports is None else rom.ports.relative
@@ -75,11 +75,14 @@ def write_model(rom: ModelData, path: Path, *, shapes: bool) -> None:
         "blocks": tuple(rom.mesh.blocks),
         "interfaces": rom.interfaces,
         "laws": {name: _law(law) for name, law in rom.contact.laws.items()},
+        "period": rom.period,
         "bolts": {name: {"initial_force": one.initial_force} for name, one in rom.bolts.items()},
+        "bolt_ends": {n: one.ends for n, one in rom.bolts.items() if one.ends is not None},
         "provenance": {
             "python": platform.python_version(),
             "numpy": np.__version__,
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
+            **provenance,
         },
     }
     title = f"{rom.name}, {rom.method}"

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
@@ -145,7 +146,13 @@ class ReducedModel(ModelData):
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
         return replace(self, bolts={**self.bolts, **locked})
 
-    def save(self, path: Path | str, *, shapes: bool = True) -> None:
+    def save(
+        self,
+        path: Path | str,
+        *,
+        shapes: bool = True,
+        provenance: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         """Write the model to one HDF5 file, atomically; :func:`faying.load` reads it.
 
         Parameters
@@ -155,10 +162,12 @@ class ReducedModel(ModelData):
         shapes
             Keep the trial vectors, the greater part of the file: without them displacements of
             all nodes are not to be had, and no pictures.
+        provenance
+            More texts by name on what the model was made from, beside versions and date.
 
         Raises
         ------
         FormatError
             If the file cannot be written, or the interfaces are too large.
         """
-        write_model(self, Path(path), shapes=shapes)
+        write_model(self, Path(path), shapes=shapes, provenance=provenance)

@@ -2,7 +2,9 @@
 
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -11,9 +13,9 @@ from faying.files.contents import file_text
 from faying.study.consistency import inconsistencies
 from faying.study.errors import Problem, StudySource, reject, translated
 from faying.study.positions import line_numbers
-from faying.study.tables import Study
+from faying.study.tables import LoadCaseSection, Study
 
-__all__ = ["Study", "parse_study", "read_study"]
+__all__ = ["Study", "parse_study", "read_load_cases", "read_study"]
 
 
 def read_study(path: Path | str) -> Study:
@@ -45,17 +47,52 @@ def parse_study(text: str, path: Path) -> Study:
     StudyError
         As :func:`read_study`.
     """
+    return _checked(_tables(text, path), StudySource(path.resolve(), text, line_numbers(text)))
+
+
+def read_load_cases(path: Path | str) -> tuple[LoadCaseSection, ...]:
+    """Read the load cases of a file that has nothing else, or of a study.
+
+    Raises
+    ------
+    StudyError
+        As :func:`read_study`, or if there is none.
+    """
+    text = _text(Path(path))
+    source = StudySource(Path(path).resolve(), text, line_numbers(text))
+    tables = _tables(text, Path(path))
+    if "model" not in tables:
+        known = ["title", "load_case"]
+        unknown = [key for key in tables if key not in known]
+        if unknown:
+            place = source.place((unknown[0],))
+            message = f"unknown key {place}; a file of load cases has [[load_case]] and a title"
+            raise StudyError(message)
+        # A load case is checked as in a study, whose model is a file here.
+        tables = {**tables, "model": {"source": "lap-joint"}}
+    cases = _checked(tables, source).load_cases
+    if not cases:
+        message = f"{source.path.name} has no [[load_case]]; add one, there is nothing to compute"
+        raise StudyError(message)
+    return cases
+
+
+def _tables(text: str, path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML text."""
     try:
-        data = tomllib.loads(text)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         message = f"{path.name} is not valid TOML: {error}; {_remedy(text, str(error))}"
         raise StudyError(message) from None
     except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep lists
         message = f"{path.name} cannot be read ({error}); write shorter numbers and flatter lists"
         raise StudyError(message) from None
-    source = StudySource(path.resolve(), text, line_numbers(text))
+
+
+def _checked(tables: Mapping[str, Any], source: StudySource) -> Study:
+    """Return the study of some tables."""
     try:
-        study = Study.model_validate(data, context=source)
+        study = Study.model_validate(tables, context=source)
     except ValidationError as error:
         reject(source, _mistakes(source, error))
         raise

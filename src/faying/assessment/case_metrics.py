@@ -1,0 +1,175 @@
+"""What an engineer asks of every load case or instant: a few numbers, not fields."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.assessment.certificate import Certificate
+from faying.interface.surface import ContactSurface
+from faying.joint.system import System
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
+from faying.simulation.solution import Solution
+
+
+@dataclass(frozen=True, kw_only=True)
+class Metric:
+    """One number of every load case or instant.
+
+    Attributes
+    ----------
+    name
+        As in ``clamp_force.joint``: what it is, and of which interface, bolt or boundary.
+    description
+    dimension
+        In words, as ``"force/length²"``.
+    worst
+        Which of its values are the worst ones; None where none is.
+    """
+
+    name: str
+    description: str
+    dimension: str
+    worst: Literal["largest", "smallest"] | None = None
+
+
+def metrics_of(
+    system: System, interfaces: Mapping[str, ContactSurface], *, certified: bool
+) -> list[Metric]:
+    """Return the metrics of a system, in the order of :func:`case_metrics`.
+
+    Parameters
+    ----------
+    interfaces
+        Geometry of the contact points, by name.
+    certified
+        Whether there are certificates.
+    """
+    found: list[Metric] = []
+    for name in interfaces:
+        found += _of_interface(name, certified=certified)
+    for name in system.bolts:
+        found += [
+            Metric(
+                name=f"bolt_force.{name}",
+                description="axial force, tension positive",
+                dimension="force",
+                worst="largest",
+            )
+        ]
+    for name, boundary in system.boundaries.items():
+        found += [
+            Metric(
+                name=f"displacement.{name}.{DISPLACEMENT_NAMES[component]}",
+                description="displacement or rotation, average over the nodes of the boundary",
+                dimension="length" if component < 3 else "1",
+            )
+            for component in _components(boundary)
+        ]
+    if certified:
+        found += [
+            Metric(
+                name="certified_energy_error",
+                description="bound of the error of all contact forces in the energy norm",
+                dimension="1",
+                worst="largest",
+            ),
+            Metric(
+                name="certified_pressure_error",
+                description="bound of the largest pressure error over the largest pressure",
+                dimension="1",
+            ),
+        ]
+    return found
+
+
+def _of_interface(name: str, *, certified: bool) -> Iterator[Metric]:
+    pressure, length = "force/length²", "length"
+    yield Metric(
+        name=f"max_pressure.{name}",
+        description="largest pressure of a contact point",
+        dimension=pressure,
+        worst="largest",
+    )
+    for axis in "xyz":
+        yield Metric(
+            name=f"max_pressure_{axis}.{name}", description="where it is", dimension=length
+        )
+    yield Metric(
+        name=f"max_nodal_pressure.{name}",
+        description="largest average pressure around a node",
+        dimension=pressure,
+        worst="largest",
+    )
+    yield Metric(
+        name=f"clamp_force.{name}",
+        description="total normal force",
+        dimension="force",
+        worst="smallest",
+    )
+    if certified:
+        for end in ("low", "high"):
+            yield Metric(
+                name=f"clamp_force_{end}.{name}",
+                description="the full model's lies between low and high",
+                dimension="force",
+            )
+    yield Metric(
+        name=f"open_area.{name}",
+        description="area without pressure",
+        dimension="length²",
+        worst="largest",
+    )
+    yield Metric(
+        name=f"max_gap.{name}", description="largest gap", dimension=length, worst="largest"
+    )
+
+
+def case_metrics(
+    solution: Solution,
+    interfaces: Mapping[str, ContactSurface],
+    certificate: Certificate | None = None,
+) -> Matrix:
+    """Return the metrics (n_case, n_metric) of many load cases or instants.
+
+    Parameters
+    ----------
+    solution
+        With one entry per case or instant.
+    certificate
+        Of the same cases.
+    """
+    columns: list[Vector] = []
+    for name, surface in interfaces.items():
+        columns += _interface_columns(name, surface, solution, certificate)
+    columns += [np.asarray(solution.bolt_force(name)) for name in solution.system.bolts]
+    for name, boundary in solution.system.boundaries.items():
+        moved = solution.displacement(name)
+        columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
+    if certificate is not None:
+        columns += [certificate.energy_error, certificate.max_relative_error]
+    return np.column_stack(columns)
+
+
+def _components(boundary: Boundary) -> list[int]:
+    return sorted(set(boundary.components.tolist()))
+
+
+def _interface_columns(
+    name: str, surface: ContactSurface, solution: Solution, certificate: Certificate | None
+) -> list[Vector]:
+    points = slice(*surface.slice)
+    pressure, gap = solution.pressure[:, points], solution.gap[:, points]
+    peak = pressure.argmax(axis=1)
+    bounds = [] if certificate is None else list(certificate.contact_force[name].T)
+    return [
+        pressure.max(axis=1),
+        *surface.points[peak].T,
+        (pressure @ surface.averaging.T).max(axis=1),
+        np.asarray(solution.contact_force(name)),
+        *bounds,
+        (pressure <= 0) @ surface.weights,
+        gap.max(axis=1),
+    ]

@@ -1,0 +1,75 @@
+"""Envelopes over load cases or instants: the extremes at every contact point, and where from."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.simulation.solution import Solution
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Envelope:
+    """Extremes of every contact point over cases.
+
+    Attributes
+    ----------
+    max_pressure, min_pressure : (n_point,) [force/length²]
+    max_gap : (n_point,) [length]
+    max_pressure_case, min_pressure_case, max_gap_case : (n_point,)
+        Number of the case, the first of several.
+    """
+
+    max_pressure: Vector
+    max_pressure_case: Indices
+    min_pressure: Vector
+    min_pressure_case: Indices
+    max_gap: Vector
+    max_gap_case: Indices
+
+
+def envelope_of(solution: Solution, rows: Indices) -> Envelope:
+    """Return the envelope of the cases or instants of a solution.
+
+    Parameters
+    ----------
+    rows : (n_case,)
+        Their numbers.
+    """
+    pressure, gap = solution.pressure, solution.gap
+    return Envelope(
+        max_pressure=pressure.max(axis=0),
+        max_pressure_case=rows[pressure.argmax(axis=0)],
+        min_pressure=pressure.min(axis=0),
+        min_pressure_case=rows[pressure.argmin(axis=0)],
+        max_gap=gap.max(axis=0),
+        max_gap_case=rows[gap.argmax(axis=0)],
+    )
+
+
+def joined(parts: Iterable[Envelope]) -> Envelope:
+    """Return the envelope of several, in the order of their cases; there is at least one."""
+    several = list(parts)
+    highest, at_highest = _extreme([one.max_pressure for one in several], largest=True)
+    lowest, at_lowest = _extreme([one.min_pressure for one in several], largest=False)
+    widest, at_widest = _extreme([one.max_gap for one in several], largest=True)
+    return Envelope(
+        max_pressure=highest,
+        max_pressure_case=_chosen([one.max_pressure_case for one in several], at_highest),
+        min_pressure=lowest,
+        min_pressure_case=_chosen([one.min_pressure_case for one in several], at_lowest),
+        max_gap=widest,
+        max_gap_case=_chosen([one.max_gap_case for one in several], at_widest),
+    )
+
+
+def _extreme(rows: list[Vector], *, largest: bool) -> tuple[Vector, Indices]:
+    table: Matrix = np.array(rows)
+    at: Indices = table.argmax(axis=0) if largest else table.argmin(axis=0)
+    return np.take_along_axis(table, at[None], axis=0)[0], at
+
+
+def _chosen(rows: list[Indices], at: Indices) -> Indices:
+    chosen: Indices = np.take_along_axis(np.array(rows), at[None], axis=0)[0]
+    return chosen

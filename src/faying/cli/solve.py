@@ -1,0 +1,116 @@
+"""``faying solve``: many loads on a reduced model, without the full one."""
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from faying.cli.arguments import usable_folder
+from faying.cli.run import INTERRUPTED, NOT_CONVERGED
+from faying.exceptions import StudyError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
+
+def solve(
+    model: Annotated[
+        Path, typer.Argument(metavar="JOINT.faying", help="File that `faying reduce` wrote.")
+    ],
+    loads: Annotated[
+        Path,
+        typer.Argument(
+            metavar="LOADS",
+            help="TOML with load cases; csv or Parquet, a row per case, or per instant with a "
+            "column time; or a folder of such histories.",
+        ),
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for results.  [default: LOADS-solved]", show_default=False),
+    ] = None,
+    worst: Annotated[
+        int, typer.Option(min=1, help="Worst cases of each metric whose fields are kept.")
+    ] = 1,
+    keep: Annotated[
+        list[str] | None,
+        typer.Option(metavar="CASE", help="Keep the fields of this case as well; repeatable."),
+    ] = None,
+    certificates: Annotated[
+        bool,
+        typer.Option("--certificates/--no-certificates", help="Bound the errors of static cases."),
+    ] = True,
+    table: Annotated[Literal["csv", "parquet"], typer.Option(help="Tables of metrics.")] = "csv",
+    step: Annotated[
+        float | None,
+        typer.Option(
+            help="Time step of tables over time.  [default: smallest interval]", show_default=False
+        ),
+    ] = None,
+    integrator: Annotated[
+        str | None,
+        typer.Option(help="Their integrator.  [default: implicit-euler]", show_default=False),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Keep what an interrupted call has finished.")
+    ] = False,
+) -> None:
+    """Solve many loads on a reduced model: metrics of all, fields of the worst, envelopes."""
+    from rich.console import Console
+
+    from faying.cli.progress import progress_bar
+    from faying.reduction.model_reader import load
+    from faying.simulation.integrators import named_integrator
+    from faying.study.load_set import read_loads
+    from faying.workflow.solve import SolveOptions, solve_loads
+
+    folder = out or Path(f"{loads.stem}-solved")
+    if step is not None and not 0 < step < float("inf"):
+        message = f"--step is {step:g}; give a positive time"
+        raise StudyError(message)
+    rom = load(model)
+    wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
+    usable_folder(folder)
+    options = SolveOptions(
+        worst=worst, named=tuple(keep or ()), certificates=certificates, table=table
+    )
+    try:
+        with progress_bar(Console(stderr=True), remaining=True) as bar:
+            result = solve_loads(rom, wanted, folder, options, resume=resume, progress=bar)
+    except KeyboardInterrupt:
+        again = shlex.join(["faying", "solve", str(model), str(loads), "--out", str(folder)])
+        message = f"Interrupted; what is finished is kept in {folder / 'unfinished'}. Go on with"
+        typer.echo(f"{message}\n  {again} --resume, and the other options as before", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    _show(result.summary, folder)
+    if not result.converged:
+        message = f"Some cases did not converge; {folder / 'summary.json'} names them"
+        typer.echo(message, err=True)
+        raise typer.Exit(NOT_CONVERGED)
+
+
+def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
+    """Print the worst of every metric."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(markup=False, highlight=False)
+    sets = {"static cases": summary["static"]} if "static" in summary else {}
+    sets |= {f"{name}, instants": one for name, one in summary.get("transients", {}).items()}
+    for name, one in sets.items():
+        table = Table(title=f"Worst of {one['count']} {name}", box=box.SIMPLE_HEAD)
+        table.title_justify = "left"
+        for column in ("metric", "value", "at"):
+            table.add_column(column, overflow="fold")
+        for metric, worst in one["worst"].items():
+            unit = summary["metrics"][metric]["unit"]
+            label = f"{metric} [{unit}]" if unit not in ("", "1") else metric
+            for entry in worst[:1]:
+                table.add_row(label, f"{entry['value']:.5g}", entry["case"])
+        console.print(table)
+    for warning in summary["warnings"]:
+        typer.echo(f"Warning: {warning}", err=True)
+    console.print(f"Results are in {folder}", soft_wrap=True)

@@ -1,0 +1,178 @@
+"""Loads for a reduced model: static cases as one matrix, and transients one by one."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import StudyError
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
+from faying.simulation.load import History, Load
+from faying.study.load_table import LoadTable, read_load_table, table_inputs
+from faying.study.loads import case_load
+from faying.study.schema import read_load_cases
+from faying.study.tables import LoadCaseSection
+from faying.study.timing import time_span, time_step
+
+TABLES = (".csv", ".parquet")
+"""Endings of files that are tables of loads."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TimedLoad:
+    """A load over time.
+
+    Attributes
+    ----------
+    load
+    step, duration : [time]
+    integrator
+    """
+
+    load: Load
+    step: float
+    duration: float
+    integrator: Integrator
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadSet:
+    """What a reduced model is to be solved for.
+
+    Attributes
+    ----------
+    names
+        Of the static cases.
+    inputs : (n_case, n_input) [force]
+        Of the static cases.
+    transients
+        Loads over time.
+    """
+
+    names: tuple[str, ...]
+    inputs: Matrix
+    transients: tuple[TimedLoad, ...]
+
+
+def read_loads(
+    path: Path,
+    rom: ReducedModel,
+    *,
+    step: float | None = None,
+    integrator: Integrator | None = None,
+) -> LoadSet:
+    """Read loads for a reduced model.
+
+    Parameters
+    ----------
+    path
+        A TOML file with load cases; a csv or Parquet table with a row per static case, or per
+        instant where it has a column ``time``; or a folder of tables over time.
+    step : [time]
+        Of tables over time; by default their smallest interval.
+    integrator
+        Of tables over time; :class:`ImplicitEuler` unless given.
+
+    Raises
+    ------
+    StudyError, ModelError
+        If they cannot be read or do not fit the model.
+    """
+    if path.is_dir():
+        files = sorted(one for one in path.iterdir() if one.suffix in TABLES)
+        if not files:
+            message = f"{path} has no tables ({', '.join(TABLES)}); name a file or another folder"
+            raise StudyError(message)
+        tables = [read_load_table(one) for one in files]
+        static = next((one for one in tables if one.times is None), None)
+        if static is not None:
+            message = (
+                f"{static.path.name} has no column 'time'; a folder holds loads over time, name a "
+                "table of static cases itself"
+            )
+            raise StudyError(message)
+        return _of_histories(rom, tables, step, integrator)
+    if path.suffix in TABLES:
+        table = read_load_table(path)
+        if table.times is not None:
+            return _of_histories(rom, [table], step, integrator)
+        names = tuple(table.row_name(row) for row in range(table.n_row))
+        return LoadSet(names=names, inputs=table_inputs(table, rom), transients=())
+    return _of_cases(read_load_cases(path), rom)
+
+
+def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
+    static = [case_load(case) for case in cases if case.kind == "static"]
+    start = np.zeros(1)
+    rows = [load.inputs(rom, start) for load in static]
+    width = len(rom.port_compliance.input_rows)
+    return LoadSet(
+        names=tuple(load.name for load in static),
+        inputs=np.concatenate(rows) if rows else np.zeros((0, width)),
+        transients=_checked(
+            rom,
+            (
+                TimedLoad(
+                    load=case_load(case),
+                    step=time_step(case, _period(case, rom)),
+                    duration=time_span(case, _period(case, rom)),
+                    integrator=named_integrator(case.integrator, case.rho_infinity),
+                )
+                for case in cases
+                if case.kind != "static"
+            ),
+        ),
+    )
+
+
+def _of_histories(
+    rom: ReducedModel,
+    tables: Iterable[LoadTable],
+    step: float | None,
+    integrator: Integrator | None,
+) -> LoadSet:
+    loads: list[TimedLoad] = []
+    for table in tables:
+        table_inputs(table, rom)  # refuses unknown columns, all at once
+        locked = [name for name in table.columns if name.partition(".")[0] == "preload"]
+        if locked:
+            message = (
+                f"{table.path.name}: column '{locked[0]}' cannot change over time, for bolts are "
+                "locked; remove it"
+            )
+            raise StudyError(message)
+        times = np.asarray(table.times)
+        forces = {name: History(times, values) for name, values in table.columns.items()}
+        loads.append(
+            TimedLoad(
+                load=Load(forces, name=table.path.stem),
+                step=float(np.diff(times).min()) if step is None else step,
+                duration=float(times[-1]),
+                integrator=integrator or ImplicitEuler(),
+            )
+        )
+    nothing = np.zeros((0, len(rom.port_compliance.input_rows)))
+    return LoadSet(names=(), inputs=nothing, transients=_checked(rom, loads))
+
+
+def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:
+    """Refuse loads on what the model does not have before anything is computed."""
+    several = tuple(loads)
+    for one in several:
+        one.load.inputs(rom, np.zeros(1))
+    return several
+
+
+def _period(case: LoadCaseSection, rom: ReducedModel) -> float:
+    """Return the longest period of the full model, which a study may measure time by."""
+    timed = case.steps_per_period is not None or case.periods is not None
+    if timed and rom.period is None:
+        message = (
+            f"load case '{case.name}' measures time by the longest period, which this model does "
+            "not know; give 'step' and 'duration', or make the model with faying reduce"
+        )
+        raise StudyError(message)
+    return rom.period or 1.0

@@ -1,0 +1,273 @@
+"""Tables of loads: one row per static case, or one row per instant where there is a time column."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import StudyError
+from faying.files.contents import file_text
+from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
+from faying.model.boundary import FORCE_NAMES
+from faying.study.errors import MOST_SHOWN, nearest
+
+NAME = "case"
+"""Column with the names of static cases; without it they are numbered from 1."""
+
+TIME = "time"
+"""Column that makes a table one history."""
+
+PRELOAD = "preload"
+"""Factor on the initial forces of all bolts, or with a bolt's name behind a dot of that one."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadTable:
+    """A table as read.
+
+    Attributes
+    ----------
+    path
+    names
+        Of the rows; None where they have none.
+    columns
+        Name to values (n_row,), names and times left out.
+    times : (n_row,) or None
+    """
+
+    path: Path
+    names: tuple[str, ...] | None
+    columns: Mapping[str, Vector]
+    times: Vector | None
+
+    @property
+    def n_row(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self.columns.values())))
+
+    def row_name(self, row: int) -> str:
+        """Return the name of a case."""
+        return str(row + 1) if self.names is None else self.names[row]
+
+
+def read_load_table(path: Path) -> LoadTable:
+    """Read a csv file with a header line, or a Parquet file where pyarrow is installed.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read; the message names the line and the column.
+    """
+    header, cells, names = (_parquet if path.suffix == ".parquet" else _csv)(path)
+    numeric = [name for name in header if name != NAME]
+    if not set(numeric) - {TIME} or not len(cells):
+        message = (
+            f"{path.name}: found {len(cells)} rows of {', '.join(header) or 'nothing'}; expected "
+            "a header with columns of loads such as 'tip.Fz', and one row per load case or instant"
+        )
+        raise StudyError(message)
+    columns = dict(zip(numeric, np.ascontiguousarray(cells.T), strict=True))
+    times = columns.pop(TIME, None)
+    if times is not None:
+        _check_times(path, times)
+    return LoadTable(path=path, names=names, columns=columns, times=times)
+
+
+def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
+    """Return the inputs (n_row, n_input) of the static cases of a table, as those of a load.
+
+    Raises
+    ------
+    StudyError
+        If columns are of nothing that the joint has; all of them are listed.
+    """
+    targets = known_columns(joint)
+    wrong = [
+        f"no column '{name}'; {nearest(name, targets)}"
+        for name in table.columns
+        if name not in targets
+    ]
+    if wrong:
+        listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
+        message = f"{table.path.name}: columns that the model does not have\n{listed}"
+        raise StudyError(message)
+    places = boundary_slices(joint.boundaries)
+    n_boundary = sum(len(one.dofs) for one in joint.boundaries.values())
+    bolts, patterns = list(joint.bolts), list(joint.load_patterns)
+    first = n_boundary + len(bolts)
+    inputs = np.zeros((table.n_row, first + len(patterns)))
+    locked = initial_bolt_forces(joint)
+    inputs[:, n_boundary:first] = locked
+    if PRELOAD in table.columns:
+        inputs[:, n_boundary:first] = np.outer(table.columns[PRELOAD], locked)
+    for name, values in table.columns.items():
+        owner, _, part = name.rpartition(".")
+        if name in patterns:
+            inputs[:, first + patterns.index(name)] = values
+        elif owner in places:
+            inputs[:, places[owner]] += np.outer(values, joint.boundaries[owner].pattern(part))
+        elif name != PRELOAD:
+            bolt = bolts.index(name.removeprefix(f"{PRELOAD}."))
+            inputs[:, n_boundary + bolt] = values * locked[bolt]
+    return inputs
+
+
+def known_columns(joint: Joint) -> list[str]:
+    """Return the columns of loads that a table for a joint may have."""
+    forces = [
+        f"{name}.{FORCE_NAMES[component]}"
+        for name, boundary in joint.boundaries.items()
+        for component in sorted(set(boundary.components.tolist()))
+    ]
+    factors = [PRELOAD, *(f"{PRELOAD}.{name}" for name in joint.bolts)] if joint.bolts else []
+    return [*forces, *joint.load_patterns, *factors]
+
+
+def _csv(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
+    lines = _lines(path)
+    if not lines:
+        return [], np.empty((0, 0)), None
+    header = _cells(lines[0][1])
+    _check_header(path, header)
+    rows = [line for _, line in lines[1:]]
+    _check_width(path, lines, len(header))
+    numeric = [place for place, name in enumerate(header) if name != NAME]
+    if not rows or not numeric:
+        return header, np.empty((0, len(numeric))), None
+    try:
+        cells = np.loadtxt(
+            rows, delimiter=",", usecols=numeric, ndmin=2, quotechar='"', comments=None
+        )
+    except ValueError:
+        raise _bad_cells(path, header, lines[1:], numeric) from None
+    if not np.isfinite(cells).all():
+        raise _bad_cells(path, header, lines[1:], numeric)
+    if NAME not in header:
+        return header, cells, None
+    column = header.index(NAME)
+    names = np.loadtxt(
+        rows, delimiter=",", usecols=[column], dtype=str, ndmin=1, quotechar='"', comments=None
+    )
+    return header, cells, _distinct(path, tuple(map(str.strip, names.tolist())))
+
+
+def _lines(path: Path) -> list[tuple[int, str]]:
+    """Return the lines that are not empty, with their numbers."""
+    try:
+        text = file_text(path)
+    except UnicodeDecodeError:
+        message = f"cannot read the loads {path}: it is no UTF-8 text; save it as csv in UTF-8"
+        raise StudyError(message) from None
+    except OSError as error:
+        message = f"cannot read the loads {path}: {error.strerror}; check the path"
+        raise StudyError(message) from None
+    numbered = enumerate(map(str.strip, text.splitlines()), start=1)
+    return [(number, line) for number, line in numbered if line and not line.startswith("#")]
+
+
+def _cells(line: str) -> list[str]:
+    """Split a line; commas within quotes belong to a name."""
+    cells = next(csv.reader([line])) if '"' in line else line.split(",")
+    return [cell.strip() for cell in cells]
+
+
+def _check_header(path: Path, header: Sequence[str]) -> None:
+    twice = [name for place, name in enumerate(header) if name in header[:place]]
+    if twice:
+        message = f"{path.name}, line 1: column '{twice[0]}' is there twice; keep one"
+        raise StudyError(message)
+    if all(_is_number(cell) for cell in header):
+        message = (
+            f"{path.name}, line 1: found numbers, expected the names of the columns, such as "
+            "'tip.Fz'; add a header line"
+        )
+        raise StudyError(message)
+
+
+def _check_width(path: Path, lines: Sequence[tuple[int, str]], expected: int) -> None:
+    wrong = [number for number, line in lines[1:] if len(_cells(line)) != expected]
+    if wrong:
+        found = len(_cells(dict(lines)[wrong[0]]))
+        message = (
+            f"{path.name}, line {wrong[0]}: found {found} cells, expected {expected} as in the "
+            "header; separate them by commas and write decimal points"
+        )
+        raise StudyError(message)
+
+
+def _bad_cells(
+    path: Path, header: Sequence[str], lines: Sequence[tuple[int, str]], numeric: Sequence[int]
+) -> StudyError:
+    """Return the message that lists cells that are no finite numbers."""
+    wrong = [
+        f"  - line {number}: found '{cell[:40]}' in column '{header[place]}'"
+        for number, line in lines
+        for place, cell in enumerate(_cells(line))
+        if place in numeric and not _is_number(cell)
+    ]
+    listed = "\n".join(wrong[:MOST_SHOWN])
+    more = f"\n  ... and {len(wrong) - MOST_SHOWN} more" if len(wrong) > MOST_SHOWN else ""
+    return StudyError(f"{path.name}: expected finite numbers\n{listed}{more}")
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return bool(np.isfinite(float(cell)))
+    except ValueError:
+        return False
+
+
+def _distinct(path: Path, names: tuple[str, ...]) -> tuple[str, ...]:
+    if len(set(names)) < len(names):
+        in_order = sorted(names)
+        twice = next(one for one, other in pairwise(in_order) if one == other)
+        message = f"{path.name}: two rows have the name '{twice}'; names of cases must differ"
+        raise StudyError(message)
+    return names
+
+
+def _check_times(path: Path, times: Vector) -> None:
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if len(times) < 2 or times[0] < 0 or back.size:
+        row = int(back[0]) + 2 if back.size else 1
+        message = (
+            f"{path.name}, row {row}: the column '{TIME}' must have two or more values, begin at 0 "
+            "or later, and increase"
+        )
+        raise StudyError(message)
+
+
+def _parquet(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
+    try:
+        from pyarrow import ArrowException
+        from pyarrow.parquet import read_table
+    except ImportError:
+        message = f"{path.name} takes the package pyarrow (pip install pyarrow), or save it as csv"
+        raise StudyError(message) from None
+    try:
+        table = read_table(path)
+    except (OSError, ArrowException) as error:
+        reason = str(error).splitlines()[0][:200]
+        message = f"cannot read the loads {path}: {reason}; check the file"
+        raise StudyError(message) from None
+    header = list(table.column_names)
+    _check_header(path, header)
+    names = None
+    if NAME in header:
+        names = _distinct(path, tuple(map(str, table.column(NAME).to_pylist())))
+    try:
+        numeric = [table.column(name).to_numpy() for name in header if name != NAME]
+        cells = np.column_stack([np.asarray(column, dtype=float) for column in numeric])
+    except (ValueError, TypeError) as error:
+        message = f"{path.name}: expected numbers in all columns but '{NAME}' ({error}); mend it"
+        raise StudyError(message) from None
+    if not np.isfinite(cells).all():
+        row, column = np.argwhere(~np.isfinite(cells))[0]
+        name = [one for one in header if one != NAME][column]
+        message = f"{path.name}, row {row + 1}: column '{name}' is empty or not finite; mend it"
+        raise StudyError(message)
+    return header, cells, names

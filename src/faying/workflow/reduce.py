@@ -1,0 +1,105 @@
+"""Reduce a study's model once, into one file that is solved without the full model."""
+
+import hashlib
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from faying import __version__
+from faying.exceptions import StudyError
+from faying.reduction.method import Method
+from faying.reduction.methods import METHODS
+from faying.reduction.projection import completed
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.checkpoint import open_checkpoint
+from faying.study.errors import one_of
+from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
+from faying.study.progress import ProgressBar, Stages
+from faying.study.tables import Study
+
+EXACT = "compliance"
+"""Method of a file unless another is asked for: static pressures are those of the full model."""
+
+
+def reduce_study(
+    study: Study,
+    out: Path,
+    *,
+    method: str = EXACT,
+    joint_modes: int | None = None,
+    shapes: bool = True,
+    progress: ProgressBar | None = None,
+) -> ReducedModel:
+    """Reduce the model of a study by one method and write it to a file.
+
+    Parameters
+    ----------
+    out
+        File, written atomically.
+    method
+        One of those with a basis, whether or not the study names it.
+    joint_modes
+        Of methods that have them; by default the most that the study names.
+    shapes
+        Keep the trial vectors, as :meth:`ReducedModel.save`.
+
+    Returns
+    -------
+    ReducedModel
+        As written.
+
+    Raises
+    ------
+    FayingError
+        If the study, its model or the method do not fit together.
+
+    Notes
+    -----
+    The offline part of a run for one method: no load case is solved.
+    """
+    chosen = _method(method)
+    wanted = [joint_modes] if joint_modes else list(study.reduction.joint_modes)[-1:]
+    section = study.reduction.model_copy(
+        update={"methods": (chosen.name,), "joint_modes": tuple(wanted)}
+    )
+    alone = study.model_copy(update={"reduction": section})
+    if chosen.trained and not section.training.box:
+        message = (
+            f"method '{chosen.name}' learns from training loads and {study.path.name} has none; "
+            f"add [reduction.training] with a box, or take method '{EXACT}'"
+        )
+        raise StudyError(message)
+    stages = Stages(progress)
+    joint = prepare_joint(alone, stages)
+    with TemporaryDirectory() as folder:
+        checkpoint = open_checkpoint(Path(folder), study.text, resume=False)
+        trained = build_bases(alone, joint, stages, checkpoint)
+    choices = choose_counts(alone, joint.model, trained, stages)
+    bare = reduced_models(alone, joint.model, trained, choices, stages)
+    (rom,) = (one for one in bare[chosen.name].values() if isinstance(one, ReducedModel))
+    with stages.stage("recovery matrices"):
+        (rom,) = completed(joint.model, [rom])
+    title = study.title or study.path.stem
+    rom = replace(rom, name=title, period=joint.period if joint.period < float("inf") else None)
+    with stages.stage("file"):
+        text = study.text
+        rom.save(
+            out,
+            shapes=shapes,
+            provenance={
+                "faying": __version__,
+                "study": text,
+                "study_sha256": hashlib.sha256(text.encode()).hexdigest(),
+                "factorization": joint.model.structure.interior_factor.backend,
+            },
+        )
+    return rom
+
+
+def _method(name: str) -> Method:
+    """Return a method that a file of one model can hold."""
+    known = [one.name for one in METHODS.values() if one.forces is None]
+    if name not in known:
+        message = f"method: {one_of(name, known)}"
+        raise StudyError(message)
+    return METHODS[name]

@@ -1,0 +1,220 @@
+"""Solve many loads on a reduced model: a piece of them at a time, so that memory stays flat."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faying import __version__
+from faying.exceptions import StudyError
+from faying.files.atomic import write_text
+from faying.files.lock import held
+from faying.files.names import file_names
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import History
+from faying.study.checkpoint import open_checkpoint
+from faying.study.errors import nearest
+from faying.study.extras import Extras
+from faying.study.load_set import LoadSet
+from faying.study.metric_table import TableFormat, check_table_format, write_metrics
+from faying.study.progress import ProgressBar, Stages
+from faying.study.solved import SolvedFields, write_solved
+from faying.units import Units, units_of
+from faying.workflow.solve_cases import CaseSolver
+from faying.workflow.solved_pieces import Pieces
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolveOptions:
+    """What to keep, and how.
+
+    Attributes
+    ----------
+    worst
+        Cases of each metric whose fields are kept.
+    named
+        Static cases whose fields are kept as well.
+    certificates
+        Whether static cases are certified, where the model knows the full one's compliance.
+    table
+        Format of the tables of metrics.
+    """
+
+    worst: int = 1
+    named: tuple[str, ...] = ()
+    certificates: bool = True
+    table: TableFormat = "csv"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolveSummary:
+    """Outcome of many load cases.
+
+    Attributes
+    ----------
+    converged
+        Whether every solution was found.
+    summary
+        Contents of ``summary.json``.
+    """
+
+    converged: bool
+    summary: Mapping[str, Any]
+
+
+def solve_loads(
+    rom: ReducedModel,
+    loads: LoadSet,
+    out: Path,
+    options: SolveOptions | None = None,
+    *,
+    resume: bool = False,
+    progress: ProgressBar | None = None,
+) -> SolveSummary:
+    """Solve loads on a reduced model, without the full one.
+
+    Parameters
+    ----------
+    out
+        Receives ``metrics.csv`` of the static cases, ``history_NAME.csv`` of each transient (or
+        ``.parquet``), ``fields.h5`` and ``summary.json``.
+    resume
+        Take over what an interrupted call with the same model, loads and options has finished: the
+        static cases piece by piece, transients as a whole.
+
+    Raises
+    ------
+    StudyError
+        If a case to be kept is not there, or another call is writing to the folder. Cases that do
+        not converge are recorded instead.
+
+    Notes
+    -----
+    Memory is that of a piece of the cases and of the loads themselves. The pieces are the same
+    whatever ran before, and so are their numbers.
+    """
+    chosen = options or SolveOptions()
+    check_table_format(chosen.table)
+    unknown = [name for name in chosen.named if name not in loads.names]
+    if unknown:
+        remedy = nearest(unknown[0], loads.names[:20])
+        message = f"there is no static case '{unknown[0]}' to keep; {remedy}"
+        raise StudyError(message)
+    stages, extras = Stages(progress), Extras()
+    out.mkdir(parents=True, exist_ok=True)
+    with held(out):
+        checkpoint = open_checkpoint(out, _mark(rom, loads, chosen), resume=resume)
+        solver = CaseSolver(
+            rom=rom,
+            checkpoint=checkpoint,
+            stages=stages,
+            extras=extras,
+            worst=chosen.worst,
+            certificates=chosen.certificates,
+        )
+        named = [loads.names.index(name) for name in chosen.named]
+        static = solver.static(loads, named) if loads.names else None
+        transients = {one.load.name: solver.transient(one) for one in loads.transients}
+        with stages.stage("files"):
+            found = _written(rom, static, transients, named, out, chosen)
+        summary = {
+            "faying": __version__,
+            "model": {"name": rom.name, "method": rom.method, "joint_modes": rom.joint_modes},
+            "units": rom.units,
+            **found,
+            "warnings": extras.failed,
+            "timings": stages.account(),
+        }
+        write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
+        checkpoint.discard()
+    return SolveSummary(converged=not summary["not_converged"], summary=summary)
+
+
+def _written(
+    rom: ReducedModel,
+    static: Pieces | None,
+    transients: Mapping[str, Pieces],
+    named: Sequence[int],
+    out: Path,
+    options: SolveOptions,
+) -> dict[str, Any]:
+    """Write tables and fields; return what the summary says of them."""
+    units, count, ending = units_of(rom.units), options.worst, options.table
+    fields = None
+    every = [*([] if static is None else [static]), *transients.values()]
+    summary: dict[str, Any] = {
+        "converged": not any(one.failed for one in every),
+        "not_converged": [text for one in every for text in one.failed],
+    }
+    if static is not None:
+        write_metrics(out / f"metrics.{ending}", "case", static.metrics, static.rows(), units)
+        fields = _fields(static, count, named)
+        summary["static"] = _worst(static, count)
+    stems = file_names(transients)
+    over_time: dict[str, SolvedFields] = {}
+    for name, pieces in transients.items():
+        path = out / f"history_{stems[name]}.{ending}"
+        write_metrics(path, "time", pieces.metrics, pieces.rows(), units)
+        chosen = _fields(pieces, count, [])
+        over_time |= {} if chosen is None else {name: chosen}
+        summary.setdefault("transients", {})[name] = _worst(pieces, count)
+    write_solved(rom, fields, over_time, out / "fields.h5")
+    return {**summary, "metrics": _described(every, units)}
+
+
+def _described(every: Sequence[Pieces], units: Units) -> dict[str, Any]:
+    return {
+        metric.name: {"unit": units.of(metric.dimension), "description": metric.description}
+        for pieces in every
+        for metric in pieces.metrics
+    }
+
+
+def _worst(pieces: Pieces, count: int) -> dict[str, Any]:
+    """Return how many there are, and the worst of each metric."""
+    worst: dict[str, list[dict[str, Any]]] = {}
+    for one in pieces.worst(count):
+        entry = {"case": pieces.label(one.row), "value": one.value}
+        worst.setdefault(one.metric, []).append(entry)
+    return {"count": sum(len(piece["metrics"]) for piece in pieces), "worst": worst}
+
+
+def _fields(pieces: Pieces, count: int, named: Sequence[int]) -> SolvedFields | None:
+    """Return the fields of the worst and the named rows; None where nothing was solved."""
+    envelope = pieces.envelope()
+    if envelope is None:
+        return None
+    how = {one.name: one.worst for one in pieces.metrics}
+    reasons: dict[int, list[str]] = {}
+    for one in pieces.worst(count):
+        reasons.setdefault(one.row, []).append(f"{how[one.metric]} {one.metric}")
+    for row in named:
+        reasons.setdefault(row, []).append("named")
+    kept, pressure, gap = pieces.fields(sorted(reasons))
+    return SolvedFields(
+        names=tuple(map(pieces.label, kept)),
+        reasons=tuple(", ".join(reasons[row]) for row in kept),
+        pressure=pressure,
+        gap=gap,
+        envelope=envelope,
+    )
+
+
+def _mark(rom: ReducedModel, loads: LoadSet, options: SolveOptions) -> str:
+    """Return what tells one model with its loads and options from others."""
+    mark, contact = hashlib.sha256(), rom.contact
+    model = (rom.K, rom.M, rom.C, contact.relative_operator, contact.initial_gap)
+    for array in (*model, contact.flexibility, loads.inputs):
+        mark.update(np.ascontiguousarray(array).tobytes())
+    for one in loads.transients:
+        mark.update(repr((one.load.name, one.step, one.duration, one.integrator)).encode())
+        for key, value in one.load.forces.items():
+            mark.update(key.encode())
+            known = [value.times, value.values] if isinstance(value, History) else [[value]]
+            mark.update(b"".join(np.asarray(part, dtype=float).tobytes() for part in known))
+    mark.update(repr((loads.names, options)).encode())
+    return mark.hexdigest()

@@ -1,0 +1,161 @@
+"""The pieces of many static cases, or of a transient, solved on a reduced model one by one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.assessment.case_metrics import metrics_of
+from faying.assessment.certificate import Certifier, certifier
+from faying.exceptions import ConvergenceError
+from faying.execution.checkpoint import Arrays, Checkpoint
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.energy_guard import MOST_GAIN, gain_message
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static_inputs
+from faying.simulation.stepping import transient_solver
+from faying.study.extras import Extras
+from faying.study.load_set import LoadSet, TimedLoad
+from faying.study.progress import Stages
+from faying.workflow.solved_pieces import Pieces, piece_of
+
+PIECE_NUMBERS = 2**18
+"""Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""
+
+FEWEST, MOST = 16, 2000
+"""Cases of a piece."""
+
+FAILED = "failed"
+"""Name of the sentences about what went wrong, beside the arrays of a piece."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CaseSolver:
+    """What all pieces share.
+
+    Attributes
+    ----------
+    rom
+        The model.
+    checkpoint
+        Keeps finished pieces.
+    worst
+        Cases of each metric whose fields may be wanted.
+    certificates
+        Whether static cases are certified, where the model knows the full one's compliance.
+    """
+
+    rom: ReducedModel
+    checkpoint: Checkpoint
+    stages: Stages
+    extras: Extras
+    worst: int
+    certificates: bool
+
+    def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
+        """Solve static cases, or take what an interrupted call has finished."""
+        total, keys, failed = len(loads.names), list[str](), list[str]()
+        with self.stages.stage("static cases", total) as advance:
+            for first in range(0, total, self._length):
+                rows = np.arange(first, min(first + self._length, total))
+                keys.append(f"static {first}")
+                arrays = self.checkpoint.bundle(
+                    keys[-1], partial(self._static_piece, loads, rows, named)
+                )
+                failed += arrays[FAILED].tolist()
+                advance(len(rows))
+        return Pieces(
+            checkpoint=self.checkpoint,
+            keys=keys,
+            metrics=metrics_of(self.rom, self.rom.interfaces, certified=self._judge is not None),
+            label=loads.names.__getitem__,
+            failed=failed,
+        )
+
+    def transient(self, one: TimedLoad) -> Pieces:
+        """Solve a transient, unless an interrupted call has done so to its end."""
+        name, end = one.load.name, f"{one.load.name} end"
+        known = self.checkpoint.bundle(end, partial(self._walked, one))
+        return Pieces(
+            checkpoint=self.checkpoint,
+            keys=[f"{name} {number}" for number in range(int(known["count"]))],
+            metrics=metrics_of(self.rom, self.rom.interfaces, certified=False),
+            label=lambda row: f"{row * one.step:.12g}",
+            failed=known[FAILED].tolist(),
+        )
+
+    @property
+    def _length(self) -> int:
+        """Cases or instants of a piece."""
+        return min(max(PIECE_NUMBERS // self.rom.contact.n_points, FEWEST), MOST)
+
+    @cached_property
+    def _judge(self) -> Certifier | None:
+        if not self.certificates:
+            return None
+        with self.stages.timed("certificates"), self.extras.attempt("certified bounds"):
+            return certifier(self.rom.joint)
+        return None
+
+    def _static_piece(self, loads: LoadSet, rows: Indices, named: Sequence[int]) -> Arrays:
+        judge = self._judge
+        solved, failed = self._solved(loads, rows)
+        with self.stages.timed("certificates"):
+            judged = [
+                (own, one, judge and judge.certify_inputs(one.inputs, one.pressure))
+                for own, one in solved
+            ]
+        arrays = piece_of(
+            judged,
+            self.rom.interfaces,
+            metrics_of(self.rom, self.rom.interfaces, certified=judge is not None),
+            rows=range(int(rows[0]), int(rows[-1]) + 1),
+            count=self.worst,
+            named=named,
+        )
+        return arrays | {FAILED: np.array(failed, dtype=str)}
+
+    def _solved(
+        self, loads: LoadSet, rows: Indices
+    ) -> tuple[list[tuple[Indices, Solution]], list[str]]:
+        """Solve static cases together; where one fails, in halves until it is alone."""
+        try:
+            return [(rows, solve_static_inputs(self.rom, loads.inputs[rows]))], []
+        except ConvergenceError as error:
+            if len(rows) == 1:
+                return [], [f"{loads.names[rows[0]]}: {error}"]
+        halves = [self._solved(loads, half) for half in np.array_split(rows, 2)]
+        return [one for found, _ in halves for one in found], [
+            text for _, failed in halves for text in failed
+        ]
+
+    def _walked(self, one: TimedLoad) -> Arrays:
+        """Keep the pieces of a transient; return their number, and what went wrong."""
+        name, first, count, gain = one.load.name, 0, 0, 0.0
+        metrics = metrics_of(self.rom, self.rom.interfaces, certified=False)
+        solver = transient_solver(self.rom, step=one.step, integrator=one.integrator)
+        failed: list[str] = []
+        with self.stages.stage(name, round(one.duration / one.step)) as advance:
+            pieces = solver.pieces(
+                one.load, duration=one.duration, length=self._length, progress=advance
+            )
+            try:
+                for piece, _ in pieces:
+                    rows = range(first, first + len(piece.states))
+                    own = np.arange(rows.start, rows.stop)
+                    arrays = piece_of(
+                        [(own, piece, None)],
+                        self.rom.interfaces,
+                        metrics,
+                        rows=rows,
+                        count=self.worst,
+                    )
+                    self.checkpoint.put(f"{name} {count}", arrays)
+                    first, count, gain = rows.stop, count + 1, piece.energy_gain
+            except ConvergenceError as error:
+                failed.append(f"{name}: {error}")
+        if gain > MOST_GAIN:
+            failed.append(f"{name}: {gain_message(gain)}")
+        return {"count": np.asarray(count), FAILED: np.array(failed, dtype=str)}

@@ -1,0 +1,372 @@
+"""One file of a reduced model, and many loads solved on it without the full one."""
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import faying as fy
+from faying.assessment.case_metrics import metrics_of
+from faying.cli import app
+from faying.exceptions import ConvergenceError, FormatError, StudyError
+from faying.execution.checkpoint import Checkpoint
+from faying.study.load_set import read_loads
+from faying.study.load_table import read_load_table
+from faying.study.schema import read_load_cases, read_study
+from faying.study.store import read_results
+from faying.workflow import solve_cases
+from faying.workflow.reduce import reduce_study
+from faying.workflow.run import run
+from faying.workflow.solve import SolveOptions, solve_loads
+
+LOADS = """
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+
+[[load_case]]
+name = "pull"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fx", value = 900.0 }]
+
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+periods = 0.5
+steps_per_period = 20
+"""
+
+STUDY = f"""
+title = "Tiny joint"
+
+[model]
+source = "lap-joint"
+lap_joint = {{ element_size = 5.0 }}
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[damping]
+beta = 1e-6
+
+[reduction]
+normal_modes = 4
+joint_modes = [2]
+methods = ["jim-a", "compliance"]
+
+[validation]
+penalty_sweep = false
+half_step = false
+
+[output]
+report = false
+{LOADS}"""
+
+EQUAL = 1e-12
+"""Of pressures over the largest: each is solved to round-off, from wherever it starts."""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    path = tmp_path_factory.mktemp("study") / "tiny.toml"
+    path.write_text(STUDY)
+    return read_study(path)
+
+
+@pytest.fixture(scope="module")
+def model_file(study, tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("model") / "tiny.faying"
+    reduce_study(study, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def rom(model_file):
+    return fy.load(model_file)
+
+
+def table(path: Path) -> dict[str, list[str]]:
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    return {name: [row[place] for row in rows[1:]] for place, name in enumerate(rows[0])}
+
+
+def random_loads(path: Path, count: int, seed: int = 3) -> Path:
+    values = np.random.default_rng(seed).uniform(-1, 1, (count, 2)) * [300.0, 8e3]
+    rows = [f"n{k},{z!r},{m!r},{1 + k / 50!r}" for k, (z, m) in enumerate(values.tolist())]
+    path.write_text("\n".join(["case,tip.Fz,tip.Mx,preload", *rows]))
+    return path
+
+
+def largest_difference(found, expected) -> float:
+    return float(np.abs(np.asarray(found) - expected).max() / np.abs(expected).max())
+
+
+@pytest.mark.parametrize(("method", "size"), [("compliance", 0), ("jim-a", 2)])
+def test_results_are_those_of_a_run(study, tmp_path, method, size):
+    out = tmp_path / "run"
+    assert run(study, out).converged
+    cases = read_results(out / "results.h5").cases
+    reduce_study(study, tmp_path / "one.faying", method=method)
+    (tmp_path / "loads.toml").write_text(LOADS)
+    rom = fy.load(tmp_path / "one.faying")
+    loads = read_loads(tmp_path / "loads.toml", rom)
+    options = SolveOptions(named=("bend", "pull"))
+    assert solve_loads(rom, loads, tmp_path / "solved", options).converged
+    with h5py.File(tmp_path / "solved" / "fields.h5") as file:
+        names = file["static/names"].asstr()[()].tolist()
+        for name in ("bend", "pull"):
+            expected = cases[name].methods[method][size].response
+            pressure = file["static/pressure"][names.index(name)]
+            assert largest_difference(pressure, expected.pressure) < EQUAL
+            assert largest_difference(file["static/gap"][names.index(name)], expected.gap) < EQUAL
+        jump = cases["jump"].methods[method][size].response
+        highest = file["transients/jump/envelope/max_pressure"][()]
+        assert largest_difference(highest, jump.pressure.max(axis=0)) < EQUAL
+    over_time = table(tmp_path / "solved" / "history_jump.csv")
+    found = np.array(over_time["bolt_force.bolt"], dtype=float)
+    assert largest_difference(found, jump.bolt_forces["bolt"]) < EQUAL
+
+
+def test_metrics_and_envelopes_are_those_of_all_cases(rom, tmp_path, monkeypatch):
+    monkeypatch.setattr(solve_cases, "MOST", 7)
+    loads = read_loads(random_loads(tmp_path / "many.csv", 30), rom)
+    solve_loads(rom, loads, tmp_path / "out", SolveOptions(worst=2))
+    every = fy.solve_static_cases(
+        rom,
+        [
+            fy.Load(
+                {"tip.Fz": row[0], "tip.Mx": row[1]},
+                bolt_forces={"bolt": row[2] * rom.bolts["bolt"].initial_force},
+            )
+            for row in zip(*read_load_table(tmp_path / "many.csv").columns.values(), strict=True)
+        ],
+    )
+    found = table(tmp_path / "out" / "metrics.csv")
+    assert found["case"] == [f"n{k}" for k in range(30)]
+    expected = {
+        "max_pressure.joint": every.max_pressure,
+        "clamp_force.joint": every.contact_force("joint"),
+        "bolt_force.bolt": every.bolt_force("bolt"),
+        "open_area.joint": every.open_fraction() * rom.contact.weights.sum(),
+        "displacement.tip.uz": every.displacement("tip")[:, 2],
+    }
+    for name, values in expected.items():
+        assert largest_difference(np.array(found[name], dtype=float), values) < EQUAL, name
+    low = np.array(found["clamp_force_low.joint"], dtype=float)
+    high = np.array(found["clamp_force_high.joint"], dtype=float)
+    assert ((low <= every.contact_force()) & (every.contact_force() <= high)).all()
+    with h5py.File(tmp_path / "out" / "fields.h5") as file:
+        envelope = file["static/envelope"]
+        assert largest_difference(envelope["max_pressure"], every.pressure.max(axis=0)) < EQUAL
+        assert largest_difference(envelope["min_pressure"], every.pressure.min(axis=0)) < EQUAL
+        assert largest_difference(envelope["max_gap"], every.gap.max(axis=0)) < EQUAL
+        highest = every.pressure.max(axis=0)
+        at = envelope["max_pressure_case"][highest > 0]
+        np.testing.assert_array_equal(at, every.pressure.argmax(axis=0)[highest > 0])
+        names = file["static/names"].asstr()[()].tolist()
+        worst = np.argsort(-every.max_pressure)[:2]
+        assert {f"n{k}" for k in worst} <= set(names)
+        pressure = file["static/pressure"][names.index(f"n{worst[0]}")]
+        assert largest_difference(pressure, every.pressure[worst[0]]) < EQUAL
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    least = summary["static"]["worst"]["clamp_force.joint"][0]
+    assert least["case"] == f"n{every.contact_force().argmin()}"
+    assert summary["metrics"]["max_pressure.joint"]["unit"] == "MPa"
+
+
+def test_interrupted_call_goes_on_where_it_was(rom, tmp_path, monkeypatch):
+    monkeypatch.setattr(solve_cases, "MOST", 7)
+    loads = read_loads(random_loads(tmp_path / "many.csv", 30), rom)
+    solve_loads(rom, loads, tmp_path / "whole")
+    put = Checkpoint.put
+
+    def stopped(self, key, arrays):
+        if key == "static 14":
+            raise KeyboardInterrupt
+        put(self, key, arrays)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Checkpoint, "put", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            solve_loads(rom, loads, tmp_path / "part")
+    solved = []
+    monkeypatch.setattr(
+        Checkpoint, "put", lambda self, key, arrays: (solved.append(key), put(self, key, arrays))
+    )
+    solve_loads(rom, loads, tmp_path / "part", resume=True)
+    assert solved == ["static 14", "static 21", "static 28"]
+    texts = [(tmp_path / name / "metrics.csv").read_text() for name in ("part", "whole")]
+    assert texts[0] == texts[1]
+    assert not (tmp_path / "part" / "unfinished").exists()
+    others = read_loads(random_loads(tmp_path / "many.csv", 30, seed=4), rom)
+    (tmp_path / "part" / "unfinished").mkdir()
+    (tmp_path / "part" / "unfinished" / "study.sha256").write_text("of something else")
+    with pytest.raises(StudyError, match="--resume"):
+        solve_loads(rom, others, tmp_path / "part", resume=True)
+
+
+def test_case_that_does_not_converge_is_named_and_costs_no_other(rom, tmp_path, monkeypatch):
+    loads = read_loads(random_loads(tmp_path / "many.csv", 9), rom)
+    solve, bad = solve_cases.solve_static_inputs, loads.inputs[4]
+
+    def failing(system, inputs):
+        if (inputs == bad).all(axis=1).any():
+            message = "did not settle"
+            raise ConvergenceError(message)
+        return solve(system, inputs)
+
+    monkeypatch.setattr(solve_cases, "solve_static_inputs", failing)
+    done = solve_loads(rom, loads, tmp_path / "out")
+    assert not done.converged
+    assert done.summary["not_converged"] == ["n4: did not settle"]
+    peaks = np.array(table(tmp_path / "out" / "metrics.csv")["max_pressure.joint"], dtype=float)
+    assert np.flatnonzero(np.isnan(peaks)).tolist() == [4]
+
+
+def test_table_over_time_is_a_history(rom, tmp_path):
+    times = np.linspace(0.0, 1e-3, 11)
+    values = -150 * np.sin(3e3 * times)
+    rows = [f"{t!r},{z!r}" for t, z in zip(times.tolist(), values.tolist(), strict=True)]
+    folder = tmp_path / "histories"
+    folder.mkdir()
+    for name in ("one", "two"):
+        (folder / f"{name}.csv").write_text("\n".join(["time,tip.Fz", *rows]))
+    loads = read_loads(folder, rom, step=5e-5)
+    solve_loads(rom, loads, tmp_path / "out")
+    load = fy.Load({"tip.Fz": fy.History(times, values)})
+    expected = fy.solve_transient(rom, load, step=5e-5, duration=1e-3)
+    found = table(tmp_path / "out" / "history_two.csv")
+    assert np.array(found["time"], dtype=float) == pytest.approx(expected.times, rel=1e-11)
+    peaks = np.array(found["max_pressure.joint"], dtype=float)
+    assert largest_difference(peaks, expected.max_pressure) < EQUAL
+    assert read_loads(folder / "one.csv", rom).transients[0].step == pytest.approx(1e-4)
+
+
+def test_long_transients_are_solved_in_pieces(rom, tmp_path, monkeypatch):
+    (tmp_path / "jump.toml").write_text(LOADS)
+    loads = replace(read_loads(tmp_path / "jump.toml", rom), names=())
+    solve_loads(rom, loads, tmp_path / "one")
+    monkeypatch.setattr(solve_cases, "MOST", 3)
+    solve_loads(rom, loads, tmp_path / "several")
+    texts = [(tmp_path / name / "history_jump.csv").read_text() for name in ("one", "several")]
+    assert texts[0] == texts[1]
+
+
+BAD_TABLES = {
+    "tip.Fz,tip.Mq\n1,2": r"no column 'tip.Mq'; did you mean 'tip.M",
+    "tip.Fz,preload.nut\n1,2": r"no column 'preload.nut'; did you mean 'preload.bolt'",
+    "tip.Fz,tip.Mx\n1,2\n1,x\ninf,3": r"(?s)line 3: found 'x' in column 'tip.Mx'.*line 4.*'inf'",
+    "tip.Fz,tip.Mx\n1,2\n1": r"line 3: found 1 cells, expected 2",
+    "1,2\n3,4": "line 1: found numbers",
+    "tip.Fz,tip.Fz\n3,4": "'tip.Fz' is there twice",
+    "case,tip.Fz\na,1\na,2": "two rows have the name 'a'",
+    "tip.Fz": "found 0 rows",
+    "case\na": "expected a header with columns of loads",
+    "": "found 0 rows of nothing",
+    "time,tip.Fz\n0,1\n0,2": "increase",
+    "time,preload\n0,1\n1,2": "cannot change over time",
+}
+
+
+@pytest.mark.parametrize("text", BAD_TABLES)
+def test_bad_tables_are_refused_with_their_place(rom, tmp_path, text):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(StudyError, match=BAD_TABLES[text]):
+        read_loads(path, rom)
+
+
+def test_comments_names_with_commas_and_empty_lines_are_read(tmp_path):
+    path = tmp_path / "loads.csv"
+    path.write_text('# by hand\ncase, tip.Fz\n\n"gust, #4", 1.5\nplain,2\n')
+    found = read_load_table(path)
+    assert found.names == ("gust, #4", "plain")
+    assert found.columns["tip.Fz"].tolist() == [1.5, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("[[bolt]]\nname = 'b'", "unknown key 'bolt' at the top of loads.toml"),
+        ("title = 'none'", "no .*load_case"),
+        (LOADS.replace('"Fz"', '"Fq"'), "(?s)'component' in .*load_case.* number 1.*line 5"),
+        (LOADS + "step = 1e-6", "say the same twice"),
+    ],
+)
+def test_bad_load_cases_are_refused_with_their_place(tmp_path, text, expected):
+    path = tmp_path / "loads.toml"
+    path.write_text(text)
+    with pytest.raises(StudyError, match=expected):
+        read_load_cases(path)
+
+
+def test_time_in_periods_needs_the_period_of_the_full_model(rom, tmp_path):
+    (tmp_path / "loads.toml").write_text(LOADS)
+    with pytest.raises(StudyError, match="'jump' measures time by the longest period"):
+        read_loads(tmp_path / "loads.toml", replace(rom, period=None))
+
+
+def test_file_keeps_what_made_it(model_file, rom, study):
+    with h5py.File(model_file) as file:
+        assert file["provenance/study"].asstr()[()] == study.text
+        assert file["period"].attrs["unit"] == "s"
+    assert rom.period == pytest.approx(0.00284, rel=0.01)  # 1 / 352 Hz of the same joint
+    ends = rom.bolts["bolt"].ends
+    assert ends[:, 2].tolist() == [-10.0, 10.0] or np.ptp(ends[:, 2]) == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(
+    ("method", "expected"),
+    [("nmf", "expected one of"), ("complaince", "did you mean"), ("jim-b", "training")],
+)
+def test_methods_that_cannot_be_kept_are_refused(study, tmp_path, method, expected):
+    with pytest.raises(StudyError, match=expected):
+        reduce_study(study, tmp_path / "x.faying", method=method)
+    assert not list(tmp_path.iterdir())
+
+
+def test_parquet_in_and_out(rom, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    import pyarrow
+
+    random_loads(tmp_path / "many.csv", 5)
+    known = read_load_table(tmp_path / "many.csv")
+    columns = {"case": list(known.names), **known.columns}
+    parquet.write_table(pyarrow.table(columns), tmp_path / "many.parquet")
+    loads = read_loads(tmp_path / "many.parquet", rom)
+    np.testing.assert_array_equal(loads.inputs, read_loads(tmp_path / "many.csv", rom).inputs)
+    solve_loads(rom, loads, tmp_path / "out", SolveOptions(table="parquet"))
+    found = parquet.read_table(tmp_path / "out" / "metrics.parquet")
+    names = [one.name for one in metrics_of(rom, rom.interfaces, certified=True)]
+    assert found.column_names == ["case", *names]
+    assert found.schema.field("clamp_force.joint").metadata[b"unit"] == b"N"
+
+
+def test_commands(study, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    runner = CliRunner()
+    made = runner.invoke(app, ["reduce", str(study.path), "--no-shapes"])
+    assert made.exit_code == 0, made.output
+    assert "Wrote tiny.faying" in made.output
+    random_loads(tmp_path / "many.csv", 5)
+    solved = runner.invoke(app, ["solve", "tiny.faying", "many.csv", "--keep", "n3"])
+    assert solved.exit_code == 0, solved.output
+    assert "Worst of 5 static cases" in solved.output
+    assert {path.name for path in (tmp_path / "many-solved").iterdir()} == {
+        "metrics.csv",
+        "fields.h5",
+        "summary.json",
+    }
+    wrong = runner.invoke(app, ["solve", "tiny.faying", "many.csv", "--keep", "n33"])
+    assert isinstance(wrong.exception, StudyError)
+    other = runner.invoke(app, ["solve", str(study.path), "many.csv"])
+    assert isinstance(other.exception, FormatError)
