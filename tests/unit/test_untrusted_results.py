@@ -154,6 +154,8 @@ REFERENCE = "cases/LC1/reference"
         (edit(f"{REFERENCE}/displacements/tip", lambda a: a[:-1]), "displacements/tip"),
         (edit("bolts/bolt/history", lambda a: a[:-1]), "/bolts/bolt/history"),
         (lambda file: file.move("bolts/bolt", "bolts/nut"), "bolt_forces"),
+        (edit(f"{INTERFACE}/weights", lambda a: -a), "/interfaces/joint' has a negative weight"),
+        (edit(f"{INTERFACE}/penalty", lambda a: -a), "no positive penalty"),
     ],
 )
 def test_entries_that_contradict_each_other(path, change, place):
@@ -237,3 +239,26 @@ def damage(file, name, draw):
             at = draw(st.integers(0, values.size - 1))
             values.reshape(-1)[at] = draw(st.sampled_from(NUMBERS))
         file[name] = values
+
+
+KEPT = "reduced/compliance/0"
+PORTS = "ports"
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        (edit(f"{KEPT}/stiffness", lambda a: -a), "stiffness' has negative eigenvalues"),
+        (edit(f"{KEPT}/stiffness", lambda a: np.triu(a)), "stiffness' is not symmetric"),
+        (edit(f"{KEPT}/boundary", lambda a: 0 * a), "boundary' names a coordinate twice"),
+        (edit(f"{KEPT}/boundary", lambda a: a + 1000), "boundary' points beyond the"),
+        (edit(f"{PORTS}/compliance", lambda a: -a), "/ports/compliance' has negative eigenvalues"),
+        (edit(f"{PORTS}/boundaries/tip/components", lambda a: a + 10), "holds others than 0 to 5"),
+        (edit(f"{PORTS}/boundaries/tip/components", lambda a: 0 * a), "a degree of freedom twice"),
+        (edit(f"{PORTS}/boundaries/tip/nodes", lambda a: a + 10**9), "is not among the nodes"),
+    ],
+)
+def test_reduced_models_that_cannot_be(quick_demo, tmp_path, change, place):
+    path = tmp_path / "results.h5"
+    path.write_bytes((quick_demo / "results.h5").read_bytes())
+    assert place in refused(path, change)

@@ -36,6 +36,7 @@ from faying.model.boundary import Boundary
 from faying.model.mesh import CellBlock
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.mesh_shapes import MeshShapes
+from faying.reduction.model_check import check_definite, check_distinct, check_nodes
 from faying.reduction.model_fields import LAWS, TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
@@ -97,6 +98,7 @@ def read_ports(
     for name, one in items(member(group, "boundaries")):
         nodes = numbers(one, "nodes", dtype=np.int64)
         components = numbers(one, "components", nodes.shape, np.int64)
+        check_nodes(nodes, components, mesh, one.name)
         dofs = np.arange(first, first + len(nodes))
         boundaries[name] = Boundary(name=name, nodes=nodes, components=components, dofs=dofs)
         first += len(nodes)
@@ -110,6 +112,8 @@ def read_ports(
     n_relative = int(contact.relative_operator.shape[0])
     n_port = n_relative + first + len(stiffness) + len(patterns)
     ports = _optional(group, "compliance", (n_port, n_port))
+    if ports is not None:
+        check_definite(ports, f"{group.name}/compliance")
     none = np.zeros((0, 0))
     return ReducedModel(
         M=none,
@@ -147,9 +151,8 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
     places = boundary_slices(joint.boundaries)
     n_boundary = sum(len(one.dofs) for one in joint.boundaries.values())
     at = numbers(group, "boundary", (n_boundary,), np.int64)
-    if n_boundary and not 0 <= at.min() <= at.max() < n:
-        message = f"{group.name}/boundary points beyond the {n} coordinates"
-        raise ValueError(message)
+    check_definite(K, f"{group.name}/stiffness")
+    check_distinct(at, n, f"{group.name}/boundary")
     loads = _optional(group, "pattern_forces", (len(joint.load_patterns), n))
     residual = _optional(group, "residual_compliance", (n_relative, n_relative))
     if (

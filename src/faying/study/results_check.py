@@ -128,13 +128,16 @@ def _check_record(value: Any, axes: Axes, place: str) -> None:
         _check_known(value.kind, N_NODES, f"{place}/kind")
         _check_width(value.minus, N_NODES[value.kind], f"{place}/minus")
     elif isinstance(value, InterfaceRecord):
-        _check_faces(value, axes["n_node"], place)
+        _check_interface(value, axes["n_node"], place)
 
 
-def _check_faces(record: InterfaceRecord, n_node: int, place: str) -> None:
+def _check_interface(record: InterfaceRecord, n_node: int, place: str) -> None:
     n_face = sum(len(faces.minus) for faces in record.faces)
     if record.face_coverage is not None and len(record.face_coverage) != n_face:
         message = f"'{place}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
+        raise ValueError(message)
+    if (record.weights < 0).any() or not record.penalty > 0:
+        message = f"'{place}' has a negative weight or no positive penalty"
         raise ValueError(message)
     pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]
     for faces in record.faces:

@@ -1,0 +1,73 @@
+"""What a stored reduced model must be to be one, beside the shapes of its parts."""
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.reduction.mesh_shapes import MeshShapes
+
+ROUND_OFF = 1e-6
+"""Negative part of a matrix, over its diagonal, that round-off may make.
+
+Where nothing holds a structure its stiffness has zeros, known to some 1e-10 of its entries.
+"""
+
+MOST_COMPONENTS = 6
+"""Displacement components of a node: three translations, three rotations."""
+
+
+def check_definite(matrix: Matrix, place: str) -> None:
+    """Refuse a symmetric matrix with negative eigenvalues, that contact problems never end with.
+
+    Raises
+    ------
+    ValueError
+        If it is not symmetric or has one.
+    """
+    largest = np.abs(matrix).max(initial=0.0)
+    if largest == 0:
+        return
+    if np.abs(matrix - matrix.T).max() > ROUND_OFF * largest:
+        message = f"'{place}' is not symmetric"
+        raise ValueError(message)
+    own = np.diag(matrix)
+    # Coordinates have units of their own; a sign does not depend on them.
+    scale = 1 / np.sqrt(np.where(own > np.finfo(float).eps * largest, own, largest))
+    try:
+        np.linalg.cholesky(matrix * scale * scale[:, None] + ROUND_OFF * np.eye(len(matrix)))
+    except np.linalg.LinAlgError:
+        message = f"'{place}' has negative eigenvalues"
+        raise ValueError(message) from None
+
+
+def check_distinct(indices: Indices, length: int, place: str) -> None:
+    """Refuse indices beyond a length, and one that is there twice.
+
+    Raises
+    ------
+    ValueError
+    """
+    if len(indices) and not 0 <= indices.min() <= indices.max() < length:
+        message = f"'{place}' points beyond the {length} coordinates"
+        raise ValueError(message)
+    if len(np.unique(indices)) < len(indices):
+        message = f"'{place}' names a coordinate twice"
+        raise ValueError(message)
+
+
+def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, place: str) -> None:
+    """Refuse degrees of freedom of nodes that are not there, of no component, or there twice.
+
+    Raises
+    ------
+    ValueError
+    """
+    missing = nodes[~np.isin(nodes, mesh.node_ids)]
+    if len(missing):
+        message = f"'{place}/nodes' names node {missing[0]}, which is not among the nodes"
+        raise ValueError(message)
+    if len(components) and not 0 <= components.min() <= components.max() < MOST_COMPONENTS:
+        message = f"'{place}/components' holds others than 0 to {MOST_COMPONENTS - 1}"
+        raise ValueError(message)
+    if len(np.unique(np.stack([nodes, components]), axis=1).T) < len(nodes):
+        message = f"'{place}' names a degree of freedom twice"
+        raise ValueError(message)
