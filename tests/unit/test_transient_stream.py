@@ -1,5 +1,6 @@
 """Long transients: written as they come, the same numbers, memory of one piece, resumable."""
 
+import resource
 import tracemalloc
 
 import h5py
@@ -10,6 +11,7 @@ import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.export import transient_stream
 from faying.export.transient_stream import FIELDS
+from faying.files.reserve import SLACK
 
 STEP = 1e-5
 
@@ -85,6 +87,50 @@ def test_stopped_runs_keep_their_pieces_and_go_on(rom, load, tmp_path):
     # a finished run can be prolonged
     fy.stream_transient(rom, load, path, step=STEP, duration=130 * STEP, resume=True)
     compare(path, fy.solve_transient(rom, load, step=STEP, duration=130 * STEP), 130)
+
+
+@pytest.mark.parametrize("begun", [8, 20, 21, 24, 28, 32, 36])
+def test_stopped_at_any_write(rom, load, tmp_path, monkeypatch, begun):
+    """A piece takes some eighteen writes; stopped in the second, the first is as it was."""
+    write, writes = h5py.Dataset.__setitem__, iter(range(10_000))
+
+    def stop(*arguments):
+        if next(writes) == begun:
+            raise KeyboardInterrupt
+        write(*arguments)
+
+    path = tmp_path / "long.h5"
+    with monkeypatch.context() as stopping:
+        stopping.setattr(h5py.Dataset, "__setitem__", stop)
+        with pytest.raises(KeyboardInterrupt):
+            fy.stream_transient(rom, load, path, step=STEP, duration=100 * STEP)
+    fy.stream_transient(rom, load, path, step=STEP, duration=100 * STEP, resume=True)
+    compare(path, fy.solve_transient(rom, load, step=STEP, duration=100 * STEP), 100)
+
+
+@pytest.mark.parametrize("more", [-1_000_000, 10_000, 100_000, 150_000])
+def test_full_disk(rom, load, tmp_path, monkeypatch, capfd, more):
+    """Met before anything is written: one message, a file that can be read, and resumed."""
+    monkeypatch.setattr(transient_stream, "CHUNK", 30)
+    path, fields = tmp_path / "long.h5", ("states", "pressure")
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (SLACK + more, usual[1]))
+    options = {"step": STEP, "duration": 100 * STEP, "fields": fields}
+    try:
+        with pytest.raises(
+            FormatError, match=r"cannot write the history to .*long\.h5: File too l"
+        ):
+            fy.stream_transient(rom, load, path, **options)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+    fy.stream_transient(rom, load, path, resume=True, **options)
+    compare(path, fy.solve_transient(rom, load, step=STEP, duration=100 * STEP), 100)
+    assert capfd.readouterr().err == ""  # HDF5 reports there
+
+
+def test_space_that_was_reserved_is_given_back(rom, load, tmp_path):
+    path = fy.stream_transient(rom, load, tmp_path / "long.h5", step=STEP, duration=10 * STEP)
+    assert path.stat().st_size < SLACK
 
 
 def test_memory_does_not_grow_with_the_history(rom, load, tmp_path):

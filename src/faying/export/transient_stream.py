@@ -12,6 +12,7 @@ from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.exceptions import FormatError, ModelError
 from faying.files.described import member_name
+from faying.files.reserve import growing, reserve
 from faying.joint.system import System
 from faying.simulation.energy_guard import EnergyLedger
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
@@ -23,6 +24,9 @@ from faying.simulation.stepping import check_times, transient_solver
 FORMAT = "faying transient"
 PIECE = 2000
 """Steps between two writes: 15 MB for a thousand contact points, a second of computing or less."""
+
+CHUNK = 1024
+"""Instants stored together."""
 
 ALWAYS = ("times", "max_pressure")
 FIELDS: Mapping[str, Callable[[Solution], Matrix]] = {
@@ -94,7 +98,7 @@ def stream_transient(
     check_times(step, duration)
     solver = transient_solver(system, step=step, integrator=scheme, compiled=compiled)
     try:
-        with h5py.File(target, "a" if resume else "w", track_order=True) as file:
+        with growing(target, new=not resume) as file:
             restart = _restart(file, system, scheme, step) if resume and len(file) else None
             if restart is None:
                 _begin(file, load, scheme, step)
@@ -106,7 +110,8 @@ def stream_transient(
                 _mark(file, end)
             file.attrs["complete"] = True
     except OSError as error:
-        message = f"cannot write the history to {target}: {error}; check the folder and free space"
+        reason = error.strerror or error
+        message = f"cannot write the history to {target}: {reason}; check the folder and free space"
         raise FormatError(message) from None
     return target
 
@@ -129,13 +134,15 @@ def _append(file: h5py.File, piece: Solution, kept: tuple[str, ...]) -> None:
         rows[f"contact_forces/{member_name(name)}"] = piece.contact_force(name)
     for name in system.bolts:
         rows[f"bolt_forces/{member_name(name)}"] = piece.bolt_force(name)
+    # A chunk more of each, for those that are begun are allocated whole.
+    reserve(file, sum(one.nbytes + CHUNK * one[:1].nbytes for one in rows.values()))
     for name, values in rows.items():
         if name not in file:
             file.create_dataset(
                 name,
                 shape=(0, *values.shape[1:]),
                 maxshape=(None, *values.shape[1:]),
-                chunks=(min(PIECE, 1024), *values.shape[1:]),
+                chunks=(CHUNK, *values.shape[1:]),
                 dtype=values.dtype,
             )
         data = file[name]
@@ -144,8 +151,13 @@ def _append(file: h5py.File, piece: Solution, kept: tuple[str, ...]) -> None:
 
 
 def _mark(file: h5py.File, end: Restart) -> None:
-    """Note where the run stands, and let the file be readable from here."""
-    place = file.require_group("restart")
+    """Note where the run stands, and let the file be readable from here.
+
+    In one of two places, so that whoever is killed while writing leaves the other whole.
+    """
+    places = file.require_group("restart")
+    slot = 1 - int(places.attrs.get("slot", 1))
+    place = places.require_group(str(slot))
     contact = end.contact
     supported = contact.active if contact.supported is None else contact.supported
     arrays = vars(end.motion) | {
@@ -153,6 +165,7 @@ def _mark(file: h5py.File, end: Restart) -> None:
         "supported": supported,
         "trend": end.trend,
     }
+    reserve(file, sum(np.asarray(values).nbytes for values in arrays.values()))
     for name, values in arrays.items():
         if name not in place:
             place.create_dataset(name, data=values)
@@ -164,9 +177,11 @@ def _mark(file: h5py.File, end: Restart) -> None:
         place.attrs.update(asdict(end.ledger))
         file.attrs["energy_gain"] = end.ledger.gain
     file.flush()
+    places.attrs["slot"] = slot
+    file.flush()
 
 
-def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -> Restart:
+def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -> Restart | None:
     expected = {"format": FORMAT, "integrator": scheme.name, "step": step}
     for name, value in expected.items():
         if file.attrs.get(name) != value:
@@ -175,9 +190,14 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
                 "with what the run began with, or start anew"
             )
             raise FormatError(message)
-    place = file.get("restart")
-    if place is None or place["u"].shape != (system.K.shape[0],):
-        message = f"{file.filename} is of another model, or empty; start anew without resume"
+    places = file.get("restart")
+    if places is None or "slot" not in places.attrs:
+        for name in list(file):
+            del file[name]  # of a run that was stopped in its first piece
+        return None
+    place = places[str(places.attrs["slot"])]
+    if place["u"].shape != (system.K.shape[0],):
+        message = f"{file.filename} is of another model; start anew without resume"
         raise FormatError(message)
     done = int(place.attrs["done"])
     for data in _datasets(file):
