@@ -213,11 +213,12 @@ def test_laws_say_what_is_wrong():
 def test_what_knows_no_friction_refuses_it(coarse):
     for attempt in (
         lambda: fy.solve_static(coarse),
-        lambda: fy.solve_transient(coarse, LOADS["LC1"], step=1e-5, duration=1e-4),
         lambda: fy.preload(coarse, {"bolt": 8e3}),
         lambda: fy.certify(coarse, LOADS["LC1"], np.zeros(coarse.contact.n_points)),
     ):
-        with pytest.raises(ModelError, match="'joint' has friction, which solve_path alone knows"):
+        with pytest.raises(
+            ModelError, match="'joint' has friction, which paths and transients alone"
+        ):
             attempt()
 
 

@@ -23,10 +23,12 @@ class EnergyBalance:
     strain
         ½ uᵀ K u, bolts and sticking springs included.
     contact
-        ½ λᵀ (D + R) λ: penetration that the penalty admits, and deformation that a reduced basis
-        leaves to the residual compliance.
+        ½ λᵀ (D + R) λ: penetration and shear that the penalties admit, and deformation that a
+        reduced basis leaves to the residual compliance.
     dissipated
         ∫ vᵀ C v since the start.
+    friction
+        What friction took since the start, zero without friction.
     work
         Work of the boundary forces and load patterns since the start.
     bolt_work
@@ -38,6 +40,7 @@ class EnergyBalance:
     strain: Vector
     contact: Vector
     dissipated: Vector
+    friction: Vector
     work: Vector
     bolt_work: Vector
 
@@ -53,7 +56,7 @@ class EnergyBalance:
         Implicit Euler under constant forces can only lose. The generalized-α method with
         ``rho_infinity = 1`` keeps the balance to round-off while no contact point opens or closes.
         """
-        supplied = self.work + self.bolt_work - self.dissipated
+        supplied = self.work + self.bolt_work - self.dissipated - self.friction
         return np.asarray(supplied - (self.stored - self.stored[0]))
 
 
@@ -69,10 +72,10 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     -----
     In M v̇ + C v + K u = f + Gᵀλ the contact forces do the power λᵀG u̇ = λᵀṡ − λᵀ(D + R) λ̇, and
     λᵀṡ vanishes since either the force or the slack s of a point is zero; hence the stored contact
-    energy. Work is summed by the trapezoidal rule and dissipation with the mean velocity of each
-    step, both of second order and exactly what the midpoint rule balances. In the first step the
-    force at its end counts, for the load jumps at t = 0+; the error is of third order because the
-    system starts at rest.
+    energy; −λ_tᵀṡ_t is what friction takes. Work is summed by the trapezoidal rule and dissipation
+    with the mean velocity of each step, both of second order and exactly what the midpoint rule
+    balances. In the first step the force at its end counts, for the load jumps at t = 0+; the error
+    is of third order because the system starts at rest.
     """
     system, u, v = solution.system, solution.states, solution.velocities
     if solution.times is None or v is None:
@@ -88,8 +91,9 @@ def energy_balance(solution: Solution) -> EnergyBalance:
         times=solution.times,
         kinetic=half_form(system.M, v),
         strain=half_form(system.K, u),
-        contact=contact_energy(system.contact, solution.contact_forces),
+        contact=contact_energy(system.contact, solution.contact_forces, solution.shear_forces),
         dissipated=_accumulated(2 * half_form(system.C, move) / steps),
+        friction=np.cumsum(np.broadcast_to(solution.dissipation, len(u))),
         work=_accumulated(np.delete(work, bolts, axis=1).sum(axis=1)),
         bolt_work=_accumulated(work[:, bolts].sum(axis=1)),
     )

@@ -39,8 +39,8 @@ def reintegrate(
     Raises
     ------
     ModelError
-        If the solution is no transient, has unequal steps, or the scheme needs an acceleration at
-        the start (it is not known under a jump).
+        If the solution is no transient, has unequal steps or friction, or the scheme needs an
+        acceleration at the start (it is not known under a jump).
 
     Notes
     -----
@@ -55,6 +55,7 @@ def reintegrate(
         )
         raise ModelError(message)
     system = solution.system
+    system.contact.check_frictionless()
     force = input_forces(system, solution.inputs) + relative_forces(system, contact_forces)
     effective = factorize(scheme.effective_matrix(system, step))
     start = system.factorize_static().solve(force[0])

@@ -82,6 +82,39 @@ class Contact:
         ]
         return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
+    @property
+    def components(self) -> int:
+        """Components of the force at a point: 1, or 3 where some interface has friction."""
+        return 3 if len(self.rubbing) else 1
+
+    def parts(self, forces: Matrix) -> tuple[Matrix, Matrix | None]:
+        """Return normal (..., n_point) and tangential forces (..., 2, n_point) of all of them.
+
+        Parameters
+        ----------
+        forces : (..., components * n_point)
+            Component by component.
+        """
+        if self.components == 1:
+            return forces, None
+        n = self.n_points
+        return forces[..., :n], forces[..., n:].reshape(*forces.shape[:-1], 2, n)
+
+    def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
+        """Return forces between the pairs (n_relative, ...) of forces at the contact points.
+
+        Parameters
+        ----------
+        forces : (..., n_point) [force]
+        shear_forces : (..., 2, n_point) [force]
+            Tangential components, which act through the tangential displacements in the same way.
+        """
+        pairs: Matrix = self.transposed[0] @ np.asarray(forces).T
+        if shear_forces is not None and self.shear is not None:
+            rubbing = shear_forces[..., self.rubbing]
+            pairs = pairs + self.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
+        return pairs
+
     def check_frictionless(self) -> None:
         """Refuse friction, for what knows normal forces alone.
 
@@ -93,9 +126,9 @@ class Contact:
         rubbing = [name for name, law in self.laws.items() if law.components > 1]
         if rubbing:
             message = (
-                f"interface '{rubbing[0]}' has friction, which solve_path alone knows: tighten "
-                "bolts before with_friction, and take the model without friction for single "
-                "static cases, transients, certificates and hand-overs"
+                f"interface '{rubbing[0]}' has friction, which paths and transients alone "
+                "know (solve_path, solve_transient): tighten bolts before with_friction, and take "
+                "the model without friction for single static cases, certificates and hand-overs"
             )
             raise ModelError(message)
 

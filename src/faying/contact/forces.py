@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from faying._typing import Mask, Vector
+from faying._typing import Mask, Matrix, Vector
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,6 +22,12 @@ class ContactForces:
     error
         Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
         problem was solved to round-off.
+    shear_forces : (2, n_point) or None [force]
+        Tangential components of a joint with friction.
+    slip : (2, n_point) or None [length]
+        Tangential components of what has slipped so far.
+    dissipation
+        Energy that friction took [force·length].
     """
 
     forces: Vector
@@ -29,3 +35,6 @@ class ContactForces:
     active: Mask
     iterations: int
     error: float = 0.0
+    shear_forces: Matrix | None = None
+    slip: Matrix | None = None
+    dissipation: float = 0.0

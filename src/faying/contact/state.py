@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from faying._typing import Mask
+from faying._typing import Mask, Matrix
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,9 +24,15 @@ class ContactState:
     factor
         What the solver made for ``supported``; formed again where it is None, so that a state can
         be stored as its masks.
+    slip : (2, n_point) or None [length]
+        Tangential components of what has slipped in a joint with friction.
+    forces : (3, n_point) or None [force]
+        Forces expected there in the next problem.
     """
 
     active: Mask
     supported: Mask | None = None
     steady: bool = False
     factor: Any = None
+    slip: Matrix | None = None
+    forces: Matrix | None = None

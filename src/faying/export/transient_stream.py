@@ -38,6 +38,9 @@ FIELDS: Mapping[str, Callable[[Solution], Matrix]] = {
     "pressure": lambda piece: piece.pressure,
     "gap": lambda piece: piece.gap,
     "iterations": lambda piece: np.asarray(piece.iterations),
+    "traction": lambda piece: piece.traction,
+    "slip": lambda piece: piece.slip,
+    "dissipation": lambda piece: np.broadcast_to(piece.dissipation, len(piece.states)),
 }
 """What can be kept of every instant; boundaries, bolts and interfaces are kept always."""
 
@@ -165,6 +168,8 @@ def _mark(file: h5py.File, end: Restart) -> None:
         "supported": supported,
         "trend": end.trend,
     }
+    if contact.slip is not None and contact.forces is not None:
+        arrays |= {"slip": contact.slip, "forces": contact.forces}
     reserve(file, sum(np.asarray(values).nbytes for values in arrays.values()))
     for name, values in arrays.items():
         if name not in place:
@@ -196,7 +201,8 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
             del file[name]  # of a run that was stopped in its first piece
         return None
     place = places[str(places.attrs["slot"])]
-    if place["u"].shape != (system.K.shape[0],):
+    n_force = system.contact.components * system.contact.n_points
+    if place["u"].shape != (system.K.shape[0],) or place["contact"].shape != (n_force,):
         message = f"{file.filename} is of another model; start anew without resume"
         raise FormatError(message)
     done = int(place.attrs["done"])
@@ -206,7 +212,11 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
     file.attrs["complete"] = False
     supported = place["supported"][()] if place.attrs["is_supported"] else None
     contact = ContactState(
-        active=place["active"][()], supported=supported, steady=bool(place.attrs["steady"])
+        active=place["active"][()],
+        supported=supported,
+        steady=bool(place.attrs["steady"]),
+        slip=place["slip"][()] if "slip" in place else None,
+        forces=place["forces"][()] if "forces" in place else None,
     )
     ledger = EnergyLedger(
         **{field.name: float(place.attrs[field.name]) for field in fields(EnergyLedger)}

@@ -41,8 +41,8 @@ LOOP = "faying.simulation.compiled_steps"
 _log = logging.getLogger("faying")
 
 
-def check_compiler() -> None:
-    """Refuse to compile time steps where numba is missing.
+def check_compiler(system: System) -> None:
+    """Refuse to compile time steps where numba is missing or the joint has friction.
 
     Raises
     ------
@@ -50,6 +50,9 @@ def check_compiler() -> None:
     """
     if find_spec("numba") is None:
         message = "compiled time steps need numba; pip install 'faying[compiled]'"
+        raise ModelError(message)
+    if system.contact.components > 1:
+        message = "steps with friction are not compiled; leave compiled=True out"
         raise ModelError(message)
 
 

@@ -14,12 +14,22 @@ def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
     return energy
 
 
-def contact_energy(contact: Contact, forces: Matrix) -> Vector:
-    """½ λᵀ (D + R) λ of contact forces (n_time, n_point): penetration and residual compliance."""
+def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None) -> Vector:
+    """½ λᵀ (D + R) λ of contact forces: what the laws admit, and residual compliance.
+
+    Parameters
+    ----------
+    forces : (n_time, n_point) [force]
+    shear : (n_time, 2, n_point) [force]
+        Tangential components of a joint with friction.
+    """
     energy: Vector = 0.5 * forces**2 @ contact.flexibility
+    if shear is not None:
+        squares = (shear[..., contact.rubbing] ** 2).sum(axis=1)
+        energy = energy + 0.5 * squares @ contact.tangential_flexibility
     if contact.residual_compliance is None:
         return energy
-    at_pairs = (contact.transposed[0] @ forces.T).T
+    at_pairs = contact.at_pairs(forces, shear).T
     return energy + half_form(contact.residual_compliance, at_pairs)
 
 

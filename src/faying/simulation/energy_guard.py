@@ -40,7 +40,7 @@ class EnergyLedger:
     stored
         Kinetic energy, strain energy and that of contact at the start [force·length].
     work, spent
-        Work of all loads since; what damping took at least.
+        Work of all loads since; what damping took at least, and friction.
     moved
         Largest kinetic energy and largest magnitude of the work so far, added up.
     gain
@@ -61,7 +61,8 @@ class EnergyLedger:
 
 def opened(system: System, start: Motion) -> EnergyLedger:
     """Begin the ledger of a transient where it stands."""
-    _, energy = _stored(system, start.u[None], start.v[None], start.contact[None])
+    normal, shear = system.contact.parts(start.contact[None])
+    _, energy = _stored(system, start.u[None], start.v[None], normal, shear)
     return EnergyLedger(stored=float(energy[0]))
 
 
@@ -87,9 +88,10 @@ def audited(
     Notes
     -----
     In exact time integration kinetic, strain and contact energy change by the work of the loads
-    less what damping takes. Work is summed over all steps by the trapezoidal rule. Energies are
-    taken every :data:`EVERY` steps, and damping at least ∑ ΔuᵀC Δu / Δt between them, a lower bound
-    whatever happened on the way: the gain may be more than what is found, but not less.
+    less what damping and friction take. Work and what friction takes are summed over all steps, by
+    the trapezoidal rule. Energies are taken every :data:`EVERY` steps, and damping at least
+    ∑ ΔuᵀC Δu / Δt between them, a lower bound whatever happened on the way: the gain may be more
+    than what is found, but not less.
     """
     n_time = len(inputs) - 1
     at = np.unique(np.append(np.arange(EVERY - 1, n_time, EVERY), n_time - 1))
@@ -104,8 +106,10 @@ def audited(
         moves = np.diff(np.vstack([first, states[at]]), axis=0)
         lengths = step * np.diff(np.append(-1, at))
         spent = ledger.spent + np.cumsum(2 * half_form(system.C, moves) / lengths)
+        spent = spent + np.cumsum(history.dissipation[0])[at]
+        shear = None if system.contact.components == 1 else history.shear[0, at]
         kinetic, energy = _stored(
-            system, states[at], history.velocities[0, at], history.forces[0, at]
+            system, states[at], history.velocities[0, at], history.forces[0, at], shear
         )
         moved = most + np.maximum.accumulate(kinetic)
         moved = np.maximum(moved, ledger.moved)
@@ -206,10 +210,10 @@ def gain_message(gain: float) -> str:
 
 
 def _stored(
-    system: System, states: Matrix, velocities: Matrix, forces: Matrix
+    system: System, states: Matrix, velocities: Matrix, forces: Matrix, shear: Matrix | None
 ) -> tuple[Vector, Vector]:
     """Kinetic energy, and that with strain and contact energy, of each instant (n_time,)."""
     moving = velocities.any()
     kinetic = half_form(system.M, velocities) if moving else np.zeros(len(velocities))
     strain = half_form(system.K, states)
-    return kinetic, kinetic + strain + contact_energy(system.contact, forces)
+    return kinetic, kinetic + strain + contact_energy(system.contact, forces, shear)

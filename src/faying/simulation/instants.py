@@ -15,7 +15,10 @@ from faying.simulation.solution import Solution
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Instants:
-    """Instants of transients side by side; every array begins with case and instant."""
+    """Instants of transients side by side; every array begins with case and instant.
+
+    Arrays of shear and slip have no rows where there is no friction.
+    """
 
     states: Matrix
     velocities: Matrix
@@ -24,11 +27,15 @@ class Instants:
     gaps: Matrix
     iterations: Indices
     errors: Matrix
+    shear: Matrix
+    slip: Matrix
+    dissipation: Matrix
 
     @classmethod
     def empty(cls, n_case: int, n_time: int, system: System) -> "Instants":
         """Return room for some cases and instants of a system."""
         shape, n_dof, n_point = (n_case, n_time), system.K.shape[0], system.contact.n_points
+        along = (*shape, system.contact.components - 1, n_point)
         return cls(
             states=np.zeros((*shape, n_dof)),
             velocities=np.zeros((*shape, n_dof)),
@@ -37,6 +44,9 @@ class Instants:
             gaps=np.zeros((*shape, n_point)),
             iterations=np.zeros(shape, dtype=np.int64),
             errors=np.zeros(shape),
+            shear=np.zeros(along),
+            slip=np.zeros(along),
+            dissipation=np.zeros(shape),
         )
 
     def begin(self, motion: Motion, starts: Sequence[Solution]) -> None:
@@ -44,6 +54,9 @@ class Instants:
         self.states[:, 0], self.accelerations[:, 0] = motion.u.T, motion.a.T
         self.forces[:, 0] = [start.contact_forces for start in starts]
         self.gaps[:, 0] = [start.gap for start in starts]
+        if self.shear.size:
+            self.shear[:, 0] = [start.shear_forces for start in starts]
+            self.slip[:, 0] = [start.shear_slip for start in starts]
 
     def of_case(self, case: int) -> "Instants":
         """Return the part of one case, to be written in place."""
@@ -62,6 +75,19 @@ class Instants:
             self.forces[case, n], self.gaps[case, n] = contact.forces, contact.slack
             self.iterations[case, n] = contact.iterations
             self.errors[case, n] = contact.error
+            if contact.slip is not None:
+                self.shear[case, n], self.slip[case, n] = contact.shear_forces, contact.slip
+                self.dissipation[case, n] = contact.dissipation
+
+    def friction(self, case: int) -> dict[str, Matrix]:
+        """Return what a solution of this case says of friction, nothing where there is none."""
+        if not self.shear.size:
+            return {}
+        return {
+            "shear_forces": self.shear[case],
+            "shear_slip": self.slip[case],
+            "dissipation": self.dissipation[case],
+        }
 
 
 def require_history_room(n_case: int, n_time: int, system: System) -> None:
@@ -74,7 +100,7 @@ def require_history_room(n_case: int, n_time: int, system: System) -> None:
     """
     n_dof, n_point = system.K.shape[0], system.contact.n_points
     require_room(
-        8.0 * n_case * n_time * (4 * n_dof + 2 * n_point),
+        8.0 * n_case * n_time * (4 * n_dof + 2 * system.contact.components * n_point),
         f"histories of {n_case} responses with {n_time} instants of {n_dof} degrees of freedom "
         f"and {n_point} contact points",
         "shorten them, enlarge the step, or stream them in Python (stream_transient)",

@@ -11,5 +11,6 @@ The same on every machine, for round-off depends on how many there are.
 
 def runs_at_once(system: System, n_time: int) -> int:
     """Return how many histories of ``n_time`` instants fit; one always does."""
-    numbers = n_time * (3 * system.K.shape[0] + 2 * system.contact.n_points)
+    contact = system.contact
+    numbers = n_time * (3 * system.K.shape[0] + 2 * contact.components * contact.n_points)
     return max(1, HISTORY_BYTES // (8 * int(numbers)))

@@ -45,7 +45,7 @@ class Solution:
     shear_slip : (..., 2, n_point) or None [length]
         Tangential components of the slip.
     dissipation : (...)
-        Energy that friction took in each increment [force·length].
+        Energy that friction took in each increment or step [force·length].
     """
 
     name: str

@@ -109,13 +109,8 @@ def relative_forces(
     Parameters
     ----------
     shear_forces : (..., 2, n_point)
-        Tangential components, which act through the tangential displacements in the same way.
+        Tangential components of a joint with friction.
     """
     contact = system.contact
-    to_pairs, to_dofs = contact.transposed
-    pairs = to_pairs @ np.asarray(contact_forces).T
-    if shear_forces is not None and contact.shear is not None:
-        rubbing = shear_forces[..., contact.rubbing]
-        pairs = pairs + contact.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
-    forces: Matrix = (to_dofs @ pairs).T
+    forces: Matrix = (contact.transposed[1] @ contact.at_pairs(contact_forces, shear_forces)).T
     return forces

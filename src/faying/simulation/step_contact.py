@@ -12,6 +12,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
 from faying.linalg.compressed import Compliance
+from faying.simulation.frictional_step import FrictionalEnd, FrictionalMean
 
 ROUND_OFF = 1e-9
 """Residual compliance below this share of the compliance of a step is round-off of the basis."""
@@ -21,17 +22,19 @@ class StepContact(Protocol):
     """How contact enters the balance of a step."""
 
     def solve(
-        self, gaps: Matrix, states: Sequence[ContactState], last: Matrix
+        self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Return the new forces of the balance, contact at the end, and its state, of all cases.
 
+        Forces have all components, (n_case, components * n_point).
+
         Parameters
         ----------
-        gaps : (n_case, n_point)
-            Gaps without the new contact forces.
+        free : (n_case, n_relative)
+            Relative displacements without the new contact forces.
         states
             Where the contact of each case stands.
-        last : (n_case, n_point)
+        last : (n_case, components * n_point)
             Contact forces at the start of the step.
         """
         ...
@@ -46,11 +49,12 @@ class EndContact:
 
     def solve(
         self,
-        gaps: Matrix,
+        free: Matrix,
         states: Sequence[ContactState],
         last: Matrix,  # noqa: ARG002
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one contact problem for each case."""
+        gaps = self.condensed.free_gap(free)
         contacts, after = zip(*map(self.condensed.solve, gaps, states), strict=True)
         return np.array([contact.forces for contact in contacts]), contacts, after
 
@@ -73,13 +77,14 @@ class MeanContact:
     condensed: CondensedContact
 
     def solve(
-        self, gaps: Matrix, states: Sequence[ContactState], last: Matrix
+        self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one contact problem for each case, and the law at the end where forces would pull.
 
         Hard contact without residual compliance has no force that belongs to an instant: the mean
         over the step stands for that at its end, half a step late.
         """
+        gaps = self.condensed.free_gap(free)
         solved = map(self.condensed.solve, gaps - self._given_way(last), states)
         means, after = zip(*solved, strict=True)
         ends = [self._at_end(mean, forces) for mean, forces in zip(means, last, strict=True)]
@@ -131,3 +136,21 @@ class MeanContact:
             return None
         alone = replace(self.condensed.contact, residual_compliance=None)
         return CondensedContact(contact=alone, compliance=self._residual)
+
+
+def end_contact(condensed: CondensedContact) -> StepContact:
+    """Return the contact law at the end of a step."""
+    return EndContact(condensed) if condensed.contact.components == 1 else FrictionalEnd(condensed)
+
+
+def mean_contact(condensed: CondensedContact) -> StepContact:
+    """Return the law of the mean contact force of a step.
+
+    Raises
+    ------
+    ModelError
+        If contact has friction and is hard.
+    """
+    if condensed.contact.components == 1:
+        return MeanContact(condensed)
+    return FrictionalMean(condensed)

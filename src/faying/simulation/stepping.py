@@ -1,6 +1,7 @@
 """Steps of transients side by side: one factorization, and what is linear done for all at once."""
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -10,7 +11,7 @@ from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
-from faying.exceptions import ModelError
+from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System, input_forces
 from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization, factorize
@@ -30,16 +31,9 @@ from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, each_of, side_by_side
 from faying.simulation.solution import Solution
-from faying.simulation.static import relative_forces, solve_static
+from faying.simulation.start import begun, stacked_forces, starting_states
+from faying.simulation.static import relative_forces
 from faying.simulation.step_contact import StepContact
-
-INITIAL_FRACTION = 1e-3
-"""Part of a step over which the initial acceleration is averaged.
-
-It bounds the acceleration of massless degrees of freedom; modes the step resolves see a relative
-error of its square.
-"""
-
 
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
@@ -72,7 +66,7 @@ def transient_solver(
     Raises
     ------
     ModelError
-        If the step is not positive, or compiled steps are asked for without numba.
+        If the step is not positive, or compiled steps are asked for without numba or with friction.
 
     Notes
     -----
@@ -81,7 +75,7 @@ def transient_solver(
     """
     check_times(step, step)
     if compiled:
-        check_compiler()
+        check_compiler(system)
     scheme = ImplicitEuler() if integrator is None else integrator
     effective = factorize(scheme.effective_matrix(system, step), ports=_dense_ports(system))
     return TransientSolver(
@@ -167,12 +161,12 @@ class TransientSolver:
         """Integrate responses side by side; see :func:`solve_transient_cases`."""
         check_times(self.step, duration)
         require_history_room(len(loads), round(duration / self.step) + 1, self.system)
-        starts = self._starts(loads, initial)
+        starts = starting_states(self.system, loads, initial)
         times = self.step * np.arange(1, round(duration / self.step) + 1, dtype=np.float64)
         solutions: list[Solution] = []
         for first in range(0, len(loads), SIDE_BY_SIDE):
             some = slice(first, first + SIDE_BY_SIDE)
-            here = self._begin(loads[some], starts[some])
+            here = begun(self.system, self.scheme, self.step, loads[some], starts[some])
             solutions += self._advanced(
                 here, loads[some], times, starts[some], progress, len(loads) * len(times)
             )[0]
@@ -194,8 +188,9 @@ class TransientSolver:
         starts: list[Solution] = []
         here = restart
         if here is None:
-            starts = self._starts([load], None if initial is None else [initial])
-            here = self._begin([load], starts)[0]
+            given = None if initial is None else [initial]
+            starts = starting_states(self.system, [load], given)
+            here = begun(self.system, self.scheme, self.step, [load], starts)[0]
         size = max(last - here.done, 1) if length is None else length
         require_history_room(1, min(size, last) + 1, self.system)
         while here.done < last:
@@ -204,32 +199,6 @@ class TransientSolver:
             (piece,), (here,) = self._advanced([here], [load], times, starts, progress, last)
             starts = []
             yield piece, here
-
-    def _starts(self, loads: Sequence[Load], initial: Sequence[Solution] | None) -> list[Solution]:
-        if initial is None:
-            return [solve_static(self.system)] * len(loads)
-        if len(initial) != len(loads):
-            message = (
-                f"{len(loads)} loads and {len(initial)} initial solutions; give one for each load"
-            )
-            raise ModelError(message)
-        return list(initial)
-
-    def _begin(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
-        """Return the states at rest, with the accelerations the suddenly applied loads cause."""
-        system, now = self.system, np.zeros(1)
-        inputs = np.concatenate([load.inputs(system, now) for load in loads])
-        forces = np.array([start.contact_forces for start in starts])
-        u = np.array([start.states for start in starts]).T
-        applied, contact = input_forces(system, inputs).T, relative_forces(system, forces).T
-        a = np.zeros_like(u)
-        if self.scheme.needs_acceleration:
-            averaging = system.M + (INITIAL_FRACTION * self.step) ** 2 * system.K
-            a = factorize(averaging).solve(applied + contact - system.K @ u)
-        kept = self.scheme.kept_force(applied, contact)
-        motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), forces.T)
-        nothing = np.full(forces.shape, np.nan)
-        return each_of(0, motion, [ContactState(active=closed) for closed in forces > 0], nothing)
 
     def _advanced(
         self,
@@ -282,6 +251,7 @@ class TransientSolver:
                 velocities=history.velocities[case],
                 accelerations=history.accelerations[case],
                 energy_gain=ledgers[case].gain,
+                **history.friction(case),
             )
             for case, load in enumerate(loads)
         ]
@@ -308,33 +278,38 @@ class TransientSolver:
                 for case, (start, applied) in enumerate(cases)
             ]
         motion = side_by_side([one.motion for one in here])
-        states = [one.contact for one in here]
+        states: Sequence[ContactState] = [one.contact for one in here]
         trend = np.array([one.trend for one in here])
         for n in range(n_step):
-            motion, states, trend, contacts = self._step(motion, states, trend, external[:, n].T)
+            with _naming_step(here[0].done + n + 1, self.step):
+                after = self._step(motion, states, trend, external[:, n].T)
+            motion, states, trend, contacts = after
             history.note(first + n, motion, contacts)
             if progress is not None:
                 progress(n_case)
         return each_of(here[0].done + n_step, motion, states, trend)
 
     def _step(
-        self, motion: Motion, states: list[ContactState], trend: Matrix, applied: Matrix
-    ) -> tuple[Motion, list[ContactState], Matrix, Sequence[ContactForces]]:
+        self, motion: Motion, states: Sequence[ContactState], trend: Matrix, applied: Matrix
+    ) -> tuple[Motion, Sequence[ContactState], Matrix, Sequence[ContactForces]]:
         """Return the motion one step on, where contact stands after it, and its forces.
 
         What is linear is done for all cases at once, with one case a column.
         """
-        system, scheme, condensed = self.system, self.scheme, self.condensed
+        system, scheme = self.system, self.scheme
         right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
         free = system.contact.relative_operator @ self.effective.solve(right)
-        gaps = condensed.free_gap(free.T)
-        acting, contacts, after = self._step_contact.solve(gaps, states, motion.contact.T)
+        acting, contacts, after = self._step_contact.solve(free.T, states, motion.contact.T)
         forces = np.array([contact.forces for contact in contacts])
-        slack = np.array([contact.slack for contact in contacts])
-        from_contact = relative_forces(system, acting).T
+        from_contact = relative_forces(system, *system.contact.parts(acting)).T
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         kept = scheme.kept_force(applied, from_contact)
-        motion = replace(scheme.advance(motion, u, kept, self.step), contact=forces.T)
+        motion = scheme.advance(motion, u, kept, self.step)
+        if system.contact.components > 1:
+            shear = np.array([contact.shear_forces for contact in contacts])
+            return replace(motion, contact=stacked_forces(forces, shear).T), after, trend, contacts
+        motion = replace(motion, contact=forces.T)
+        slack = np.array([contact.slack for contact in contacts])
         active, trend = expected(self._own, forces, slack, trend)
         ahead = [replace(state, active=points) for state, points in zip(after, active, strict=True)]
         return motion, ahead, trend, contacts
@@ -396,3 +371,13 @@ def _condense_step(
         contact=system.contact,
         compliance=relative_compliance(system.contact, effective, scheme.force_weight),
     )
+
+
+@contextmanager
+def _naming_step(number: int, step: float) -> Iterator[None]:
+    """Say of contact that is not solved in which step it is."""
+    try:
+        yield
+    except ConvergenceError as error:
+        message = f"step {number} (t = {number * step:g}): {error}"
+        raise ConvergenceError(message) from error

@@ -8,7 +8,7 @@ from faying.contact.condensed import CondensedContact
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
-from faying.simulation.step_contact import MeanContact
+from faying.simulation.step_contact import StepContact, mean_contact
 
 
 @final
@@ -23,8 +23,9 @@ class EnergyDecaying:
         M Δv/h + C Δu/h + K (ū + d² h Δw) = f̄ + Gᵀλ̄,     Δu/h = v̄ + d² h Δa,
         Δu/h = w̄ + 2 d Δw,                                Δv/h = ā + 2 d Δa,
 
-    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds: it
-    never works more than the contact's stored energy gives. The proof is in
+    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds, or
+    :class:`~.FrictionalMean`: it never works more than the contact's stored energy gives. The
+    proof is in
     ``docs/theory/time_integration.md``.
 
     Attributes
@@ -65,9 +66,9 @@ class EnergyDecaying:
         """The acceleration at the start enters."""
         return True
 
-    def step_contact(self, condensed: CondensedContact) -> MeanContact:
+    def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the law of the mean contact force of a step."""
-        return MeanContact(condensed)
+        return mean_contact(condensed)
 
     def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
         """Return M/(κ h²) + C/h + κ K with κ = ½ + d²/(½ + 2 d)."""

@@ -8,7 +8,7 @@ from faying.contact.condensed import CondensedContact
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
-from faying.simulation.step_contact import EndContact
+from faying.simulation.step_contact import StepContact, end_contact
 
 
 @final
@@ -86,9 +86,9 @@ class GeneralizedAlpha:
         old: Vector = self.alpha_f * (motion.force - system.K @ u)
         return system.M @ inertia + system.C @ drag + old
 
-    def step_contact(self, condensed: CondensedContact) -> EndContact:
+    def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the contact law at the end of a step."""
-        return EndContact(condensed)
+        return end_contact(condensed)
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
         """Return their sum."""

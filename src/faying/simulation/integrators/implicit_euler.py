@@ -7,7 +7,7 @@ from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
-from faying.simulation.step_contact import EndContact
+from faying.simulation.step_contact import StepContact, end_contact
 
 
 @final
@@ -45,9 +45,9 @@ class ImplicitEuler:
         right: Vector = inertia + system.C @ (motion.u / step)
         return right
 
-    def step_contact(self, condensed: CondensedContact) -> EndContact:
+    def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the contact law at the end of a step."""
-        return EndContact(condensed)
+        return end_contact(condensed)
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
         """Return their sum."""

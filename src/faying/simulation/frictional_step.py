@@ -1,0 +1,161 @@
+"""Friction in a step of a transient: Coulomb's law at its end, or on the mean over it.
+
+A step is an increment of ``docs/theory/friction.md`` with the compliance of the step: the same
+local law, the slip so far as the state.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.contact.condensed import CondensedContact
+from faying.contact.contact import Contact
+from faying.contact.forces import ContactForces
+from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.state import ContactState
+from faying.exceptions import ModelError
+
+ADMISSIBLE = 1e-12
+"""Excess of a tangential force over its bound, over the largest force, that is round-off."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FrictionalEnd:
+    """The law holds at the end of the step, and the forces there enter the balance."""
+
+    condensed: CondensedContact
+
+    def solve(
+        self, free: Matrix, states: Sequence[ContactState], last: Matrix
+    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
+        """Solve one increment for each case, from forces that go on as they did."""
+        solver = self.condensed.frictional
+        acting, ends, after = [], [], []
+        for relative, state, before in zip(free, states, _components(last), strict=True):
+            slip = _slip(state, before)
+            found = solver.solve(_slack(solver, relative, slip), state.forces)
+            slip = slip + found.slack[1:]
+            ends.append(_contact_forces(found, found.dissipation, slip))
+            acting.append(found.forces.ravel())
+            ahead = 2 * found.forces - before
+            after.append(ContactState(active=ends[-1].active, slip=slip, forces=ahead))
+        return np.array(acting), ends, after
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class FrictionalMean:
+    """The mean forces of a step obey the law, and work no more than contact had stored.
+
+    With W = D + G R Gᵀ, by which laws and residual compliance give way, and γ the relative
+    displacements at the points without that, the slip at the start subtracted, 2 λ̄ solves an
+    increment with
+
+        z = γ₁ + W (2 λ̄ − λ₀).                                                                 (F4)
+
+    λ₁ is 2 λ̄ − λ₀ where that obeys the law too, else what the law says at γ₁ with the slip that
+    the mean has left.
+    """
+
+    condensed: CondensedContact
+
+    def __post_init__(self) -> None:
+        contact = self.condensed.contact
+        if not (contact.flexibility > 0).all() or not (contact.tangential_flexibility > 0).all():
+            message = (
+                "EnergyDecaying steps with friction need elastic contact: a hard point has no "
+                "force at an instant that the mean over a step would tell; give the interfaces a "
+                "penalty and a tangential penalty, or take ImplicitEuler"
+            )
+            raise ModelError(message)
+
+    def solve(
+        self, free: Matrix, states: Sequence[ContactState], last: Matrix
+    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
+        """Solve one increment for each case, and the law at the end where that is not obeyed."""
+        solver = self.condensed.frictional
+        means, ends, after = [], [], []
+        for relative, state, before in zip(free, states, _components(last), strict=True):
+            slip = _slip(state, before)
+            z_free = _slack(solver, relative, slip) - self._given_way(before)
+            mean = solver.solve(z_free, state.forces)
+            end = self._at_end(mean, mean.forces - before)
+            slip = slip + mean.slack[1:] + end.slack[1:]
+            taken = 0.5 * mean.dissipation + end.dissipation
+            means.append(mean.forces.ravel())
+            ends.append(_contact_forces(end, taken, slip))
+            after.append(ContactState(active=ends[-1].active, slip=slip, forces=mean.forces))
+        return np.array(means), ends, after
+
+    def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
+        """Return forces at the end, with the slip that they add to that of the mean."""
+        solver, gap = self._law, mean.slack[0]
+        bound = solver.friction * forces[0] + ADMISSIBLE * np.abs(forces).max(initial=0.0)
+        wrong = (forces[0] < 0) | ((gap > 0) & (forces[0] > 0))
+        none = np.zeros_like(gap)
+        if not (wrong | (np.hypot(forces[1], forces[2]) > bound)).any():
+            return replace(mean, forces=forces, slack=np.stack([gap, none, none]))
+        z_free = np.stack([gap, none, none]) - self._given_way(forces)
+        if self.condensed.contact.residual_compliance is not None:
+            end = solver.solve(z_free, forces)
+            return replace(end, iterations=mean.iterations + end.iterations)
+        rubbing = self.condensed.contact.rubbing
+        elastic = np.zeros_like(forces)
+        elastic[0] = np.maximum(-z_free[0] / solver.D[0], 0.0)
+        elastic[1:, rubbing] = -z_free[1:, rubbing] / solver.D[1:, rubbing]
+        size = np.hypot(elastic[1], elastic[2])
+        limit = solver.friction * elastic[0]
+        elastic[1:] *= np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
+        return replace(mean, forces=elastic, slack=z_free + solver.D * elastic)
+
+    def _given_way(self, forces: Matrix) -> Matrix:
+        """W λ (3, n_point)."""
+        solver, residual = self._law, self.condensed.contact.residual_compliance
+        way: Matrix = solver.D * forces
+        if residual is None:
+            return way
+        moved = solver.G @ (solver.S @ (solver.G.T @ forces.ravel()))
+        return np.asarray(way + moved.reshape(way.shape))
+
+    @cached_property
+    def _law(self) -> FrictionalContact:
+        """The law where nothing but laws and residual compliance gives way."""
+        contact = self.condensed.contact
+        residual, n = contact.residual_compliance, contact.relative_operator.shape[0]
+        alone: Contact = replace(contact, residual_compliance=None)
+        S = np.zeros((n, n)) if residual is None else np.asarray(residual)
+        return FrictionalContact(contact=alone, S=S)
+
+
+def _components(forces: Matrix) -> Matrix:
+    """Return forces (n_case, 3 n_point) as (n_case, 3, n_point)."""
+    return forces.reshape(len(forces), 3, -1)
+
+
+def _slip(state: ContactState, forces: Matrix) -> Matrix:
+    return np.zeros_like(forces[1:]) if state.slip is None else state.slip
+
+
+def _slack(solver: FrictionalContact, relative: Vector, slip: Matrix) -> Matrix:
+    """Return z_free (3, n_point) of relative displacements (n_relative,) without the new forces."""
+    z_free: Matrix = (solver.G @ relative).reshape(3, -1)
+    z_free[0] += solver.contact.initial_gap
+    z_free[1:] -= slip
+    return z_free
+
+
+def _contact_forces(found: Increment, dissipation: float, slip: Matrix) -> ContactForces:
+    return ContactForces(
+        forces=found.forces[0],
+        slack=found.slack[0],
+        active=found.forces[0] > 0,
+        iterations=found.iterations,
+        shear_forces=found.forces[1:],
+        slip=slip,
+        dissipation=dissipation,
+    )

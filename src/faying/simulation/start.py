@@ -1,0 +1,138 @@
+"""Where transients start: the joint at rest under its bolts, or static states that are given."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.contact.state import ContactState
+from faying.exceptions import ModelError
+from faying.joint.system import System, input_forces
+from faying.linalg.factorization import factorize
+from faying.simulation.integrators import Integrator, Motion
+from faying.simulation.load import Load
+from faying.simulation.path import solve_path
+from faying.simulation.restart import Restart, each_of
+from faying.simulation.solution import Solution
+from faying.simulation.static import AT_REST, relative_forces, solve_static
+
+INITIAL_FRACTION = 1e-3
+"""Part of a step over which the initial acceleration is averaged.
+
+It bounds the acceleration of massless degrees of freedom; modes the step resolves see a relative
+error of its square.
+"""
+
+
+OF_EACH_STATE = (
+    "states",
+    "contact_forces",
+    "gap",
+    "inputs",
+    "iterations",
+    "contact_error",
+    "shear_forces",
+    "shear_slip",
+    "dissipation",
+)
+"""Arrays of a solution that begin with the case, where there are several."""
+
+
+def at_rest(system: System) -> Solution:
+    """Solve the joint under its bolts alone; with friction they are tightened in one increment."""
+    if system.contact.components == 1:
+        return solve_static(system)
+    return last_of(solve_path(system, [AT_REST], name=AT_REST.name))
+
+
+def last_of(solution: Solution) -> Solution:
+    """Return the last state of a path, or a static solution as it is."""
+    if solution.states.ndim == 1:
+        return solution
+    values = {name: getattr(solution, name) for name in OF_EACH_STATE}
+    last = {name: value[-1] for name, value in values.items() if np.ndim(value)}
+    return replace(solution, **last)
+
+
+def starting_states(
+    system: System, loads: Sequence[Load], initial: Sequence[Solution] | None
+) -> list[Solution]:
+    """Return one static state for each load.
+
+    Raises
+    ------
+    ModelError
+        If their number is another, one moves, or one has friction where the model has none or the
+        other way round.
+    """
+    if initial is None:
+        return [at_rest(system)] * len(loads)
+    if len(initial) != len(loads):
+        message = f"{len(loads)} loads and {len(initial)} initial solutions; give one for each load"
+        raise ModelError(message)
+    return [_checked(system, last_of(start), start.times is not None) for start in initial]
+
+
+def _checked(system: System, start: Solution, moves: bool) -> Solution:
+    """Refuse what a transient of this system cannot start from."""
+    if moves:
+        message = (
+            f"a transient cannot start from the end of another ('{start.name}'), for it starts at "
+            "rest; give a static solution or a path, or solve the longer transient"
+        )
+        raise ModelError(message)
+    rubs, rubbed = system.contact.components > 1, start.shear_slip is not None
+    if rubs and not rubbed:
+        message = (
+            f"the joint has friction, and the initial solution '{start.name}' does not say what "
+            "has slipped; give one of solve_path, solve_path(model, [fy.Load()], initial=...) to "
+            "close a joint that was tightened without friction"
+        )
+        raise ModelError(message)
+    if rubbed and not rubs:
+        message = (
+            f"the initial solution '{start.name}' has friction and the joint none; start from "
+            "solve_static, or solve the transient with friction"
+        )
+        raise ModelError(message)
+    return start
+
+
+def stacked_forces(normal: Matrix, shear: Matrix | None) -> Matrix:
+    """Return all components of contact forces (n_case, components * n_point)."""
+    if shear is None:
+        return normal
+    return np.concatenate([normal[:, None], shear], axis=1).reshape(len(normal), -1)
+
+
+def begun(
+    system: System,
+    scheme: Integrator,
+    step: float,
+    loads: Sequence[Load],
+    starts: Sequence[Solution],
+) -> list[Restart]:
+    """Return the states at rest, with the accelerations the suddenly applied loads cause."""
+    now = np.zeros(1)
+    inputs = np.concatenate([load.inputs(system, now) for load in loads])
+    forces = np.array([start.contact_forces for start in starts])
+    rubs = system.contact.components > 1
+    shear = np.array([start.shear_forces for start in starts], dtype=float) if rubs else None
+    u = np.array([start.states for start in starts]).T
+    applied = input_forces(system, inputs).T
+    contact = relative_forces(system, forces, shear).T
+    a = np.zeros_like(u)
+    if scheme.needs_acceleration:
+        averaging = system.M + (INITIAL_FRACTION * step) ** 2 * system.K
+        a = factorize(averaging).solve(applied + contact - system.K @ u)
+    kept = scheme.kept_force(applied, contact)
+    every = stacked_forces(forces, shear)
+    motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), every.T)
+    states = [
+        ContactState(
+            active=own > 0, slip=start.shear_slip, forces=x.reshape(3, -1) if rubs else None
+        )
+        for own, x, start in zip(forces, every, starts, strict=True)
+    ]
+    return each_of(0, motion, states, np.full(forces.shape, np.nan))

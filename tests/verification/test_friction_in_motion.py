@@ -1,0 +1,232 @@
+"""Transients with Coulomb friction: against a program made without faying, and their energy."""
+
+from dataclasses import replace
+
+import h5py
+import numpy as np
+import pytest
+from test_reference_cantilever import generated, reference_pressure
+
+import faying as fy
+from faying.assessment.reintegration import reintegrate
+from faying.contact.laws import Penalty
+from faying.exceptions import FormatError, ModelError
+from faying.export import transient_stream
+from faying.simulation.energy_guard import MOST_GAIN
+from faying.simulation.stepping import transient_solver
+
+FRICTION, TANGENTIAL = 0.2, 8e5
+STEP = 1.55e-5
+LC2 = {"tip.Fz": -500.0, "tip.Mx": 20e3}
+PULLED = fy.Load(LC2 | {"tip.Fx": 3000.0}, name="LC2 and pull")
+SCHEMES = {
+    "euler": fy.ImplicitEuler(),
+    "alpha": fy.GeneralizedAlpha(0.8),
+    "decaying": fy.EnergyDecaying(0.8),
+    "midpoint": fy.EnergyDecaying(1.0),
+}
+
+
+@pytest.fixture(scope="module")
+def gauss():
+    """The reference cantilever."""
+    return generated("gauss2").with_friction(FRICTION, tangential_penalty=TANGENTIAL)
+
+
+@pytest.fixture(scope="module")
+def full(gauss):
+    return fy.solve_transient(gauss, PULLED, step=STEP, duration=200 * STEP)
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    damping = fy.Rayleigh(alpha=160.0, beta=5e-7)
+    model = fy.lap_joint(element_size=5.0, penalty=1e6, damping=damping)
+    return model.with_bolt_forces({"bolt": 8e3}).with_friction(FRICTION)
+
+
+@pytest.fixture(scope="module")
+def rom(coarse):
+    return fy.reduce(coarse, fy.craig_bampton(coarse, normal_modes=10), compliance=True)
+
+
+def test_the_step_response_is_that_of_the_reference(gauss, full, data):
+    """Displacement and bolt force to 1e-6, pressure and traction to 1e-5 of their peaks."""
+    mesh = np.load(data / "lap_joint" / "mesh.npz")
+    expected = np.load(data / "friction" / "G1_euler_mu0.2_gauss2.npz")
+    columns = [str(name) for name in expected["columns"]]
+    of = {name: expected["history"][:, place] for place, name in enumerate(columns)}
+    # The same scheme and step: round-off, 1e-10, is measured.
+    tip = np.stack([of[f"tip_{axis}"] for axis in "xyz"], axis=1)
+    largest = np.abs(tip).max()
+    np.testing.assert_allclose(full.displacement("tip")[:, :3], tip, rtol=0, atol=1e-6 * largest)
+    np.testing.assert_allclose(full.bolt_force("bolt"), of["bolt_z"], rtol=1e-6)
+    np.testing.assert_allclose(full.contact_force(), of["N"], rtol=1e-6)
+    peak, most = of["p_max"].max(), of["t_max"].max()
+    np.testing.assert_allclose(full.max_pressure, of["p_max"], rtol=0, atol=1e-5 * peak)
+    np.testing.assert_allclose(full.dissipation.cumsum(), of["slip_work"].cumsum(), rtol=1e-5)
+    points, at = gauss.interfaces["joint"].points, expected["instants"]
+    for n, pressure, resisting in zip(at, expected["p_inst"], expected["t_inst"], strict=True):
+        found = reference_pressure(mesh, points, pressure, "gauss2")
+        np.testing.assert_allclose(full.pressure[n], found, rtol=0, atol=1e-5 * peak)
+        traction = [reference_pressure(mesh, points, t, "gauss2") for t in resisting.T]
+        # The reference gives what resists the plus side; the plus side receives the opposite.
+        np.testing.assert_allclose(
+            -np.array(traction).T, full.traction[n, :, :2], rtol=0, atol=1e-5 * most
+        )
+
+
+def errors(found, exact):
+    """Largest and root-mean-square deviation of points and instants, over the peak."""
+    size = np.abs(exact)
+    wrong = np.abs(found - exact)
+    if exact.ndim == 3:
+        wrong, size = np.linalg.norm(found - exact, axis=2), np.linalg.norm(exact, axis=2)
+    return wrong.max() / size.max(), np.sqrt((wrong**2).mean()) / size.max()
+
+
+def test_reduced_models_follow_the_full_one(gauss, full):
+    """20 normal modes and no joint modes: what the basis lacks is the inertia of quick motions."""
+    rom = fy.reduce(gauss, fy.craig_bampton(gauss, normal_modes=20), compliance=True)
+    fast = fy.solve_transient(rom, PULLED, step=STEP, duration=200 * STEP)
+    # What a prototype had: 1.1 and 0.04 % in pressures, 3.6 and 0.1 % in tractions, tip 9e-5.
+    bounds = {"pressure": (0.015, 1e-3), "traction": (0.04, 2e-3)}
+    for name, (worst, mean) in bounds.items():
+        mine, exact = getattr(fast, name), getattr(full, name)
+        # The jump of the load moves what the basis does not have: 5 % in the first step.
+        assert errors(mine, exact)[0] < 0.06
+        assert errors(mine, exact)[1] < mean
+        assert errors(mine[5:], exact[5:])[0] < worst
+    tip = errors(fast.displacement("tip")[:, :3], full.displacement("tip")[:, :3])
+    assert tip[0] < 2e-4
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_friction_obeys_its_law_and_closes_the_balance(coarse, rom, scheme):
+    for system in (coarse, rom):
+        motion = fy.solve_transient(
+            system, PULLED, step=STEP, duration=60 * STEP, integrator=SCHEMES[scheme]
+        )
+        normal, shear = motion.contact_forces, np.hypot(*np.moveaxis(motion.shear_forces, -2, 0))
+        small = 1e-9 * normal.max()  # the residual that is accepted
+        assert normal.min() > -small
+        assert (shear - FRICTION * normal).max() < small
+        assert (np.diff(motion.shear_slip, axis=0) != 0).any()
+        balance = fy.energy_balance(motion)
+        assert motion.dissipation.min() > -1e-12 * balance.stored.max()  # round-off
+        np.testing.assert_array_equal(balance.friction, motion.dissipation.cumsum())
+        lost = balance.numerical_dissipation
+        if scheme == "midpoint":  # which is proven to lose nothing but where contact changes
+            assert np.diff(lost).min() > -1e-10 * balance.stored.max()
+        if scheme != "euler":
+            # All but 0.4 % of the work is accounted for; friction has 13 % of it.
+            assert np.abs(lost).max() < 0.01 * balance.work.max()
+        assert balance.friction[-1] > 0.1 * balance.work[-1]
+        assert motion.energy_gain < 0.1 * MOST_GAIN
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_contact_at_the_ends_of_steps_belongs_to_displacements(rom, scheme):
+    """Gaps and tangential displacements of what is reported obey the law in every instant."""
+    motion = fy.solve_transient(
+        rom, PULLED, step=STEP, duration=20 * STEP, integrator=SCHEMES[scheme]
+    )
+    contact = rom.contact
+    pairs = contact.at_pairs(motion.contact_forces, motion.shear_forces).T
+    relative = motion.states @ contact.relative_operator.T + pairs @ contact.residual_compliance
+    gap = (contact.interpolation @ relative.T).T + contact.initial_gap
+    small = 1e-9 * np.abs(gap).max()  # round-off of the contact problem
+    np.testing.assert_allclose(motion.gap, gap, atol=small)
+    moved = (contact.shear @ relative.T).T.reshape(len(gap), 2, -1)
+    yields = contact.tangential_flexibility * motion.shear_forces[..., contact.rubbing]
+    np.testing.assert_allclose(motion.shear_slip[..., contact.rubbing], moved + yields, atol=small)
+
+
+def test_pieces_go_on_to_the_bit(rom, tmp_path, monkeypatch):
+    """Streamed, stopped and resumed."""
+    monkeypatch.setattr(transient_stream, "PIECE", 10)
+    for name, scheme in SCHEMES.items():
+        options = {"step": STEP, "integrator": scheme, "fields": tuple(transient_stream.FIELDS)}
+        paths = [tmp_path / f"{name}-{part}.h5" for part in ("whole", "parts")]
+        whole, parts = paths
+        fy.stream_transient(rom, PULLED, whole, duration=30 * STEP, **options)
+        fy.stream_transient(rom, PULLED, parts, duration=20 * STEP, **options)
+        fy.stream_transient(rom, PULLED, parts, duration=30 * STEP, resume=True, **options)
+        smooth = replace(rom, contact=replace(rom.contact, laws={"joint": Penalty(1e6)}))
+        with pytest.raises(FormatError, match="is of another model"):
+            fy.stream_transient(smooth, PULLED, parts, duration=40 * STEP, resume=True, **options)
+        at_once = fy.solve_transient(rom, PULLED, step=STEP, duration=30 * STEP, integrator=scheme)
+        with h5py.File(whole) as one, h5py.File(parts) as other:
+            for field in ("states", "traction", "slip", "dissipation", "pressure"):
+                np.testing.assert_array_equal(one[field][()], other[field][()])
+            np.testing.assert_array_equal(one["traction"][()], at_once.traction)
+            np.testing.assert_array_equal(one["slip"][()], at_once.slip)
+            assert one["slip"].shape == (31, rom.contact.n_points, 3)
+            assert one.attrs["energy_gain"] == other.attrs["energy_gain"]
+
+
+def test_side_by_side_they_are_what_they_are_alone(rom):
+    loads = [PULLED, fy.Load({"tip.Fx": -1e3}), fy.Load(LC2)]
+    starts = [
+        fy.solve_path(rom, [fy.Load(), fy.Load({"tip.Fx": pull})]) for pull in (0.0, 2e3, -500.0)
+    ]
+    options = {"step": STEP, "duration": 20 * STEP}
+    together = fy.solve_transient_cases(rom, loads, initial=starts, **options)
+    for load, start, found in zip(loads, starts, together, strict=True):
+        alone = fy.solve_transient(rom, load, initial=start, **options)
+        np.testing.assert_array_equal(found.traction[0], start.traction[-1])
+        for name in ("states", "pressure", "traction", "slip"):
+            exact = getattr(alone, name)
+            # Products with a matrix add up in another order, magnified by contact.
+            np.testing.assert_allclose(
+                getattr(found, name), exact, rtol=0, atol=1e-8 * np.abs(exact).max()
+            )
+
+
+def test_a_joint_at_rest_stays(rom):
+    motion = fy.solve_transient(rom, fy.Load(), step=STEP, duration=10 * STEP)
+    start = fy.solve_path(rom, [fy.Load()])
+    for name in ("states", "pressure", "traction", "slip"):
+        values = getattr(motion, name)
+        exact = np.broadcast_to(getattr(start, name)[-1], values.shape)
+        np.testing.assert_allclose(values, exact, rtol=0, atol=1e-8 * np.abs(exact).max())
+
+
+def test_without_friction_slip_is_free(coarse):
+    """μ = 0 is the frictionless joint."""
+    smooth = fy.lap_joint(
+        element_size=5.0, penalty=1e6, damping=fy.Rayleigh(alpha=160.0, beta=5e-7)
+    ).with_bolt_forces({"bolt": 8e3})
+    options = {"step": STEP, "duration": 20 * STEP}
+    expected = fy.solve_transient(smooth, PULLED, **options)
+    found = fy.solve_transient(smooth.with_friction(0.0), PULLED, **options)
+    assert not found.traction.any()
+    peak = expected.max_pressure.max()
+    np.testing.assert_allclose(found.pressure, expected.pressure, rtol=0, atol=1e-9 * peak)
+
+
+def test_what_does_not_fit_is_refused(coarse, rom):
+    options = {"step": STEP, "duration": 2 * STEP}
+    smooth = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
+    tight, path = fy.solve_static(smooth), fy.solve_path(coarse, [fy.Load()])
+    with pytest.raises(ModelError, match="does not say what has slipped; give one of solve_path"):
+        fy.solve_transient(coarse, PULLED, initial=tight, **options)
+    with pytest.raises(ModelError, match="has friction and the joint none"):
+        fy.solve_transient(smooth, PULLED, initial=path, **options)
+    moving = fy.solve_transient(rom, PULLED, **options)
+    with pytest.raises(ModelError, match="cannot start from the end of another"):
+        fy.solve_transient(rom, PULLED, initial=moving, **options)
+    with pytest.raises(ModelError, match="steps with friction are not compiled"):
+        transient_solver(rom, step=STEP, compiled=True)
+    hard = fy.lap_joint(element_size=5.0, penalty="hard").with_friction(0.2)
+    with pytest.raises(ModelError, match="EnergyDecaying steps with friction need elastic"):
+        fy.solve_transient(hard, PULLED, integrator=fy.EnergyDecaying(), **options)
+    with pytest.raises(ModelError, match="'joint' has friction"):
+        reintegrate(moving, moving.contact_forces)
+
+
+def test_hard_contact_with_friction_moves():
+    hard = fy.lap_joint(element_size=5.0, penalty="hard").with_bolt_forces({"bolt": 8e3})
+    motion = fy.solve_transient(hard.with_friction(FRICTION), PULLED, step=STEP, duration=10 * STEP)
+    assert motion.gap.min() > -1e-9 * np.abs(motion.states).max()  # round-off
+    assert motion.dissipation.sum() > 0
