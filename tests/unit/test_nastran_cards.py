@@ -249,7 +249,7 @@ TURNED = "CORD2C,2,0,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,9,2,2.,30.,0.,2\nGRID,10
 
 def test_single_components_in_a_turned_system(read: Read) -> None:
     with pytest.raises(FormatError, match="single components of GRID 9"):
-        read(TURNED, "RBE2,1,1,1,9")
+        read(TURNED, "RBE3,1,,9,1,1.,123,1,2\n,3")
     assert len(read(TURNED, "RBE2,1,1,123,9").rigid_couplings) == 1
     with pytest.raises(FormatError, match="not a basic axis"):
         read(TURNED, "CELAS2,1,5.,9,1")

@@ -128,7 +128,7 @@ def test_include_is_relative_to_the_including_file(tmp_path: Path) -> None:
         ("CTETRA,8,3,1,2,3,3", r"8: CTETRA: element 8 has the same node twice"),
         ("MAT1,9,1.,,.3", r"8: MAT1: material 9 is already defined at .*a\.bdf:7"),
         ("PSOLID,3,9", r"8: PSOLID: property 3 is already defined at .*a\.bdf:6"),
-        ("CQUAD4,9,1,1,2,3,4", r"8: CQUAD4: the card is not supported"),
+        ("CQUADX,9,1,1,2,3,4", r"8: CQUADX: the card is not supported"),
         ("GRID,5,,1.,0.,0.,,,,9,9", r"8: a free-field line with more than 8"),
         ("CONM2,3,99,0,1.", r"8: CONM2: GRID 99 is not"),
     ],

@@ -171,7 +171,9 @@ def _connections(assembly: Assembly) -> Table:
         "average couplings (RBE3)": [len(one.nodes) for one in assembly.average_couplings],
         "equations (MPC)": [len(one.terms) for one in assembly.equations],
         "springs": [len(one.ends) for one in assembly.springs],
+        "bushes": [len(one.nodes) for one in assembly.bushes],
         "point masses": [1 for _ in assembly.masses],
+        "scalar masses": [len(one.ends) for one in assembly.scalar_masses],
     }
     rows = ((name, len(counts), sum(counts)) for name, counts in kinds.items() if counts)
     return _table("Supports and couplings", ["kind", "number", "nodes or terms"], rows)

@@ -15,6 +15,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.exceptions import ModelError
 from faying.model.mesh import Mesh
+from faying.model.shells import ShellBlock, ShellSection
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,6 +115,48 @@ class Spring:
     id: int
     ends: tuple[tuple[int, int], ...]
     stiffness: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScalarMass:
+    """A mass at one degree of freedom, or at the difference of two.
+
+    Attributes
+    ----------
+    ends
+        One or two pairs (node index, component 0..5).
+    mass : [mass] or [mass·length²]
+    """
+
+    id: int
+    ends: tuple[tuple[int, int], ...]
+    mass: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bush:
+    """Six springs between two nodes, or a node and the ground, in axes of their own.
+
+    Attributes
+    ----------
+    nodes
+        Indices of one node (the other end is grounded) or two.
+    stiffness : (6,) [force/length], [moment/rad]
+        Along and about the three axes.
+    axes : (3, 3)
+        Rows are the axes in the basic frame.
+    place : (3,) [length]
+        Where the springs act; rigid arms lead there from the nodes.
+    mass : [mass]
+        Shared by the nodes.
+    """
+
+    id: int
+    nodes: tuple[int, ...]
+    stiffness: tuple[float, ...]
+    axes: tuple[tuple[float, float, float], ...]
+    place: tuple[float, float, float]
+    mass: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -281,6 +324,8 @@ class Assembly:
         Nodes and solid elements; without solids where matrices are given.
     materials
         Property id of solids to material.
+    shell_sections
+        Property id of shells to section.
     element
         Formulation of hex8: ``"incompatible"`` or ``"standard"``.
     face_sets
@@ -295,8 +340,12 @@ class Assembly:
     materials: Mapping[int, Material] = field(default_factory=dict)
     element: str = "incompatible"
     beams: tuple[Beam, ...] = ()
+    shells: tuple[ShellBlock, ...] = ()
+    shell_sections: Mapping[int, ShellSection] = field(default_factory=dict)
     springs: tuple[Spring, ...] = ()
+    bushes: tuple[Bush, ...] = ()
     masses: tuple[PointMass, ...] = ()
+    scalar_masses: tuple[ScalarMass, ...] = ()
     rigid_couplings: tuple[RigidCoupling, ...] = ()
     average_couplings: tuple[AverageCoupling, ...] = ()
     equations: tuple[Equation, ...] = ()
@@ -313,10 +362,13 @@ class Assembly:
         parts = (
             self.beams,
             self.springs,
+            self.bushes,
             self.masses,
+            self.scalar_masses,
             self.rigid_couplings,
             self.average_couplings,
         )
         ids = [one.id for family in parts for one in family]
-        ids += [int(block.ids.max()) for block in self.mesh.blocks if len(block.ids)]
+        cells = [*(b.ids for b in self.mesh.blocks), *(b.ids for b in self.shells)]
+        ids += [int(block.max()) for block in cells if len(block)]
         return max(ids, default=0)

@@ -77,6 +77,8 @@ def _links(assembly: Assembly, cut: tuple[int, int]) -> SparseMatrix:
     """Return the nodes (n_link, n_node) that each beam, spring, coupling and equation joins."""
     parts = [np.array(beam.nodes) for beam in assembly.beams]
     parts += [np.array([node for node, _ in spring.ends]) for spring in assembly.springs]
+    parts += [np.array(bush.nodes) for bush in assembly.bushes]
+    parts += [shell for block in assembly.shells for shell in block.nodes]
     parts += [np.append(rigid.nodes, rigid.reference) for rigid in assembly.rigid_couplings]
     parts += [np.append(mean.nodes, mean.reference) for mean in assembly.average_couplings]
     parts += [np.array([node for node, _, _ in e.terms]) for e in assembly.equations]

@@ -1,6 +1,6 @@
 """Mass, damping and stiffness of an assembly on all 6 n_node degrees of freedom."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +11,13 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material, MatrixBlock
 from faying.model.elements import SolidElement, solid_element
 from faying.model.elements.beam import beam_matrices
+from faying.model.elements.bush import bush_matrices
 from faying.model.elements.geometry import check_shapes
 from faying.model.elements.mass import mass_coefficients
 from faying.model.elements.stiffness import stiffness_blocks
 from faying.model.mesh import CellBlock
+from faying.model.node_pairs import NodePairs
+from faying.model.shell_matrices import shell_matrices
 
 # Numbers in one temporary array of a batch: small enough for the processor's cache.
 _BATCH_NUMBERS = 2**18
@@ -58,7 +61,7 @@ class MassProperties:
 
 
 def assemble_matrices(assembly: Assembly) -> NodalMatrices:
-    """Form M, C and K of Eq. (15.10): solids, beams, springs, point masses, given matrices.
+    """Form M, C and K of Eq. (15.10): all elements, point masses, given matrices.
 
     Returns
     -------
@@ -170,7 +173,7 @@ def _solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix,
     density = np.array([m.density for m in materials])[which]
     shear = youngs / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
-    pattern = _NodePairs.of(block.nodes, n_node)
+    pattern = NodePairs.of(block.nodes, n_node)
     stiffness = np.zeros((pattern.n_pairs, 9))
     mass = np.zeros((pattern.n_pairs, 1))
     for part in _batches(len(block.ids), 3 * element.n_nodes):
@@ -219,70 +222,8 @@ def _materials(assembly: Assembly, block: CellBlock) -> tuple[list[Material], In
     return [assembly.materials[number] for number in properties.tolist()], which
 
 
-@dataclass(frozen=True, eq=False)
-class _NodePairs:
-    """The pairs of nodes that share an element: the sparsity of a block of elements.
-
-    Attributes
-    ----------
-    rows_start : (n_node + 1,)
-    columns : (n_pair,)
-        Compressed rows of the pairs.
-    slots : (n_cell, n_node_per_cell²)
-        Which pair each pair of an element's nodes is.
-    """
-
-    rows_start: Indices
-    columns: Indices
-    slots: Indices
-
-    @staticmethod
-    def of(cells: Indices, n_node: int) -> "_NodePairs":
-        keys = (cells[:, :, None] * n_node + cells[:, None, :]).reshape(len(cells), -1)
-        unique, slots = np.unique(keys, return_inverse=True)
-        start = np.searchsorted(unique, np.arange(n_node + 1, dtype=np.int64) * n_node)
-        return _NodePairs(start, unique % max(n_node, 1), slots.reshape(keys.shape))
-
-    @property
-    def n_pairs(self) -> int:
-        return len(self.columns)
-
-    def add(self, total: Matrix, part: slice, values: Matrix) -> None:
-        """Add values (n_cell_of_part · n_node_per_cell², n) of a batch to their pairs."""
-        slots = self.slots[part].ravel()
-        low, high = int(slots.min()), int(slots.max()) + 1
-        shape = (high - low, len(slots))
-        scatter = sp.csc_array((np.ones(len(slots)), slots - low, np.arange(len(slots) + 1)), shape)
-        total[low:high] += scatter @ values
-
-    def expanded(self, blocks: Matrix) -> SparseMatrix:
-        """Return the matrix with a 3 x 3 block (n_pair, 9) per pair, on six dofs per node."""
-        n_node = len(self.rows_start) - 1
-        matrix = sp.bsr_array(
-            (blocks.reshape(-1, 3, 3), self.columns, self.rows_start),
-            shape=(3 * n_node, 3 * n_node),
-        ).tocsr()
-        return _on_six(matrix, n_node)
-
-    def expanded_diagonal(self, coefficients: Vector) -> SparseMatrix:
-        """Return the matrix with coefficient · I₃ (n_pair,) per pair, on six dofs per node."""
-        n_node = len(self.rows_start) - 1
-        nodal = sp.csr_array((coefficients, self.columns, self.rows_start), shape=(n_node, n_node))
-        return _on_six(sp.kron(nodal, sp.eye_array(3), format="csr"), n_node)
-
-
-def _on_six(matrix: SparseMatrix, n_node: int) -> SparseMatrix:
-    """Spread a matrix of three dofs per node over six."""
-    index_type = matrix.indices.dtype
-    columns = (matrix.indices + 3 * (matrix.indices // 3)).astype(index_type)
-    counts = np.zeros((n_node, 6), dtype=np.int64)
-    counts[:, :3] = np.diff(matrix.indptr).reshape(n_node, 3)
-    start = np.concatenate([[0], np.cumsum(counts)]).astype(index_type)
-    return sp.csr_array((matrix.data, columns, start), shape=(6 * n_node, 6 * n_node))
-
-
 def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:
-    """Mass and stiffness of beams, springs and point masses."""
+    """Mass and stiffness of beams, shells, bushes, springs and concentrated masses."""
     size = 6 * len(assembly.mesh.nodes)
     shape = (size, size)
     M, K = sp.csr_array(shape), sp.csr_array(shape)
@@ -294,18 +235,38 @@ def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:
     if assembly.masses:
         dofs = 6 * np.array([m.node for m in assembly.masses])[:, None] + np.arange(6)
         M = M + _scattered(_point_masses(assembly), dofs, size)
-    for spring in assembly.springs:
-        if len(spring.ends) not in (1, 2):
-            message = f"spring {spring.id} has {len(spring.ends)} ends; give one or two"
+    for n_end in (1, 2):
+        bushes = [bush for bush in assembly.bushes if len(bush.nodes) == n_end]
+        if bushes:
+            bush_mass, bush_stiffness, dofs = bush_matrices(bushes, assembly.mesh.nodes)
+            M, K = M + _scattered(bush_mass, dofs, size), K + _scattered(bush_stiffness, dofs, size)
+    springs = [(spring.id, spring.ends, spring.stiffness) for spring in assembly.springs]
+    K = K + _scalar("spring", springs, size)
+    masses = [(mass.id, mass.ends, mass.mass) for mass in assembly.scalar_masses]
+    M = M + _scalar("scalar mass", masses, size)
+    for block in assembly.shells:
+        shell_mass, shell_stiffness = shell_matrices(assembly, block)
+        M, K = M + shell_mass, K + shell_stiffness
+    return M, K
+
+
+def _scalar(
+    kind: str, elements: Sequence[tuple[int, tuple[tuple[int, int], ...], float]], size: int
+) -> SparseMatrix:
+    """Sum what acts at one degree of freedom or on the difference of two."""
+    total = sp.csr_array((size, size))
+    for number, ends, _ in elements:
+        if len(ends) not in (1, 2):
+            message = f"{kind} {number} has {len(ends)} ends; give one or two"
             raise ModelError(message)
     for n_end in (1, 2):
-        springs = [s for s in assembly.springs if len(s.ends) == n_end]
-        if springs:
+        chosen = [(ends, value) for _, ends, value in elements if len(ends) == n_end]
+        if chosen:
             sign = np.array([1.0, -1.0])[:n_end]
-            values = np.array([s.stiffness for s in springs])[:, None, None] * np.outer(sign, sign)
-            dofs = np.array([[6 * node + c for node, c in s.ends] for s in springs])
-            K = K + _scattered(values, dofs, size)
-    return M, K
+            values = np.array([value for _, value in chosen])[:, None, None] * np.outer(sign, sign)
+            dofs = np.array([[6 * node + c for node, c in ends] for ends, _ in chosen])
+            total = total + _scattered(values, dofs, size)
+    return total
 
 
 def _point_masses(assembly: Assembly) -> Matrix:

@@ -71,8 +71,11 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
 
 
 def rigid_parts(assembly: Assembly) -> Indices:
-    """Label what deforms as a whole: bodies of solids, then connected parts of given matrices."""
-    labels = np.array(bodies(assembly.mesh))
+    """Label what deforms as a whole: bodies of solids, shells, connected parts of given matrices.
+
+    A node of several belongs to the first; a hinge between them costs no energy.
+    """
+    labels = _with_shells(assembly, np.array(bodies(assembly.mesh)))
     block = assembly.matrices
     if block is None:
         return labels
@@ -87,11 +90,32 @@ def rigid_parts(assembly: Assembly) -> Indices:
     return labels
 
 
+def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
+    """Label the shells that share nodes with one another, where no solid has them."""
+    if not assembly.shells:
+        return labels
+    n_node = len(labels)
+    first = np.concatenate([np.roll(block.nodes, 1, axis=1).ravel() for block in assembly.shells])
+    other = np.concatenate([block.nodes.ravel() for block in assembly.shells])
+    # Shells that meet at a solid only may turn there one by one.
+    apart = (labels[first] < 0) & (labels[other] < 0)
+    ends = (first[apart], other[apart])
+    graph = sp.csr_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(n_node, n_node))
+    _, part = connected_components(graph, directed=False)
+    new = np.intersect1d(other, np.flatnonzero(labels < 0))
+    _, number = np.unique(part[new], return_inverse=True)
+    labels[new] = labels.max(initial=-1) + 1 + number.ravel()
+    return labels
+
+
 def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
     """Rigid motions of all parts and unit motions of all else (n_dof, n_unknown)."""
     node, component = np.divmod(dofs.free, 6)
-    # Solids do not resist rotations of their nodes, given matrices may.
-    rigid = (labels[node] >= 0) & ((component < 3) | (assembly.matrices is not None))
+    # Solids do not resist rotations of their nodes, shells do, given matrices may.
+    turning = np.full(len(labels), assembly.matrices is not None)
+    for shells in assembly.shells:
+        turning[shells.nodes] |= bodies(assembly.mesh)[shells.nodes] < 0
+    rigid = (labels[node] >= 0) & ((component < 3) | turning[node])
     single = np.flatnonzero(~rigid)
     columns = [
         sp.csr_array(

@@ -23,6 +23,7 @@ from faying.io.abaqus.written_nodes import (
     written_nodes,
 )
 from faying.io.abaqus.written_steps import step_lines
+from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.description import JointDescription
@@ -71,6 +72,7 @@ def write_deck(
     its ends in halves; point masses keep no inertia.
     """
     assembly = description.assembly
+    refuse_unwritten(assembly)
     if assembly.matrices is not None:
         message = (
             "the assembly holds matrices from another program, which an input deck cannot "

@@ -13,7 +13,7 @@ from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_parameters import by_id
-from faying.io.nastran.couplings import id_list
+from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import Beam
 from faying.model.specs import BoltSpec
 

@@ -15,7 +15,7 @@ from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, refuse_friction, refuse_glue, region_of, rows
 from faying.io.nastran.contact_parameters import ICOORD, Parameters, by_id, read_parameters
-from faying.io.nastran.couplings import id_list
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
 
 _SECONDARY = frozenset(("SECNDRY", "SLAVE", "SLAVES"))

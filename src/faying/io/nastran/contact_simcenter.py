@@ -18,7 +18,7 @@ from faying.io.nastran.contact_parameters import (
     by_id,
     read_parameters,
 )
-from faying.io.nastran.couplings import id_list
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
 
 GLUE = ("BGSET", "BGADD", "BGPARM", "BGPARA")

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.components import components
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.selection import selected_sets
 from faying.model.assembly import Equation
@@ -65,7 +64,7 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
 
 def _term(card: Card, grids: Grids, at: int) -> dict[tuple[int, int], float]:
     node = grids.one(card, at)
-    chosen = components(card.text(at + 1), card.error)
+    chosen = grids.components(np.array([node]), card.text(at + 1), card.error)
     if len(chosen) != 1:
         text = f"a term has one component; found '{card.text(at + 1)}'"
         raise card.error(text, at + 1)

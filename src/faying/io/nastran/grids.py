@@ -1,6 +1,6 @@
-"""GRID, GRDSET: nodes, their coordinate systems and permanent supports."""
+"""GRID, GRDSET, SPOINT: nodes, their coordinate systems and permanent supports."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +8,9 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.components import components
 from faying.io.nastran.coordinates import Systems, read_frames
+from faying.io.nastran.id_lists import id_list
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,6 +24,9 @@ class Grids:
         Basic coordinates.
     permanent
         Permanent supports (PS): component digits to node indices.
+    n_scalar
+        Scalar points, which follow the grid points; they have no place and stand at the mean of
+        the grid points.
     """
 
     ids: Indices
@@ -29,6 +34,22 @@ class Grids:
     systems: Systems
     permanent: Mapping[str, Indices]
     order: Indices
+    n_scalar: int = 0
+
+    def components(
+        self, nodes: Indices, digits: str, error: Callable[[str], FormatError]
+    ) -> tuple[int, ...]:
+        """Return components 0..5 of digits 1..6; scalar points have 0 alone, which may be blank.
+
+        Raises
+        ------
+        FormatError
+            As :func:`faying.io.nastran.components.components`.
+        """
+        scalar = len(nodes) and int(nodes.min()) >= len(self.ids) - self.n_scalar
+        if scalar and digits in ("", "0"):
+            return (0,)
+        return components(digits, error)
 
     def index(self, ids: Indices) -> Indices:
         """Return the indices (n,) of nodes given by id, -1 where there is none."""
@@ -112,13 +133,33 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
     for number in np.unique(system_in[system_in != 0]).tolist():
         here = system_in == number
         nodes[here] = frames[number].to_basic(given[here])
+    scalar = _scalar_points(cards, ids)
+    if len(scalar):
+        ids = np.concatenate([ids, scalar])
+        order = np.argsort(ids, kind="stable")
+        nodes = np.vstack([nodes, np.tile(nodes.mean(axis=0), (len(scalar), 1))])
+        system_out = np.concatenate([system_out, np.zeros(len(scalar), dtype=np.int64)])
     return Grids(
         ids=ids,
         nodes=nodes,
         systems=Systems(frames=frames, nodes=nodes, displacement=system_out),
         permanent=_permanent(grid, support),
         order=order,
+        n_scalar=len(scalar),
     )
+
+
+def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
+    """Ids of scalar points, each once."""
+    found = [np.zeros(0, dtype=np.int64)]
+    for card in cards.get("SPOINT", ()):
+        numbers = np.array(id_list(card, [text for text in card.texts if text]), dtype=np.int64)
+        wrong = numbers[(numbers <= 0) | np.isin(numbers, grids)]
+        if wrong.size:
+            text = f"scalar point {wrong[0]} is a GRID as well, or not positive; renumber it"
+            raise card.error(text)
+        found.append(numbers)
+    return np.unique(np.concatenate(found))
 
 
 def _defaults(cards: Mapping[str, Cards]) -> tuple[int, int, str]:

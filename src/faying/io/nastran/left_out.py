@@ -8,38 +8,67 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "analysis, solver and output control: faying has its own": (
         *("ASET", "ASET1", "BSET", "BSET1", "CSET", "CSET1", "QSET", "QSET1", "OMIT", "OMIT1"),
         *("USET", "USET1", "SESET", "SUPORT", "SUPORT1", "EIGR", "EIGRL", "EIGB"),
-        *("EIGC", "EIGP", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "TSTEP"),
-        *("TSTEPNL", "NLPARM", "NLPCI", "NLSTEP", "MDLPRM", "NLMOPTS", "DTI", "ECHOON"),
-        *("ECHOOFF", "DISPLAY", "PLOTEL", "PLOTEL3", "PLOTEL4", "MONPNT1", "MONPNT2"),
+        *("EIGC", "EIGP", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "TSTEP", "TSTEP1"),
+        *("TSTEPNL", "NLPARM", "NLPCI", "NLSTEP", "NLCNTL2", "NLCNTLG", "MDLPRM", "NLMOPTS"),
+        *("DTI", "ECHOON", "ECHOOFF", "DISPLAY", "PLOTEL", "PLOTEL3", "PLOTEL4", "MONPNT1"),
+        *("MONPNT2", "CBARAO", "GROUP", "OUTRCV", "DEBUG", "PANEL"),
     ),
     "dynamic loads and tables of damping: the study has its own": (
         *("DLOAD", "RLOAD1", "RLOAD2", "TLOAD1", "TLOAD2", "DAREA", "DELAY", "DPHASE"),
         *("TABLED1", "TABLED2", "TABLED3", "TABLED4", "TABDMP1", "TABRND1", "RANDPS", "TIC"),
+        *("RANDT1", "TABRNDG", "RCROSS", "EPOINT"),
     ),
-    "temperatures, which no thermal load puts to use": ("TEMP", "TEMPD", "TABLEM1"),
-    "data of failure and of materials that are not linear": ("TABLES1",),
+    "damping elements: give [damping] in the study": (
+        *("CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CDAMP5", "CVISC"),
+        *("PDAMP", "PDAMP5", "PDAMPT", "PVISC"),
+    ),
+    "temperatures, which no thermal load puts to use": ("TEMP", "TEMPD", "TEMPBC"),
+    "materials have the constants of the reference temperature": (
+        *("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11"),
+        *("TABLEM1", "TABLEM2", "TABLEM3", "TABLEM4", "TABLEM5"),
+    ),
+    "elements have the stiffness of their property at any load and frequency": (
+        *("PBUSHT", "PELAST"),
+    ),
+    "heat conduction": (
+        *("CHBDYE", "CHBDYG", "CHBDYP", "PHBDY", "CONV", "CONVM", "PCONV", "PCONVM", "QBDY1"),
+        *("QBDY2", "QBDY3", "QHBDY", "RADBC", "RADM", "RADSET", "VIEW", "VIEW3D", "MAT4"),
+        *("MAT5", "MATT4", "MATT5"),
+    ),
+    "aerodynamics": (
+        *("AERO", "AEROS", "CAERO1", "CAERO2", "CAERO3", "CAERO4", "CAERO5", "PAERO1", "PAERO2"),
+        *("PAERO3", "PAERO4", "PAERO5", "SPLINE1", "SPLINE2", "SPLINE3", "SPLINE4", "SPLINE5"),
+        *("AEFACT", "AELIST", "AESURF", "AESTAT", "AELINK", "AEPARM", "TRIM", "FLFACT"),
+        *("FLUTTER", "MKAERO1", "MKAERO2", "GUST", "SET2", "DIVERG"),
+    ),
+    "data of failure and of materials that are not linear": ("TABLES1", "TABLEST"),
     "optimization and sensitivities: nothing is optimized": (
-        *("DESVAR", "DVPREL1", "DRESP1", "DCONSTR", "DESOBJ", "DOPTPRM", "DVCREL1", "DCONADD"),
-        *("DRESP2", "DEQATN"),
+        *("DESVAR", "DVPREL1", "DVPREL2", "DVCREL1", "DVCREL2", "DVMREL1", "DVMREL2", "DVTREL1"),
+        *("DVGRID", "DLINK", "DDVAL", "DTABLE", "DRESP1", "DRESP2", "DRESP3", "DCONSTR"),
+        *("DCONADD", "DESOBJ", "DOPTPRM", "DSCREEN", "DEQATN", "TOPVAR", "DMNCON", "DMRLAW"),
+        *("RANDVAR",),
     ),
     "matrices that only case control, refused there, puts to use, and names of sets": (
-        *("ABSNMVS", "ABSTRCT", "DMIG", "DMI", "SET3", "SETREE", "GRDSET"),
+        *("ABSNMVS", "ABSTRCT", "DMIG", "DMI", "DMIJ", "DMIK", "DMIJI", "SET3", "SETREE", "GRDSET"),
     ),
 }
 
 _REMEDIES = {
     "CPYRAM": "mesh with CHEXA, CPENTA or CTETRA",
     "CPYRA": "mesh with CHEXA, CPENTA or CTETRA",
-    "CROD": "use CBAR",
-    "CONROD": "use CBAR",
-    "CBUSH": "use CELAS2",
-    "RBAR": "use RBE2",
-    "RBE1": "use RBE2 or MPC",
     "PLSOLID": "use PSOLID",
-    "MAT9": "use MAT1; only isotropic materials are supported",
-    "CMASS2": "use CONM2",
+    "MAT9": "use MAT1; only isotropic solids are supported",
     "CONM1": "use CONM2",
 }
+
+USERS: Mapping[str, tuple[str, ...]] = {
+    "PBEND": ("CBEND",),
+    "PSHEAR": ("CSHEAR",),
+    "PLPLANE": ("CQUAD", "CQUAD4", "CQUAD8", "CQUADX", "CTRIA3", "CTRIA6", "CTRIAX"),
+    "PCOMPS": ("CHEXA", "CPENTA"),
+    "PGAP": ("CGAP",),
+}
+"""Properties that are not read, and the elements that may name them."""
 
 CARDS = Handling(
     what="card",

@@ -6,18 +6,19 @@ from collections.abc import Mapping
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.layers import materials_of_shells
 from faying.model.assembly import Material
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
 _CONTRADICTION = 0.01
 
-PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML")
+PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE")
 """Cards that name a material in their second field."""
 
 MATERIALS = frozenset(
     (
-        *("MAT2", "MAT3", "MAT4", "MAT5", "MAT8", "MAT9", "MAT10", "MAT11", "MATG", "MATHE"),
-        *("MATHP", "MATS1", "MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATVE", "CREEP"),
+        *("MAT3", "MAT9", "MAT10", "MAT11", "MATG", "MATHE"),
+        *("MATHP", "MATS1", "MATVE", "CREEP"),
     )
 )
 """Cards of materials that are not isotropic and linear, or of what makes MAT1 so, by its id."""
@@ -67,12 +68,13 @@ def read_materials(
 
 
 def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:
-    """Return the ids of the materials that properties of solids and beams name."""
-    return frozenset(
+    """Return the ids of the materials that properties of elements name."""
+    fields = {**dict.fromkeys(PROPERTIES, 1), "CONROD": 3}
+    return materials_of_shells(cards) | frozenset(
         number
-        for name in PROPERTIES
+        for name, field in fields.items()
         for card in cards.get(name, ())
-        if (number := numbers.integer(card.text(1))) is not None
+        if (number := numbers.integer(card.text(field))) is not None
     )
 
 

@@ -10,18 +10,25 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beams import read_beams
+from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
-from faying.io.nastran.couplings import read_average_couplings, read_rigid_couplings
+from faying.io.nastran.couplings import read_average_couplings
 from faying.io.nastran.equations import read_equations
 from faying.io.nastran.grids import Grids, read_grids
-from faying.io.nastran.left_out import CARDS
+from faying.io.nastran.layers import SHELL_PROPERTIES
+from faying.io.nastran.left_out import CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses
 from faying.io.nastran.materials import MATERIALS, materials_named, read_materials
 from faying.io.nastran.parameters import mass_factor
+from faying.io.nastran.plane_materials import read_plane_materials
+from faying.io.nastran.rigid_elements import read_rigid_elements
+from faying.io.nastran.rods import read_rods
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
+from faying.io.nastran.shell_sections import read_shell_properties
+from faying.io.nastran.shells import SHELL_CARDS, read_shells
 from faying.io.nastran.solids import (
     SOLID_CARDS,
     Solids,
@@ -30,20 +37,27 @@ from faying.io.nastran.solids import (
     read_solids,
 )
 from faying.io.nastran.source import read_source
-from faying.io.nastran.springs import read_springs
+from faying.io.nastran.springs import read_scalar_masses, read_springs
 from faying.io.nastran.supports import read_supports
 from faying.io.nastran.tokenizer import read_cards
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 
-ELEMENTS = (*SOLID_CARDS, "CBAR", "CBEAM", "CELAS1", "CELAS2", "CONM2")
-RIGID = ("RBE2", "RBE3")
+ELEMENTS = (
+    *SOLID_CARDS,
+    *SHELL_CARDS,
+    *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CONM2"),
+    *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
+)
+RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT")
 _READ = frozenset(
     (
         *ELEMENTS,
         *RIGID,
         *UNSUPPORTED,
         *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
+        *(*SHELL_PROPERTIES, "MAT2", "MAT8"),
+        *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PMASS", "SPOINT"),
         *("GRID", "GRDSET", "PSOLID", "MAT1", "PBAR", "PBARL", "PBEAM", "PBEAML", "PELAS"),
         *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "SPCR", "FORCE", "MOMENT", "LOAD"),
         *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD4"),
@@ -110,6 +124,10 @@ def read_parts(
         check_element_ids([cards[name] for name in RIGID if name in cards])
         by_property = element_sets(solids.blocks)
         node_sets, more_sets = read_sets(cards, grids, by_property, ignored)
+        plane = read_plane_materials(cards, materials, factor, ignored)
+        laminates = read_shell_properties(cards, plane, factor, ignored)
+        shells, sections = read_shells(cards, grids, laminates, ignored)
+        rigid, rigid_equations = read_rigid_elements(cards, grids)
         assembly = Assembly(
             mesh=Mesh(
                 nodes=grids.nodes,
@@ -120,12 +138,19 @@ def read_parts(
             ),
             materials=solids.materials,
             element=solids.element,
-            beams=tuple(read_beams(cards, grids, read_sections(cards, materials))),
+            beams=(
+                *read_beams(cards, grids, read_sections(cards, materials)),
+                *read_rods(cards, grids, materials, factor),
+            ),
+            shells=shells,
+            shell_sections=sections,
             springs=tuple(read_springs(cards, grids, ignored)),
+            bushes=tuple(read_bushes(cards, grids, factor, ignored)),
             masses=tuple(read_masses(cards, grids, factor)),
-            rigid_couplings=tuple(read_rigid_couplings(cards, grids)),
+            scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
+            rigid_couplings=tuple(rigid),
             average_couplings=tuple(read_average_couplings(cards, grids)),
-            equations=tuple(read_equations(cards, grids, control.mpc)),
+            equations=(*rigid_equations, *read_equations(cards, grids, control.mpc)),
             supports=tuple(read_supports(cards, grids, control.spc)),
             loads=read_loads(cards, grids, solids.blocks, control.load, ignored),
             name=path.stem,
@@ -149,6 +174,9 @@ def _check_supported(
     unread = []
     for name, found in cards.items():
         if name in _READ:
+            continue
+        if name in USERS and not any(user in cards for user in USERS[name]):
+            ignored.append(f"{len(found)} {name} that no element names")
             continue
         first = 0
         if name in MATERIALS:

@@ -12,9 +12,9 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.couplings import id_list
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS, Solids
 from faying.model.assembly import FaceSet
 from faying.model.surface import N_NODES

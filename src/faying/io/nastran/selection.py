@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.couplings import id_list
+from faying.io.nastran.id_lists import id_list
 
 
 def selected_sets(

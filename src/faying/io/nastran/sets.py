@@ -6,8 +6,8 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.couplings import id_list
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.id_lists import id_list
 
 
 def read_sets(

@@ -95,7 +95,7 @@ def _blocks(cards: Cards, name: str, grids: Grids) -> list[CellBlock]:
         these = cards.take(count == size)
         if len(these):
             nodes = np.stack([grids.of_column(these, 2 + j) for j in range(size)], axis=1)
-            _check_distinct(these, nodes)
+            check_distinct(these, nodes)
             result.append(
                 CellBlock(
                     kind=kinds[size],
@@ -107,13 +107,20 @@ def _blocks(cards: Cards, name: str, grids: Grids) -> list[CellBlock]:
     return result
 
 
-def _check_distinct(cards: Cards, nodes: Indices) -> None:
+def check_distinct(cards: Cards, nodes: Indices) -> None:
+    """Refuse an element with a node that occurs twice.
+
+    Raises
+    ------
+    FormatError
+        Naming the element.
+    """
     twice = np.flatnonzero((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1))
     if twice.size:
         card = int(twice[0])
         text = (
             f"element {cards.words(0)[card]} has the same node twice; collapsed elements are not "
-            "supported, use CPENTA or CTETRA"
+            "supported, use one of fewer nodes (CPENTA, CTETRA, CTRIA3)"
         )
         raise cards.error(card, text)
 

@@ -8,8 +8,8 @@ from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.components import components
-from faying.io.nastran.couplings import id_list
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.selection import selected_sets
 from faying.model.assembly import Support
 
@@ -64,10 +64,10 @@ def _single(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
         if moved.size:
             text = "a prescribed displacement other than zero is not supported; use a force"
             raise these.error(int(moved[0]), text, first + 2)
-        _collect(these, nodes, first + 1, held)
+        _collect(these, nodes, first + 1, held, grids)
 
 
-def _collect(cards: Cards, nodes: Indices, field: int, held: _Held) -> None:
+def _collect(cards: Cards, nodes: Indices, field: int, held: _Held, grids: Grids) -> None:
     """Add one node per card, grouped by set and components."""
     if not len(cards):
         return
@@ -81,13 +81,16 @@ def _collect(cards: Cards, nodes: Indices, field: int, held: _Held) -> None:
     for i, name in enumerate(names.tolist()):
         card = int(first[i])
         number, _, digits = name.partition(" ")
-        chosen = components(digits, lambda text, card=card: cards.error(card, text, field))  # type: ignore[misc]
+        chosen = grids.components(
+            nodes[which == i],
+            digits,
+            lambda text, card=card: cards.error(card, text, field),  # type: ignore[misc]
+        )
         held.setdefault((int(number), chosen), []).append(nodes[which == i])
 
 
 def _lists(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
     for card in cards.take(np.isin(cards.integers(0), list(sets))):
-        key = (card.integer(0), components(card.text(1), card.error))
         texts = [text for text in card.texts[2:] if text]
         ids = id_list(card, texts, grids.ids)
         if "THRU" in texts:
@@ -99,7 +102,8 @@ def _lists(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
         if not len(nodes):
             text = "none of its GRIDs is in the deck; define them or remove the card"
             raise card.error(text)
-        held.setdefault(key, []).append(nodes)
+        chosen = grids.components(nodes, card.text(1), card.error)
+        held.setdefault((card.integer(0), chosen), []).append(nodes)
 
 
 def _supports(number: int, numbers: tuple[int, ...], nodes: Indices, grids: Grids) -> list[Support]:

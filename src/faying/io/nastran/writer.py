@@ -13,6 +13,7 @@ from faying.io.nastran.components import digits_of, frame_independent
 from faying.io.nastran.fields import format_real
 from faying.io.nastran.layout import Value, large, small
 from faying.io.nastran.numbering import LARGEST, Numbering, number_assembly
+from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, Support
 from faying.model.elements import SOLIDS, solid_element
 from faying.model.mesh import CellBlock
@@ -68,6 +69,7 @@ def write_deck(
 
 
 def _deck(assembly: Assembly, title: str, loads: str | None, modes: int | None) -> list[str]:
+    refuse_unwritten(assembly)
     if assembly.matrices is not None:
         message = (
             "the assembly holds matrices from another program, which bulk data cannot express; "

@@ -25,6 +25,9 @@ _PLANE_XZ = ((2, 4, 8, 10), (1.0, -1.0, 1.0, -1.0))
 _AXIAL = (0, 6)
 _TORSION = (3, 9)
 
+# Mass of a deflection linear between the ends, rotations aside.
+_STRAIGHT = np.kron([[2.0, 1.0], [1.0, 2.0]], [[1.0, 0.0], [0.0, 0.0]]) / 6
+
 
 class _Properties(NamedTuple):
     """Sections and materials of a batch of beams, each (n_beam,)."""
@@ -144,6 +147,9 @@ def _local_mass(beam: _Properties) -> Matrix:
     _put(result, _TORSION, (polar * beam.length)[:, None, None] * bar)
     for (dofs, signs), inertia, phi in _bending_planes(beam):
         block = _bending_mass(line, beam.density * inertia, beam.length, phi)
+        # Without bending stiffness there is no slope for the deflection to follow: a rod.
+        straight = (line * beam.length)[:, None, None] * _STRAIGHT
+        block = np.where((inertia > 0)[:, None, None], block, straight)
         _put(result, dofs, block * np.outer(signs, signs))
     return result
 

@@ -1,0 +1,185 @@
+"""CBUSH, CBUSH1D with PBUSH, PBUSH1D: springs along and about axes of their own."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.grids import Grids
+from faying.model.assembly import Bush
+
+_ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
+# An orientation vector at a smaller angle to the line of the nodes says nothing (in radians).
+_PARALLEL = 1e-8
+# Coordinates in eight columns hold about seven digits.
+_OFF = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Property:
+    """What a bush is made of: six stiffnesses and a mass."""
+
+    stiffness: tuple[float, ...]
+    mass: float
+    damped: bool
+    card: Card
+
+
+def read_bushes(
+    cards: Mapping[str, Cards], grids: Grids, mass_factor: float, ignored: list[str]
+) -> list[Bush]:
+    """Read bushes.
+
+    MSC Nastran Quick Reference Guide, CBUSH, remarks 2 to 9: the axes are those of CID (at GA where
+    it is curved), else x runs from GA to GB and the orientation vector lies in the x-y plane; the
+    springs act at the fraction S between the nodes, or at the place given in OCID.
+
+    Raises
+    ------
+    FormatError
+        If a property, node or coordinate system is missing, or the axes are not determined.
+    """
+    properties = _properties(cards)
+    bushes: list[Bush] = []
+    damped = 0
+    for name, family in (("CBUSH", "PBUSH"), ("CBUSH1D", "PBUSH1D")):
+        for card in cards.get(name, ()):
+            number = card.integer(1, card.integer(0))
+            if (family, number) not in properties:
+                text = f"property {number} is not a {family} of the deck; define it"
+                raise card.error(text, 1)
+            own = properties[family, number]
+            damped += own.damped
+            bushes.append(_bush(card, own, grids, mass_factor))
+    if damped:
+        ignored.append(f"damping of {damped} CBUSH (give [damping] in the study)")
+    return bushes
+
+
+def _properties(cards: Mapping[str, Cards]) -> dict[tuple[str, int], _Property]:
+    found: dict[tuple[str, int], _Property] = {}
+    for name, read in (("PBUSH", _general), ("PBUSH1D", _axial)):
+        for card in cards.get(name, ()):
+            key = (name, card.integer(0))
+            if key in found:
+                before = found[key].card.where()
+                text = f"property {key[1]} is already defined at {before}; renumber one"
+                raise card.error(text)
+            found[key] = read(card)
+    return found
+
+
+def _general(card: Card) -> _Property:
+    """Rows of a word and up to six values: stiffness K, damping B or GE, mass M."""
+    stiffness, mass, damped = [0.0] * 6, 0.0, False
+    for row in range(0, len(card), 8):
+        word = card.text(row + 1)
+        values = range(row + 2, row + 8)
+        if word not in _ROWS or (row and card.text(row)):
+            text = f"'{word}' in field 3 is not supported; K, B, GE, RCV and M are"
+            raise card.error(text, row + 1)
+        if word == "K":
+            stiffness = [card.real(field, 0.0) for field in values]
+        elif word == "M":
+            mass = card.real(row + 2, 0.0)
+        elif word in ("B", "GE"):
+            damped |= any(card.real(field, 0.0) for field in values)
+        elif word in ("T", "D") and any(card.text(field) for field in values):
+            text = f"{word} (thermal or initial deformation) is not supported; remove the row"
+            raise card.error(text, row + 1)
+    return _checked(card, stiffness, mass, damped)
+
+
+def _axial(card: Card) -> _Property:
+    """K, C, M; nonlinear springs and dampers follow by name."""
+    if any(card.text(field) for field in range(8, len(card))):
+        text = "a nonlinear spring or damper is not supported; leave K, C and M only"
+        raise card.error(text, 8)
+    stiffness = [card.real(1, 0.0), *[0.0] * 5]
+    return _checked(card, stiffness, card.real(3, 0.0), bool(card.real(2, 0.0)))
+
+
+def _checked(card: Card, stiffness: list[float], mass: float, damped: bool) -> _Property:
+    if mass < 0 or min(stiffness) < 0:
+        text = f"stiffness {min(stiffness):g}, mass {mass:g}; neither may be negative"
+        raise card.error(text)
+    return _Property(stiffness=tuple(stiffness), mass=mass, damped=damped, card=card)
+
+
+def _bush(card: Card, own: _Property, grids: Grids, mass_factor: float) -> Bush:
+    start = grids.one(card, 2)
+    end = grids.one(card, 3) if card.integer(3, 0) else None
+    line = np.zeros(3) if end is None else grids.nodes[end] - grids.nodes[start]
+    x, y, z = _axes(card, own, grids, start, line).tolist()
+    a, b, c = _place(card, grids, start, line).tolist()
+    return Bush(
+        id=card.integer(0),
+        nodes=(start,) if end is None else (start, end),
+        stiffness=own.stiffness,
+        axes=(tuple(x), tuple(y), tuple(z)),
+        place=(a, b, c),
+        mass=own.mass * mass_factor,
+    )
+
+
+def _axes(card: Card, own: _Property, grids: Grids, start: int, line: Vector) -> Matrix:
+    field = 7 if card.cards.name == "CBUSH" else 4
+    if card.text(field):
+        number = card.integer(field)
+        if number not in grids.systems.frames:
+            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
+            raise card.error(text, field)
+        axes = np.asarray(grids.systems.frames[number].directions(grids.nodes[start][None])[0])
+        if card.cards.name == "CBUSH1D" and np.abs(np.cross(axes[0], line)).max() > _OFF * max(
+            float(np.abs(line).max()), 1e-300
+        ):
+            text = "its nodes lie apart across the axis of CID; use CBUSH, or leave CID blank"
+            raise card.error(text, field)
+        return axes
+    with np.errstate(over="ignore"):
+        length = float(np.linalg.norm(line))
+    if not 0 < length < np.inf:
+        text = "its nodes coincide or GB is blank; give the axes of the springs by CID"
+        raise card.error(text, field)
+    x = line / length
+    vector = _orientation(card, grids, start) if field == 7 else None
+    if vector is None:
+        if any(own.stiffness[component] for component in (1, 2, 4, 5)):
+            text = "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)"
+            raise card.error(text, 4)
+        vector = np.eye(3)[int(np.abs(x).argmin())]
+    across = np.cross(x, vector)
+    size = float(np.linalg.norm(across))
+    if not size > _PARALLEL * float(np.linalg.norm(vector)):
+        text = "the orientation vector is zero or parallel to the line of the nodes"
+        raise card.error(text, 4)
+    z = across / size
+    return np.array([x, np.cross(z, x), z])
+
+
+def _orientation(card: Card, grids: Grids, start: int) -> Vector | None:
+    """Vector in the x-y plane, in the basic frame; None if the card gives none."""
+    if not any(card.text(field) for field in (4, 5, 6)):
+        return None
+    if not card.text(5) and not card.text(6) and numbers.integer(card.text(4)) is not None:
+        return np.asarray(grids.nodes[grids.one(card, 4)] - grids.nodes[start])
+    vector = np.array([card.real(field, 0.0) for field in (4, 5, 6)])
+    axes = grids.systems.axes(start)
+    return vector if axes is None else np.asarray(vector @ axes)
+
+
+def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
+    """Where the springs act."""
+    if card.cards.name == "CBUSH1D":
+        return np.asarray(grids.nodes[start])
+    system = card.integer(9, -1)
+    if system >= 0:
+        if system not in grids.systems.frames:
+            text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
+            raise card.error(text, 9)
+        given = np.array([[card.real(field, 0.0) for field in (10, 11, 12)]])
+        return np.asarray(grids.systems.frames[system].to_basic(given)[0])
+    return np.asarray(grids.nodes[start] + card.real(8, 0.5) * line)

@@ -1,0 +1,73 @@
+"""Lists of ids with THRU, BY and EXCEPT."""
+
+from itertools import zip_longest
+
+from faying._typing import Indices
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Card
+
+# A range of ids that must all exist is spelled out; a longer one is a slip of the pen.
+_LONGEST = 10_000_000
+
+
+def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[int]:
+    """Return ids from fields with single numbers and ranges ``a THRU b``, with BY and EXCEPT.
+
+    ``a THRU b BY n`` takes every n-th id; EXCEPT takes those behind it out of the range before it,
+    up to the first one that lies outside. Ranges keep their known ids only, if those are given.
+    """
+    ids: list[int] = []
+    i = 0
+    while i < len(texts):
+        value = numbers.integer(texts[i])
+        if texts[i] == "THRU" and ids and i + 1 < len(texts):
+            first, last = ids.pop(), numbers.integer(texts[i + 1]) or 0
+            inside = [first, *_range(card, first, texts[i:], known)]
+            i += 4 if texts[i + 2 : i + 3] == ["BY"] else 2
+            if texts[i : i + 1] == ["EXCEPT"]:
+                out = _exceptions(card, texts[i + 1 :], first, last)
+                inside = [number for number in inside if number not in set(out)]
+                i += 1 + len(out)
+            ids += inside
+            continue
+        if value is None:
+            text = f"'{texts[i]}' stands where an id is expected"
+            raise card.error(text)
+        ids.append(value)
+        i += 1
+    return ids
+
+
+def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
+    """Ids behind EXCEPT that lie in the range before it."""
+    out: list[int] = []
+    for text, following in zip_longest(texts, texts[1:]):
+        value = numbers.integer(text)
+        if value is None or not low <= value <= high:
+            break
+        if following == "THRU":
+            message = f"EXCEPT {value} THRU is not supported; list the ids"
+            raise card.error(message)
+        out.append(value)
+    if not out:
+        message = f"EXCEPT names no id of the range {low} THRU {high} before it"
+        raise card.error(message)
+    return out
+
+
+def _range(card: Card, first: int, texts: list[str], known: Indices | None) -> list[int]:
+    """Ids behind ``first`` of a range; ``texts`` begin with THRU."""
+    last, step = numbers.integer(texts[1]), 1
+    if texts[2:3] == ["BY"]:
+        step = numbers.integer(texts[3]) or 0 if len(texts) > 3 else 0
+        if step < 1:
+            text = f"'BY {' '.join(texts[3:4])}' is no positive step between ids"
+            raise card.error(text)
+    longest = _LONGEST if known is None else 10**18
+    if last is None or not first <= last <= first + longest:
+        text = f"'{first} THRU {texts[1]}' is not an ascending range of ids"
+        raise card.error(text)
+    if known is None:
+        return list(range(first + step, last + 1, step))
+    inside = (known > first) & (known <= last) & ((known - first) % step == 0)
+    return [int(number) for number in known[inside]]

@@ -1,0 +1,67 @@
+"""PSHELL, PCOMP, PCOMPG as lists of what they name: materials, layers, where they are."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Card, Cards
+
+SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG")
+
+_PLATE_MATERIALS = (1, 3, 5, 10)
+"""MID1 to MID4 of PSHELL."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layer:
+    """A layer of a laminate: material id, thickness, angle in degrees."""
+
+    material: int
+    thickness: float
+    angle: float
+
+
+def layers(card: Card) -> list[Layer]:
+    """Return the layers of PCOMP or PCOMPG from the bottom, mirrored where LAM = SYM.
+
+    Raises
+    ------
+    FormatError
+        If the first layer has no material or thickness, or a thickness is not positive.
+    """
+    found: list[Layer] = []
+    for first in _places(card):
+        if not any(card.text(first + j) for j in range(4)):
+            continue
+        if card.cards.name == "PCOMPG":
+            card.integer(first - 1)  # the layer's own id, which names results
+        before = found[-1] if found else None
+        layer = Layer(
+            material=card.integer(first, before.material if before else None),
+            thickness=card.real(first + 1, before.thickness if before else None),
+            angle=card.real(first + 2, 0.0),
+        )
+        if not layer.thickness > 0:
+            text = f"a layer has thickness {layer.thickness:g}; it must be positive"
+            raise card.error(text, first + 1)
+        found.append(layer)
+    if not found:
+        text = "it has no layers"
+        raise card.error(text)
+    return found + found[::-1] if card.text(7) == "SYM" else found
+
+
+def _places(card: Card) -> list[int]:
+    """First field, the material, of each layer."""
+    if card.cards.name == "PCOMPG":
+        return [row + 1 for row in range(8, len(card), 8)]
+    return list(range(8, len(card), 4))
+
+
+def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Return the ids of the materials that properties of shells name."""
+    texts = [card.text(field) for card in cards.get("PSHELL", ()) for field in _PLATE_MATERIALS]
+    for name in ("PCOMP", "PCOMPG"):
+        texts += [card.text(first) for card in cards.get(name, ()) for first in _places(card)]
+    found = (numbers.integer(text) for text in texts)
+    return frozenset(number for number in found if number is not None)

@@ -1,0 +1,105 @@
+"""MAT1, MAT2, MAT8 as layers of shells: plane stress and transverse shear."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.layers import materials_of_shells
+from faying.model.assembly import Material
+from faying.model.shells import plane_stress
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlaneMaterial:
+    """A layer in its own axes.
+
+    Attributes
+    ----------
+    law : (3, 3) [force/length²]
+        Plane stresses per strains (εxx, εyy, γxy).
+    shear : (2, 2) [force/length²]
+        Transverse shear stresses per strains; None is rigid.
+    density : [mass/length³]
+    """
+
+    law: Matrix
+    shear: Matrix | None
+    density: float
+
+
+def read_plane_materials(
+    cards: Mapping[str, Cards],
+    materials: Mapping[int, Material],
+    mass_factor: float,
+    ignored: list[str],
+) -> dict[int, PlaneMaterial]:
+    """Return the materials of shells by id.
+
+    Raises
+    ------
+    FormatError
+        If constants are missing or give no positive stiffness, or an id occurs twice.
+    """
+    found = {
+        number: PlaneMaterial(
+            law=plane_stress(one.youngs_modulus, one.poissons_ratio),
+            shear=one.shear_modulus * np.eye(2),
+            density=one.density,
+        )
+        for number, one in materials.items()
+    }
+    named = materials_of_shells(cards)
+    for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
+        unnamed = 0
+        for card in cards.get(name, ()):
+            number = card.integer(0)
+            if number not in named:
+                unnamed += 1
+                continue
+            if number in found:
+                text = f"material {number} is defined twice; renumber one"
+                raise card.error(text)
+            found[number] = read(card, mass_factor)
+        if unnamed:
+            ignored.append(f"{unnamed} {name} that no property names")
+    return found
+
+
+def _anisotropic(card: Card, mass_factor: float) -> PlaneMaterial:
+    g11, g12, g13, g22, g23, g33 = (card.real(j, 0.0) for j in range(1, 7))
+    law = np.array([[g11, g12, g13], [g12, g22, g23], [g13, g23, g33]])
+    # Where it stands for transverse shear, G33 is blank and the rest is a matrix of two rows.
+    return PlaneMaterial(
+        law=law, shear=law[:2, :2], density=_density(card.real(7, 0.0) * mass_factor, card)
+    )
+
+
+def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
+    first, second, ratio = card.real(1), card.real(2), card.real(3)
+    in_plane = card.real(4, 0.0)
+    sideways = [card.real(5, 0.0), card.real(6, 0.0)]
+    other = ratio * second / first if first else np.inf
+    if not (first > 0 and second > 0 and abs(ratio * other) < 1) or min(in_plane, *sideways) < 0:
+        text = (
+            f"E1 = {first:g}, E2 = {second:g}, NU12 = {ratio:g}, G12 = {in_plane:g}, "
+            f"G1Z = {sideways[0]:g}, G2Z = {sideways[1]:g} is no stable material; correct it"
+        )
+        raise card.error(text)
+    scale = 1 / (1 - ratio * other)
+    law = np.diag([scale * first, scale * second, in_plane])
+    law[0, 1] = law[1, 0] = scale * ratio * second
+    return PlaneMaterial(
+        law=law,
+        shear=np.diag(sideways) if min(sideways) > 0 else None,
+        density=_density(card.real(7, 0.0) * mass_factor, card),
+    )
+
+
+def _density(value: float, card: Card) -> float:
+    if not 0 <= value < np.inf:
+        text = f"density {value:g} must not be negative"
+        raise card.error(text)
+    return value

@@ -1,0 +1,122 @@
+"""CROD, CTUBE, CONROD with PROD, PTUBE: straight members of axial and torsional stiffness."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.solids import material_of
+from faying.model.assembly import Beam, BeamSection, Material
+
+Member = tuple[BeamSection, Material]
+
+
+def read_rods(
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    materials: Mapping[int, Material],
+    mass_factor: float,
+) -> list[Beam]:
+    """Read rods as beams without bending stiffness, whose mass lies along a straight line.
+
+    Non-structural mass is added to the density.
+
+    Raises
+    ------
+    FormatError
+        If a property or node is missing, an area is not positive, or a rod has no length.
+    """
+    found: dict[tuple[str, int], tuple[Member, Card]] = {}
+    for name, read in (("PROD", _bar), ("PTUBE", _tube)):
+        for card in cards.get(name, ()):
+            number = card.integer(0)
+            if (name, number) in found:
+                before = found[name, number][1].where()
+                text = f"property {number} is already defined at {before}; renumber one"
+                raise card.error(text)
+            material = material_of(card, 1, materials)
+            found[name, number] = (read(card, material, mass_factor), card)
+    rods: list[Beam] = []
+    for name, family in (("CROD", "PROD"), ("CTUBE", "PTUBE")):
+        for card in cards.get(name, ()):
+            number = card.integer(1, card.integer(0))
+            if (family, number) not in found:
+                text = f"property {number} is not a {family} of the deck; define it"
+                raise card.error(text, 1)
+            rods.append(_rod(card, grids, (2, 3), found[family, number][0], number))
+    for card in cards.get("CONROD", ()):
+        material = material_of(card, 3, materials)
+        member = _member(card, 4, material, mass_factor)
+        rods.append(_rod(card, grids, (1, 2), member, 0))
+    return rods
+
+
+def _bar(card: Card, material: Material, mass_factor: float) -> Member:
+    return _member(card, 2, material, mass_factor)
+
+
+def _member(card: Card, first: int, material: Material, mass_factor: float) -> Member:
+    """Section from A, J, C, NSM; C serves stresses only."""
+    return _checked(
+        card,
+        card.real(first),
+        card.real(first + 1, 0.0),
+        card.real(first + 3, 0.0) * mass_factor,
+        material,
+    )
+
+
+def _tube(card: Card, material: Material, mass_factor: float) -> Member:
+    """Section from outer diameter, wall (none is a solid rod), NSM, diameter at the other end."""
+    outer = card.real(2)
+    wall = card.real(3, 0.0) or outer / 2
+    other = card.real(5, outer)
+    if not 0 < wall <= outer / 2:
+        text = f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD"
+        raise card.error(text, 3)
+    if not math.isclose(other, outer, rel_tol=1e-3):
+        text = f"OD2 = {other:g} differs from OD = {outer:g}; divide the tube into constant pieces"
+        raise card.error(text, 5)
+    inner = outer - 2 * wall
+    area = math.pi / 4 * (outer**2 - inner**2)
+    polar = math.pi / 32 * (outer**4 - inner**4)
+    return _checked(card, area, polar, card.real(4, 0.0) * mass_factor, material)
+
+
+def _checked(card: Card, area: float, torsion: float, line_mass: float, own: Material) -> Member:
+    if not 0 < area < math.inf or not 0 <= torsion < math.inf or not 0 <= line_mass < math.inf:
+        text = (
+            f"A = {area:g}, J = {torsion:g}, mass per length {line_mass:g}; the area must be "
+            "positive, the others not negative"
+        )
+        raise card.error(text)
+    heavy = Material(
+        youngs_modulus=own.youngs_modulus,
+        poissons_ratio=own.poissons_ratio,
+        density=own.density + line_mass / area,
+        name=own.name,
+    )
+    section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
+    return section, heavy
+
+
+def _rod(card: Card, grids: Grids, ends: tuple[int, int], member: Member, number: int) -> Beam:
+    start, end = (grids.one(card, field) for field in ends)
+    with np.errstate(over="ignore"):
+        axis = np.abs(grids.nodes[end] - grids.nodes[start])
+        length = float(np.linalg.norm(axis))
+    if not 0 < length < math.inf:
+        text = "the rod has no length; its two nodes coincide"
+        raise card.error(text)
+    # A rod has no sides: any direction across it will do.
+    x, y, z = np.eye(3)[int(axis.argmin())].tolist()
+    return Beam(
+        id=card.integer(0),
+        nodes=(start, end),
+        section=member[0],
+        material=member[1],
+        orientation=(x, y, z),
+        property=number,
+    )

@@ -1,0 +1,219 @@
+"""PSHELL, PCOMP, PCOMPG: sections of shells."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.layers import SHELL_PROPERTIES, Layer, layers
+from faying.io.nastran.plane_materials import PlaneMaterial
+from faying.model.shells import ShellSection, turned_law
+
+LAMINATE = (
+    "laminates (PCOMP) are equivalent plates: layers have no stresses of their own, and transverse "
+    "shear is one stiffness per direction"
+)
+
+# Three Gauss points a layer: the square of a parabola is integrated exactly.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShellProperty:
+    """A property of shells: its thickness, and the section for one."""
+
+    thickness: float
+    section: Callable[[float], ShellSection]
+    card: Card
+
+
+def read_shell_properties(
+    cards: Mapping[str, Cards],
+    materials: Mapping[int, PlaneMaterial],
+    mass_factor: float,
+    ignored: list[str],
+) -> dict[int, ShellProperty]:
+    """Read the properties of shells.
+
+    Raises
+    ------
+    FormatError
+        If an id occurs twice, a material is missing, or a property is not supported.
+    """
+    found: dict[int, ShellProperty] = {}
+    for name in SHELL_PROPERTIES:
+        for card in cards.get(name, ()):
+            number = card.integer(0)
+            if number in found:
+                before = found[number].card.where()
+                text = f"property {number} is already defined at {before}; renumber one"
+                raise card.error(text)
+            read = _plate if name == "PSHELL" else _laminate
+            found[number] = read(card, materials, mass_factor)
+        if name != "PSHELL" and name in cards:
+            ignored.append(LAMINATE)
+    return found
+
+
+def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
+    """PSHELL: membrane MID1, bending MID2, transverse shear MID3, coupling MID4."""
+    membrane = _material(card, 1, materials)
+    if membrane is None or card.text(3) == "-1":
+        text = (
+            "a shell without membrane (MID1 blank) or in plane strain (MID2 = -1) is not "
+            "supported; give MID1, and MID2 or a blank"
+        )
+        raise card.error(text)
+    bending, coupling = _material(card, 3, materials), _material(card, 10, materials)
+    sideways = _material(card, 5, materials) if bending is not None else None
+    ratio, shear_ratio = card.real(4, 1.0), card.real(6, 5 / 6)
+    line_mass = card.real(7, 0.0) * mass_factor
+    thickness = card.real(2)
+    if not (thickness > 0 and ratio > 0 and shear_ratio > 0 and line_mass >= 0):
+        text = (
+            f"T = {thickness:g}, 12I/T**3 = {ratio:g}, TS/T = {shear_ratio:g}, NSM = "
+            f"{line_mass:g}; the first three must be positive, the last not negative"
+        )
+        raise card.error(text)
+    if sideways is not None and sideways.shear is None:
+        sideways = None
+
+    def section(t: float) -> ShellSection:
+        law = np.zeros((6, 6))
+        law[:3, :3] = t * membrane.law
+        if bending is not None:
+            law[3:, 3:] = ratio * t**3 / 12 * bending.law
+        if coupling is not None:
+            law[:3, 3:] = law[3:, :3] = t**2 * coupling.law
+        return ShellSection(
+            stiffness=law,
+            shear=None if sideways is None else shear_ratio * t * np.asarray(sideways.shear),
+            mass=membrane.density * t + line_mass,
+            inertia=membrane.density * t**3 / 12,
+            name=card.text(1),
+        )
+
+    _check(card, section(thickness))
+    return ShellProperty(thickness=thickness, section=section, card=card)
+
+
+def _material(
+    card: Card, field: int, materials: Mapping[int, PlaneMaterial]
+) -> PlaneMaterial | None:
+    number = card.integer(field, 0)
+    if number <= 0:
+        return None
+    if number not in materials:
+        text = f"material {number} is not a MAT1, MAT2 or MAT8 of the deck; define it"
+        raise card.error(text, field)
+    return materials[number]
+
+
+def _check(card: Card, section: ShellSection) -> None:
+    law = section.stiffness
+    if not np.isfinite(law).all() or np.linalg.eigvalsh(law[:3, :3])[0] <= 0:
+        text = "its membrane is not stiff in every direction; correct its materials"
+        raise card.error(text)
+    # Bending may be left out; rounding aside nothing is negative.
+    size = np.sqrt(np.where(np.diag(law) > 0, np.diag(law), 1.0))
+    if np.linalg.eigvalsh(law / np.outer(size, size))[0] < -1e-9:
+        text = "its stiffness is not positive: membrane, bending and coupling contradict each other"
+        raise card.error(text)
+
+
+def _laminate(
+    card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float
+) -> ShellProperty:
+    kind = card.text(7)
+    if kind not in ("", "SYM", "SMEAR", "MEM"):
+        text = f"LAM = '{kind}' is not supported; blank, SYM, MEM and SMEAR are"
+        raise card.error(text, 7)
+    plies = layers(card)
+    thickness = math.fsum(ply.thickness for ply in plies)
+    bottom = card.real(1, -thickness / 2)
+    section = _stacked(card, plies, materials, bottom, card.real(2, 0.0) * mass_factor)
+    _check(card, section)
+
+    def fixed(t: float) -> ShellSection:
+        if not math.isclose(t, thickness, rel_tol=1e-3):
+            text = "a laminate has the thickness of its layers; leave T1 to T4 of shells blank"
+            raise card.error(text)
+        return section
+
+    return ShellProperty(thickness=thickness, section=fixed, card=card)
+
+
+def _stacked(
+    card: Card,
+    plies: Sequence[Layer],
+    materials: Mapping[int, PlaneMaterial],
+    bottom: float,
+    extra: float,
+) -> ShellSection:
+    """Integrate layers from the bottom through the thickness."""
+    t = np.array([ply.thickness for ply in plies])
+    own = []
+    for ply in plies:
+        if ply.material not in materials:
+            text = f"material {ply.material} is not a MAT1, MAT2 or MAT8 of the deck; define it"
+            raise card.error(text)
+        own.append(materials[ply.material])
+    angle = np.radians([ply.angle for ply in plies])
+    laws = turned_law(np.array([one.law for one in own]), angle)
+    density = np.array([one.density for one in own])
+    high = bottom + np.cumsum(t)
+    low = high - t
+    middle = (low + high) / 2
+    law = np.zeros((6, 6))
+    law[:3, :3] = np.einsum("k,kij->ij", t, laws)
+    if card.text(7) == "SMEAR":
+        law[3:, 3:] = law[:3, :3] * t.sum() ** 2 / 12
+    elif card.text(7) != "MEM":
+        law[:3, 3:] = law[3:, :3] = np.einsum("k,kij->ij", t * middle, laws)
+        law[3:, 3:] = np.einsum("k,kij->ij", (high**3 - low**3) / 3, laws)
+    mass = float(density @ t)
+    centre = float(density @ (t * middle)) / mass if mass else 0.0
+    return ShellSection(
+        stiffness=law,
+        shear=None if card.text(7) == "MEM" else _shear(own, laws, angle, t, low),
+        mass=mass + extra,
+        inertia=float(density @ (t * (middle - centre) ** 2 + t**3 / 12)),
+        name=str(card.integer(0)),
+    )
+
+
+def _shear(
+    own: Sequence[PlaneMaterial], laws: Matrix, angle: Matrix, t: Matrix, low: Matrix
+) -> Matrix | None:
+    """Transverse shear stiffness of cylindrical bending in x and in y.
+
+    The shear stress that balances bending stresses E (z - z₀) / EI through the thickness does the
+    work of the force through the stiffness: 1/S = ∫ g² / G dz / (EI)² with g = ∫ E (z - z₀) dz;
+    5/6 G t for one layer. J. M. Whitney, "Shear correction factors for orthotropic laminates
+    under static load", J. Appl. Mech. 40 (1973) 302-304. Layers without G1Z or G2Z are rigid.
+    """
+    flexible = np.zeros((len(own), 2))
+    for k, one in enumerate(own):
+        if one.shear is not None:
+            c, s = np.cos(angle[k]), np.sin(angle[k])
+            turn = np.array([[c, s], [-s, c]])
+            flexible[k] = 1 / np.diag(turn.T @ one.shear @ turn)
+    if not flexible.any(axis=0).all():
+        return None
+    stiffness = np.zeros((2, 2))
+    middle = low + t / 2
+    for axis in (0, 1):
+        modulus = laws[:, axis, axis]
+        neutral = (modulus * t) @ middle / (modulus @ t)
+        arm = middle - neutral
+        rigidity = modulus @ (t * arm**2 + t**3 / 12)
+        flow = np.concatenate([[0.0], np.cumsum(modulus * t * arm)])[:-1]
+        z = (_POINTS[None] + 1) / 2 * t[:, None]
+        bottom = (arm - t / 2)[:, None]
+        stress = flow[:, None] + modulus[:, None] * (bottom * z + z**2 / 2)
+        work = (stress**2 @ _WEIGHTS) * t / 2 @ flexible[:, axis]
+        stiffness[axis, axis] = rigidity**2 / work
+    return stiffness

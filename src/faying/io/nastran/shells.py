@@ -1,0 +1,151 @@
+"""CTRIA3, CQUAD4, CTRIA6, CQUAD8, CTRIAR, CQUADR: shell elements."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.io.nastran import fields as numbers
+from faying.io.nastran.cards import Cards
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.shell_sections import ShellProperty
+from faying.io.nastran.solids import check_distinct, property_ids
+from faying.model.shells import ShellBlock, ShellSection
+
+_DIFFERENT = 1e-6
+"""Relative difference of a thickness of its own that is more than rounding of eight columns."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Layout:
+    """Where a card holds what; corner thicknesses start at ``own``."""
+
+    kind: str
+    n_nodes: int
+    theta: int
+    offset: int
+    flag: int
+    own: int
+
+
+_LAYOUTS = {
+    "CTRIA3": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, own=10),
+    "CQUAD4": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, own=10),
+    "CTRIAR": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, own=10),
+    "CQUADR": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, own=10),
+}
+SHELL_CARDS = tuple(_LAYOUTS)
+
+ROTATING = "CTRIAR and CQUADR are read as CTRIA3 and CQUAD4, whose membranes know no drilling"
+"""What is said of elements that are stiffer in Nastran against rotations about the normal."""
+
+
+def read_shells(
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    properties: Mapping[int, ShellProperty],
+    ignored: list[str],
+) -> tuple[tuple[ShellBlock, ...], dict[int, ShellSection]]:
+    """Read shells and the sections they use.
+
+    Shells with thicknesses of their own have their mean; their sections are numbered behind the
+    properties of the deck.
+
+    Raises
+    ------
+    FormatError
+        If a node, property or coordinate system is missing, or a node occurs twice.
+    """
+    blocks: list[ShellBlock] = []
+    sections: dict[int, ShellSection] = {}
+    own: dict[tuple[int, float], int] = {}
+    for name, layout in _LAYOUTS.items():
+        if name not in cards:
+            continue
+        found = cards[name]
+        nodes = np.stack([grids.of_column(found, 2 + j) for j in range(layout.n_nodes)], axis=1)
+        check_distinct(found, nodes)
+        numbers_of = property_ids(found)
+        first = dict(
+            zip(*(part.tolist() for part in np.unique(numbers_of, return_index=True)), strict=True)
+        )
+        for number, card in first.items():
+            if number not in properties:
+                text = f"property {number} is not a PSHELL, PCOMP or PCOMPG of the deck; define it"
+                raise found.error(card, text, 1)
+            sections[number] = properties[number].section(properties[number].thickness)
+        numbers_of = _thick(found, layout, numbers_of, properties, sections, own)
+        blocks.append(
+            ShellBlock(
+                kind=layout.kind,
+                nodes=nodes,
+                ids=found.integers(0),
+                properties=numbers_of,
+                offsets=found.reals(layout.offset, 0.0),
+                directions=_directions(found, layout, nodes, grids),
+            )
+        )
+    if "CTRIAR" in cards or "CQUADR" in cards:
+        ignored.append(ROTATING)
+    return tuple(blocks), sections
+
+
+def _thick(
+    cards: Cards,
+    layout: _Layout,
+    numbers_of: Indices,
+    properties: Mapping[int, ShellProperty],
+    sections: dict[int, ShellSection],
+    own: dict[tuple[int, float], int],
+) -> Indices:
+    """Property numbers of shells; those with a thickness of their own get new ones."""
+    n_corner = 3 if layout.kind.startswith("tri") else 4
+    columns = range(layout.own, layout.own + n_corner)
+    given = np.flatnonzero(np.any([cards.given(field) for field in columns], axis=0))
+    result = numbers_of.copy()
+    for card in cards.take(given):
+        place = int(given[card.number])
+        number = int(numbers_of[place])
+        usual = properties[number].thickness
+        relative = card.integer(layout.flag, 0) == 1
+        values = [card.real(field, 1.0 if relative else usual) for field in columns]
+        thickness = float(np.mean(values)) * (usual if relative else 1.0)
+        if not min(values) > 0:
+            text = "thicknesses T1 to T4 must be positive"
+            raise card.error(text, layout.own)
+        if abs(thickness - usual) <= _DIFFERENT * usual:
+            continue
+        key = (number, thickness)
+        if key not in own:
+            own[key] = max([*properties, *own.values()]) + 1
+            sections[own[key]] = properties[number].section(thickness)
+        result[place] = own[key]
+    return result
+
+
+def _directions(cards: Cards, layout: _Layout, nodes: Indices, grids: Grids) -> Matrix:
+    """Vectors (n, 3) along the material's x axis: at THETA to the first side, or the x of MCID."""
+    raw = cards.column(layout.theta)
+    system, not_integer = numbers.integers(raw)
+    angle = np.radians(cards.reals(layout.theta, 0.0))
+    places = grids.nodes[nodes]
+    result = _at_angle(places, np.where(not_integer, angle, 0.0))
+    for number in np.unique(system[~not_integer]).tolist():
+        here = np.flatnonzero(~not_integer & (system == number))
+        if number not in grids.systems.frames:
+            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
+            raise cards.error(int(here[0]), text, layout.theta)
+        frame = grids.systems.frames[number]
+        result[here] = frame.directions(places[here].mean(axis=1))[:, 0]
+    return result
+
+
+def _at_angle(places: Matrix, angle: Vector) -> Matrix:
+    """Return the first side (n, 3), turned about the normal."""
+    side = places[:, 1] - places[:, 0]
+    third = places[:, 2] - places[:, 0]
+    normal = np.cross(side, third)
+    size = np.linalg.norm(normal, axis=1)
+    unit = normal / np.where(size > 0, size, 1.0)[:, None]
+    return np.asarray(np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * np.cross(unit, side))

@@ -1,0 +1,54 @@
+"""Bushes: six springs between two nodes, or a node and the ground, that act at one place.
+
+The springs stretch with the motion of the second end relative to that of the first, both carried
+rigidly to the place where the bush acts; a bush between nodes apart therefore transmits moments
+and lets rigid motions go free.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.model.assembly import Bush
+from faying.model.couplings.rows import lever_arms
+
+
+def bush_matrices(bushes: Sequence[Bush], nodes: Matrix) -> tuple[Matrix, Matrix, Indices]:
+    """Return masses, stiffnesses and degrees of freedom of bushes with one number of ends.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+        Coordinates of all nodes of the mesh.
+
+    Returns
+    -------
+    mass, stiffness : (n_bush, 6 n_end, 6 n_end)
+    dofs : (n_bush, 6 n_end)
+    """
+    ends = np.array([bush.nodes for bush in bushes], dtype=np.int64)
+    axes = np.array([bush.axes for bush in bushes], dtype=float)
+    place = np.array([bush.place for bush in bushes], dtype=float)
+    springs = np.array([bush.stiffness for bush in bushes], dtype=float)
+    stretch = np.concatenate(
+        [
+            sign * _carried(place - nodes[ends[:, i]], axes)
+            for i, sign in zip(range(ends.shape[1]), (-1.0, 1.0), strict=False)
+        ],
+        axis=2,
+    )
+    stiffness = stretch.transpose(0, 2, 1) @ (springs[:, :, None] * stretch)
+    dofs = (6 * ends[:, :, None] + np.arange(6)).reshape(len(ends), -1)
+    shares = np.array([bush.mass for bush in bushes]) / ends.shape[1]
+    moved = np.tile([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], ends.shape[1])
+    mass = shares[:, None, None] * np.diag(moved)
+    return mass, 0.5 * (stiffness + stiffness.transpose(0, 2, 1)), dofs
+
+
+def _carried(arms: Matrix, axes: Matrix) -> Matrix:
+    """Six motions along the axes, at the end of a rigid arm, per six of a node (n, 6, 6)."""
+    motion = np.zeros((len(arms), 6, 6))
+    motion[:, :3, :3] = motion[:, 3:, 3:] = axes
+    motion[:, :3, 3:] = axes @ lever_arms(arms)
+    return motion

@@ -1,0 +1,119 @@
+"""Shells as values: blocks of elements and the sections they have."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.exceptions import ModelError
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShellSection:
+    """What a shell resists per unit of its reference surface, in the axes of its material.
+
+    Attributes
+    ----------
+    stiffness : (6, 6) [force/length], [force], [force·length]
+        Forces (Nxx, Nyy, Nxy) and moments (Mxx, Myy, Mxy) per length of the strains
+        (εxx, εyy, γxy) and curvatures (κxx, κyy, 2 κxy); membrane, coupling and bending blocks.
+    shear : (2, 2) [force/length]
+        Transverse shear forces of shear strains (γxz, γyz); None is rigid in shear.
+    mass : [mass/length²]
+    inertia : [mass]
+        Rotary inertia about axes in the surface, ∫ ρ z² dz.
+    name
+        Of its material, for tables.
+    """
+
+    stiffness: Matrix
+    shear: Matrix | None
+    mass: float
+    inertia: float = 0.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stiffness", frozen(self.stiffness))
+        if self.shear is not None:
+            object.__setattr__(self, "shear", frozen(self.shear))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShellBlock:
+    """Shell elements of one kind; a section may serve several blocks.
+
+    Attributes
+    ----------
+    kind
+        ``"tri3"``, ``"quad4"``, ``"tri6"`` or ``"quad8"``: corners, then mid-sides, in a cycle;
+        the normal is that of the right-hand rule.
+    nodes : (n_shell, n_node_per_shell)
+    ids, properties : (n_shell,)
+        Property ids name the section through ``Assembly.shell_sections``.
+    offsets : (n_shell,) [length]
+        From the nodes to the reference surface along the normal.
+    directions : (n_shell, 3)
+        Vectors whose projections on the surface are the material's x axes; zero where the
+        first side is.
+    """
+
+    kind: str
+    nodes: Indices
+    ids: Indices
+    properties: Indices
+    offsets: Vector
+    directions: Matrix
+
+    def __post_init__(self) -> None:
+        for name in ("nodes", "ids", "properties"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+        for name in ("offsets", "directions"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+
+def plate_section(
+    youngs_modulus: float, poissons_ratio: float, density: float, thickness: float, name: str = ""
+) -> ShellSection:
+    """Return the section of a homogeneous isotropic plate, its shear correction being 5/6.
+
+    Raises
+    ------
+    ModelError
+        If the thickness is not positive.
+    """
+    if not thickness > 0:
+        message = f"a shell has thickness {thickness:g}; it must be positive"
+        raise ModelError(message)
+    plane = plane_stress(youngs_modulus, poissons_ratio)
+    shear = youngs_modulus / (2 * (1 + poissons_ratio)) * np.eye(2)
+    return ShellSection(
+        stiffness=np.asarray(np.kron(np.diag([thickness, thickness**3 / 12]), plane), float),
+        shear=5 / 6 * thickness * shear,
+        mass=density * thickness,
+        inertia=density * thickness**3 / 12,
+        name=name,
+    )
+
+
+def plane_stress(youngs_modulus: float, poissons_ratio: float) -> Matrix:
+    """Return the isotropic law of plane stress (3, 3) [force/length²]."""
+    nu = poissons_ratio
+    law = np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, (1 - nu) / 2]])
+    return np.asarray(youngs_modulus / (1 - nu**2) * law)
+
+
+def turned_law(law: Matrix, angle: Vector) -> Matrix:
+    """Return a law (n, 3, 3) of plane strains in axes that its own lead by angles (n,) [rad]."""
+    T = strain_rotation(angle)
+    return np.asarray(T.swapaxes(-1, -2) @ law @ T)
+
+
+def strain_rotation(angle: Vector) -> Matrix:
+    """Strains (εxx, εyy, γxy) in axes turned by an angle, per those before: (n, 3, 3)."""
+    c, s = np.cos(angle), np.sin(angle)
+    rows = [
+        [c * c, s * s, c * s],
+        [s * s, c * c, -c * s],
+        [-2 * c * s, 2 * c * s, c * c - s * s],
+    ]
+    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))

@@ -1,0 +1,283 @@
+"""What cards of rods, bushes, rigid bars, scalar points and shells mean."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from faying.exceptions import FormatError
+from faying.io.nastran import read_deck, write_deck
+from faying.model.assembly import Assembly
+from faying.model.constraints import constrain
+from faying.model.matrices import (
+    assemble_matrices,
+    mass_properties,
+    rigid_body_motions,
+    used_components,
+)
+
+NODES = "".join(
+    f"GRID,{i},,{x}.,{y}.,{z}.\n"
+    for i, x, y, z in ((1, 0, 0, 0), (2, 4, 0, 0), (3, 4, 2, 0), (4, 0, 2, 0), (5, 1, 2, 3))
+)
+STEEL = "MAT1,9,210000.,,.3,7.8-9\n"
+FRAME = "CORD2R,7,,0.,0.,0.,1.,1.,0.\n,0.,0.,1.\n"  # z along (1, 1, 0), x along basic z
+Read = Callable[..., Assembly]
+
+
+@pytest.fixture
+def read(tmp_path: Path) -> Read:
+    def run(*cards: str) -> Assembly:
+        path = tmp_path / "a.bdf"
+        path.write_text(NODES + STEEL + FRAME + "\n".join(cards) + "\n")
+        return read_deck(path)
+
+    return run
+
+
+def test_rods(read: Read) -> None:
+    assembly = read(
+        "CROD,1,10,1,2\nPROD,10,9,3.,5.,,.6",
+        "CONROD,2,1,3,9,2.,1.",
+        "CTUBE,3,11,1,5\nPTUBE,11,9,4.,1.",
+        "PARAM,WTMASS,.5",
+    )
+    one, three, two = assembly.beams
+    assert (one.section.area, one.section.torsion, one.section.inertia_y) == (3.0, 5.0, 0.0)
+    assert one.material.density == pytest.approx(0.5 * (7.8e-9 + 0.6 / 3))
+    assert (two.nodes, two.section.area, two.section.torsion) == ((0, 2), 2.0, 1.0)
+    assert three.section.area == pytest.approx(np.pi * 3)  # diameters 4 and 2
+    assert three.section.torsion == pytest.approx(np.pi / 32 * (4**4 - 2**4))
+
+
+def test_bushes_and_their_axes(read: Read) -> None:
+    assembly = read(
+        "PBUSH,20,K,1.,2.,3.,4.,5.,6.\n,,M,8.",
+        "PBUSH,21,K,9.",
+        "CBUSH,1,20,1,2,,,,7",
+        "CBUSH,2,20,1,2,0.,0.,1.\n,.25",
+        "CBUSH,3,21,1,5",
+        "CBUSH,4,20,2,,,,,0\n,,7,1.,2.,3.",
+        "CBUSH,5,20,1,2,4\n,,-1",
+    )
+    by_id = {one.id: one for one in assembly.bushes}
+    root = np.sqrt(0.5)
+    np.testing.assert_allclose(
+        by_id[1].axes, [[0, 0, 1], [root, -root, 0], [root, root, 0]], atol=1e-15
+    )
+    assert by_id[1].place == (2.0, 0.0, 0.0)
+    np.testing.assert_allclose(by_id[2].axes, [[1, 0, 0], [0, 0, 1], [0, -1, 0]], atol=1e-15)
+    assert by_id[2].place == (1.0, 0.0, 0.0)
+    np.testing.assert_allclose(by_id[3].axes[0], np.array([1, 2, 3]) / np.sqrt(14), atol=1e-15)
+    assert by_id[4].nodes == (1,)
+    expected = np.array([2.0 * root + 3 * root, -2 * root + 3 * root, 1.0])
+    np.testing.assert_allclose(by_id[4].place, expected, atol=1e-15)
+    np.testing.assert_allclose(by_id[5].axes, np.eye(3), atol=1e-15)
+    assert by_id[2].stiffness == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    assert by_id[2].mass == 8.0
+
+
+@pytest.mark.parametrize(
+    ("card", "message"),
+    [
+        ("CBUSH,1,20,1,2", "need an orientation"),
+        ("CBUSH,1,20,1", "give the axes of the springs by CID"),
+        ("CBUSH,1,22,1,2,,,,0", "property 22 is not a PBUSH"),
+        ("CBUSH,1,20,1,2,1.,0.,0.", "parallel to the line"),
+        ("PBUSH,23,K,-1.", "neither may be negative"),
+        ("PBUSH,23,X,1.", "'X' in field 3 is not supported"),
+    ],
+)
+def test_bushes_that_are_refused(read: Read, card: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read("PBUSH,20,K,1.,2.,3.,4.,5.,6.", card)
+
+
+@pytest.mark.parametrize("far", ["5", "6"])
+@pytest.mark.parametrize(
+    "card",
+    [
+        "RBAR,1,1,{0},123456",
+        "RBAR,1,1,{0},,123456",
+        "RBAR,1,1,{0},1234,23",
+        "RBE1,1,1,1234,{0},23\n,UM,1,56,{0},1456",
+        "RBE2,1,1,123456,{0}",
+    ],
+)
+def test_rigid_bars_leave_six_rigid_motions(read: Read, card: str, far: str) -> None:
+    """Between nodes 1 and 5, or 1 and 6 with a displacement system of its own."""
+    assembly = read(card.format(far), "GRID,6,,1.,2.,3.,7")
+    used = np.zeros((len(assembly.mesh.nodes), 6), dtype=bool)
+    used[[0, int(far) - 1]] = True
+    T = constrain(assembly, used.ravel()).transformation.toarray()[used.ravel()]
+    assert np.linalg.matrix_rank(T) == 6
+    motion = rigid_body_motions(assembly.mesh.nodes, np.ones(3))[used.ravel()]
+    # Rounding of motions of the size of the model.
+    assert np.abs(T @ np.linalg.lstsq(T, motion, rcond=None)[0] - motion).max() < 1e-12 * 5
+
+
+def test_single_components_follow_in_turned_systems(read: Read) -> None:
+    """The third component of node 6 lies along (1, 1, 0)."""
+    assembly = read("RBE2,1,1,3,6", "GRID,6,,1.,2.,3.,7")
+    used = np.zeros((6, 6), dtype=bool)
+    used[0] = used[5, :3] = True
+    T = constrain(assembly, used.ravel()).transformation.toarray()
+    along = (T[30] + T[31]) / np.sqrt(2)
+    motion = rigid_body_motions(assembly.mesh.nodes, np.zeros(3))
+    expected = (motion[30] + motion[31]) / np.sqrt(2)
+    np.testing.assert_allclose(along[:6], expected, atol=1e-14)
+    assert T.shape[1] == 8
+
+
+@pytest.mark.parametrize(
+    ("card", "message"),
+    [
+        ("RBAR,1,1,5,12346,2", "do not determine the motion"),
+        ("RBAR,1,1,5,123,12", "5 independent"),
+        ("RROD,1,1,2", "must be the dependent one"),
+        ("RBE2,1,1,123456,1", "dependent nodes other than its independent one"),
+    ],
+)
+def test_rigid_elements_that_are_refused(read: Read, card: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read(card)
+
+
+def test_a_rigid_rod_keeps_its_length(read: Read) -> None:
+    (equation,) = read("RROD,1,1,5,,3").equations
+    assert equation.terms[0][:2] == (4, 2)
+    along = {(0, 0): -1, (0, 1): -2, (0, 2): -3, (4, 0): 1, (4, 1): 2, (4, 2): 3}
+    scale = equation.terms[0][2] / 3
+    assert {(n, c): value / scale for n, c, value in equation.terms} == along
+
+
+def test_scalar_points_springs_and_masses(read: Read) -> None:
+    assembly = read(
+        "SPOINT,101,THRU,103",
+        "CELAS3,1,30,101,102\nPELAS,30,7.",
+        "CELAS4,2,8.,103",
+        "CMASS1,3,40,102,,1,2\nPMASS,40,3.",
+        "CMASS4,4,5.,103",
+        "SPC1,1,,101\nSPC,1,102,0,0.",
+        "MPC,2,102,,1.,1,3,-2.",
+    )
+    assert assembly.mesh.node_ids[5:].tolist() == [101, 102, 103]
+    assert [(s.ends, s.stiffness) for s in assembly.springs] == [
+        (((5, 0), (6, 0)), 7.0),
+        (((7, 0),), 8.0),
+    ]
+    assert [(m.ends, m.mass) for m in assembly.scalar_masses] == [
+        (((6, 0), (0, 1)), 3.0),
+        (((7, 0),), 5.0),
+    ]
+    assert [(s.nodes.tolist(), s.components) for s in assembly.supports] == [([5, 6], (0,))]
+    assert assembly.equations[0].terms == ((6, 0, 1.0), (0, 2, -2.0))
+    with pytest.raises(FormatError, match="scalar point 5 is a GRID as well"):
+        read("SPOINT,5")
+
+
+def test_damping_and_control_are_left_out_and_named(read: Read) -> None:
+    assembly = read("CDAMP1,1,2,1,1\nPDAMP,2,3.", "PBEND,5,9", "DVTREL1,1,A,2", "MATT1,9,5")
+    notes = " ".join(assembly.ignored)
+    for text in (
+        "1 CDAMP1",
+        "give [damping]",
+        "1 PBEND that no element names",
+        "1 DVTREL1",
+        "reference temp",
+    ):
+        assert text in notes
+
+
+def test_a_shell_of_each_kind(read: Read) -> None:
+    assembly = read(
+        "PSHELL,1,9,.5,9,,9,,.1",
+        "CQUAD4,1,1,1,2,3,4,30.,.25",
+        "CTRIA3,2,1,1,2,5,7,-.1",
+        "CTRIA3,3,1,2,3,5\n,,,1.,2.,3.",
+        "PARAM,WTMASS,.5",
+    )
+    three, four = assembly.shells
+    assert (three.kind, three.nodes.tolist()) == ("tri3", [[0, 1, 4], [1, 2, 4]])
+    assert (four.kind, four.offsets.tolist()) == ("quad4", [0.25])
+    np.testing.assert_allclose(three.offsets, [-0.1, 0.0])
+    # THETA from the first side; MCID's x axis.
+    np.testing.assert_allclose(four.directions[0] / 4, [np.cos(np.pi / 6), 0.5, 0], atol=1e-15)
+    np.testing.assert_allclose(three.directions[0], [0, 0, 1], atol=1e-15)
+    section = assembly.shell_sections[1]
+    A, D = 210000 * 0.5 / 0.91, 210000 * 0.5**3 / 12 / 0.91
+    np.testing.assert_allclose(np.diag(section.stiffness), [A, A, A * 0.35, D, D, D * 0.35])
+    np.testing.assert_allclose(section.shear, 5 / 6 * 0.5 * 210000 / 2.6 * np.eye(2))
+    assert section.mass == pytest.approx(0.5 * (7.8e-9 * 0.5 + 0.1))
+    own = assembly.shell_sections[int(three.properties[1])]
+    assert own.stiffness[3, 3] == pytest.approx(210000 * 2**3 / 12 / 0.91)  # the mean of three
+    assemble_matrices(assembly)
+    assert used_components(assembly)[: 6 * 5].all()
+
+
+def test_a_laminate_of_equal_layers_is_a_plate(read: Read) -> None:
+    plate, laminate, mirrored = (
+        read(card, "CQUAD4,1,1,1,2,3,4").shell_sections[1]
+        for card in (
+            "PSHELL,1,9,1.,9,,9",
+            "PCOMP,1\n,9,.2,0.,,9,.3,45.\n,9,.5,90.",
+            "PCOMP,1,,,,,,,SYM\n,9,.2,0.,,9,.3",
+        )
+    )
+    # Rounding of sums over the layers.
+    for other in (laminate, mirrored):
+        np.testing.assert_allclose(other.stiffness, plate.stiffness, rtol=1e-12, atol=1e-9)
+        np.testing.assert_allclose(other.shear, plate.shear, rtol=1e-12)
+        assert other.mass == pytest.approx(plate.mass)
+        assert other.inertia == pytest.approx(plate.inertia)
+
+
+def test_layers_lie_at_their_angles(read: Read) -> None:
+    """One layer at 90° is the layer at 0° with its axes exchanged; Z0 couples."""
+    along, across, above = (
+        read("MAT8,8,100.,10.,.3,5.,4.,2.", card, "CQUAD4,1,1,1,2,3,4").shell_sections[1]
+        for card in (
+            "PCOMP,1\n,8,2.,0.",
+            "PCOMP,1\n,8,2.,90.",
+            "PCOMPG,1,0.\n,77,8,2.,0.",
+        )
+    )
+    order = [1, 0, 2, 4, 3, 5]
+    np.testing.assert_allclose(
+        across.stiffness, along.stiffness[np.ix_(order, order)], rtol=1e-12, atol=1e-12
+    )
+    np.testing.assert_allclose(np.diag(along.shear), [5 / 6 * 2 * 4, 5 / 6 * 2 * 2])
+    np.testing.assert_allclose(np.diag(across.shear), [5 / 6 * 2 * 2, 5 / 6 * 2 * 4])
+    A = along.stiffness[:3, :3]
+    np.testing.assert_allclose(above.stiffness[:3, 3:], A, rtol=1e-12)  # A z with z = 1
+    np.testing.assert_allclose(above.stiffness[3:, 3:], A * (2**2 / 12 + 1), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("cards", "message"),
+    [
+        ("PSHELL,1,9,0.", "must be positive"),
+        ("PSHELL,1,,1.,9", "without membrane"),
+        ("PSHELL,1,8,1.", "material 8 is not"),
+        ("PCOMP,1,,,,,,,BEND\n,9,1.", "LAM = 'BEND' is not supported"),
+        ("PCOMP,1\n,9,-1.", "layer has thickness"),
+        ("PCOMP,1", "no layers"),
+        ("PCOMP,2\n,9,1.", "property 1 is not a PSHELL, PCOMP"),
+        ("MAT8,8,1.,1.,2.\nPSHELL,1,8,1.", "no stable material"),
+    ],
+)
+def test_shells_that_are_refused(read: Read, cards: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read(cards, "CQUAD4,1,1,1,2,3,4")
+
+
+def test_shells_have_the_mass_of_their_surface(read: Read) -> None:
+    found = mass_properties(read("PSHELL,1,9,.5", "CQUAD4,1,1,1,2,3,4"))
+    assert found.mass == pytest.approx(7.8e-9 * 0.5 * 8)
+
+
+def test_decks_are_not_written_without_their_shells(read: Read, tmp_path: Path) -> None:
+    assembly = read("PSHELL,1,9,.5", "CQUAD4,1,1,1,2,3,4")
+    with pytest.raises(FormatError, match="has shells, which faying reads but does not write"):
+        write_deck(assembly, tmp_path / "b.bdf")
