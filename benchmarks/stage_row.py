@@ -319,7 +319,7 @@ def newton_steps(model: fy.Model, step: float, n_step: int) -> tuple[list[float]
     external = input_forces(model, LC2.inputs(model, np.zeros(1)))[0]
     rest = np.zeros_like(start.states)
     pushing = external + relative_forces(model, start.contact_forces)
-    motion = Motion(start.states, rest, rest, pushing)
+    motion = Motion(start.states, rest, rest, pushing, rest, start.contact_forces)
     active, times, count = start.contact_forces > 0, [], 0
     for _ in range(n_step):
         began = time.process_time()

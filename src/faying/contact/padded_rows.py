@@ -35,13 +35,13 @@ class PaddedRows:
 
     def product(self, rows: Indices, vector: Vector) -> Vector:
         """Return some rows times a vector (n_column,)."""
-        result: Vector = (self.values[rows] * vector[self.columns[rows]]).sum(axis=1)
+        entries = vector.take(self.columns.take(rows, axis=0))
+        result: Vector = np.einsum("rk,rk->r", entries, self.values.take(rows, axis=0))
         return result
 
     def combined(self, rows: Indices, matrix: Matrix) -> Matrix:
-        """Return some rows times a matrix (n_column, m)."""
-        result = np.zeros((len(rows), matrix.shape[1]))
-        columns, values = self.columns[rows], self.values[rows]
-        for k in range(columns.shape[1]):
-            result += values[:, k, None] * matrix[columns[:, k]]
+        """Return some rows times the transpose of a matrix (m, n_column)."""
+        entries = matrix.take(self.columns.take(rows, axis=0), axis=1)
+        values = self.values.take(rows, axis=0)
+        result: Matrix = np.matmul(entries.transpose(1, 0, 2), values[:, :, None])[:, :, 0]
         return result

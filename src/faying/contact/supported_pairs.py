@@ -75,43 +75,17 @@ class SupportedCompliance:
     ----------
     closed : (n_point,)
         Points whose springs support the pairs.
+    springs : (n_point,) [force/length]
+        Stiffness of these springs, zero at the other points.
     E : (n_pair, n_pair) [length/force]
-    rows
-        Rows of N.
-    seen
-        V E of the points that have changed sides so far: computed when first asked for, and the
-        same whenever that is.
+    at_points : (n_point, n_pair) [length/force]
+        N E: how the pairs move under a force at each point.
     """
 
     closed: Mask
+    springs: Vector
     E: Matrix
-    rows: PaddedRows
-    seen: "_Rows"
-
-    def changed_rows(self, changed: Indices) -> Matrix:
-        """Return V E (n_changed, n_pair) of points that change sides."""
-        return self.seen.of(changed, self.rows, self.E)
-
-
-@dataclass(eq=False)
-class _Rows:
-    """A table of rows V E, filled on demand; what stands in a row depends on E alone."""
-
-    table: Matrix
-    slot: Indices
-    count: int = 0
-
-    def of(self, points: Indices, rows: PaddedRows, E: Matrix) -> Matrix:
-        slots = self.slot[points]
-        if slots.min(initial=0) < 0:
-            new = points[slots < 0]
-            if self.count + len(new) > len(self.table):
-                self.slot[:], self.count, new = -1, 0, points
-            end = self.count + len(new)
-            self.slot[new] = np.arange(self.count, end)
-            self.table[self.count : end] = rows.combined(new, E)
-            self.count, slots = end, self.slot[points]
-        return self.table[slots]
+    at_points: Matrix
 
 
 @final
@@ -143,6 +117,11 @@ class SupportedPairs:
         object.__setattr__(self, "D", np.array(self.D))
         object.__setattr__(self, "own", np.array(self.own))
         object.__setattr__(self, "rows", PaddedRows.of(self.N))
+
+    @cached_property
+    def _springs(self) -> Vector:
+        """D⁻¹ (n_point,) [force/length]."""
+        return np.asarray(1.0 / self.D)
 
     @cached_property
     def _transposed(self) -> SparseMatrix:
@@ -188,9 +167,8 @@ class SupportedPairs:
             half = la.solve_triangular(_factor(held), shapes.T, lower=True)
             E = np.asarray(blas.dsyrk(1.0, half, trans=1, lower=1))
             E = np.asfortranarray(E + np.tril(E, -1).T)
-        room = 2 * (int(MOST_CHANGED * len(self.S)) + 1)
-        seen = _Rows(np.empty((room, len(self.S))), np.full(len(self.D), -1))
-        return SupportedCompliance(closed=closed.copy(), E=E, rows=self.rows, seen=seen)
+        acting = np.where(closed, self._springs, 0.0)
+        return SupportedCompliance(closed=closed.copy(), springs=acting, E=E, at_points=self.N @ E)
 
     def at_hand(self, state: ContactState) -> SupportedCompliance | None:
         """Return the E that a state comes with, formed again where it was stored as its points."""
@@ -223,8 +201,8 @@ class SupportedPairs:
         InaccurateError
             If the forces cannot be made exact with this E.
         """
-        D, noise = self.D, ROUND_OFF * largest(g_free)
-        loose, systems, renewals = LOOSE * largest(g_free), 0, 0
+        scale, systems, renewals = largest(g_free), 0, 0
+        loose, noise = LOOSE * scale, ROUND_OFF * scale
         alone = self._alone(g_free, support)
         while systems < MOST_SYSTEMS:
             systems += 1
@@ -238,8 +216,7 @@ class SupportedPairs:
             gap = g_free + self.N @ changed.moved(alone, g_free)
             wrong = np.where(active, gap > loose, gap < -loose)
             if not wrong.any():
-                pressed = np.where(active, -gap / D, 0.0)
-                forces, slack = self._refined(pressed, g_free, changed, active, support)
+                forces, slack = self._refined(gap, g_free, changed, active, support)
                 wrong = np.where(active, forces * self.own < -noise, slack < -noise)
                 if not wrong.any():
                     slack[active] = 0.0
@@ -257,28 +234,29 @@ class SupportedPairs:
 
     def _refined(
         self,
-        forces: Vector,
+        gap: Vector,
         g_free: Vector,
         changed: "_Changed",
         active: Mask,
         support: SupportedCompliance,
     ) -> tuple[Vector, Vector]:
-        """Close what S says is still open.
+        """Return the forces of the springs at these gaps, and close what S says is still open.
 
         What one correction leaves is in proportion to what it corrects as that is to all.
         """
-        left = 1.0
+        springs = np.where(active, self._springs, 0.0)
+        forces, left = -springs * gap, 1.0
         for _ in range(MOST_REFINEMENTS):
             slack = self._product(forces) + g_free
-            missing = largest(np.where(active, slack / self.D, 0.0))
+            missing = largest(springs * slack)
             before, left = left, missing / max(largest(forces), missing, TINY)
             if left <= CLOSED:
                 return forces, slack
             moved = self.N @ changed.moved(self._alone(slack, support), slack)
-            change = np.where(active, -(slack + moved) / self.D, 0.0)
-            forces = forces + change
+            slack += moved
+            forces -= springs * slack
             if left**2 / before <= CLOSED:
-                return forces, slack + moved
+                return forces, slack
         raise InaccurateError
 
     def _product(self, forces: Vector) -> Vector:
@@ -289,16 +267,16 @@ class SupportedPairs:
 
     def _alone(self, gap: Vector, support: SupportedCompliance) -> Vector:
         """Return y for gaps without contact forces, with the springs that E was made with."""
-        pressed = np.where(support.closed, -gap / self.D, 0.0)
-        moved: Vector = blas.dsymv(1.0, support.E, self._transposed @ pressed, lower=1)
+        pressed = self._transposed @ (support.springs * gap)
+        moved: Vector = blas.dsymv(-1.0, support.E, pressed, lower=1)
         return moved
 
     def _changed(self, points: Indices, active: Mask, support: SupportedCompliance) -> "_Changed":
         """Factorize what the points that changed sides add to E."""
         if not len(points):
             return _Changed(points, self.rows, np.empty((0, len(self.S))), None)
-        seen = support.changed_rows(points)
-        core = self.rows.combined(points, seen.T)
+        seen = support.at_points.take(points, axis=0)
+        core = self.rows.combined(points, seen)
         own = self.D[points]
         core.flat[:: len(points) + 1] += np.where(active[points], own, -own)
         return _Changed(points, self.rows, seen, lapack.dgetrf(core)[:2])

@@ -1,12 +1,16 @@
 """What a factorization will take, known before it begins, and whether there is as much."""
 
 import logging
+import os
 from dataclasses import dataclass
 
 from faying.exceptions import ModelError
-from faying.linalg.machine_memory import free_memory
+from faying.linalg.machine_memory import VARIABLE, free_memory
 
 _log = logging.getLogger("faying")
+
+NEGLIGIBLE = 1e7
+"""Arrays [bytes] too small to ask the system for them, which takes as long as a small solution."""
 
 
 class NotEnoughMemoryError(ModelError):
@@ -73,6 +77,8 @@ def require_room(n_bytes: float, what: str, remedy: str) -> None:
     NotEnoughMemoryError
         With both figures.
     """
+    if n_bytes < NEGLIGIBLE and VARIABLE not in os.environ:
+        return
     free = free_memory()
     if free is not None and n_bytes > free:
         message = (
