@@ -8,8 +8,8 @@ from typing import final
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Mask, Matrix, SparseMatrix, Vector
-from faying.linalg.blocks import node_blocks, single_rows, upper_blocks
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.linalg.blocks import blocks_with_last, node_blocks, upper_blocks
 from faying.linalg.memory import FactorMemory, require_memory
 from faying.linalg.mkl import INDEFINITE, PardisoHandle
 from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
@@ -17,12 +17,6 @@ from faying.linalg.substitution import column_blocks, solved_gram
 
 AGREEMENT = 1e-9
 """Largest difference of confined from complete substitution, over the result; 1e-12 is usual."""
-
-MOST_UNTOUCHED = 2
-"""Rows in the blocks that ports touch over rows touched, from which on single rows are better.
-
-Their analysis takes eight times as long; a dense last front of a third of the rows makes up for it.
-"""
 
 
 @final
@@ -32,14 +26,14 @@ class PardisoFactorization:
 
     Attributes
     ----------
-    n
-        Order of the matrix.
+    place : (n,)
+        Where its rows are among those that PARDISO was given.
     last : (n,)
         Degrees of freedom eliminated last, because ports touch them.
     """
 
     handle: PardisoHandle
-    n: int
+    place: Indices
     last: Mask
     backend: str = "pardiso"
     _turn: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
@@ -56,14 +50,14 @@ class PardisoFactorization:
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return A⁻¹ B for B of shape (n,) or (n, k); threads take turns."""
         B = np.asarray(right_hand_side, dtype=np.float64)
-        if len(B) != self.n:
-            message = f"the right-hand side has {len(B)} rows and the matrix {self.n}"
+        if len(B) != len(self.place):
+            message = f"the right-hand side has {len(B)} rows and the matrix {len(self.place)}"
             raise ValueError(message)
         columns = B if B.ndim == 2 else B[:, None]
         solution = np.empty(columns.shape, order="F")
         for block in column_blocks(*columns.shape):
             with self._turn:
-                solution[:, block] = self.handle.solve(self._padded(columns[:, block]))[: self.n]
+                solution[:, block] = self.handle.solve(self._padded(columns[:, block]))[self.place]
         return solution.reshape(B.shape)
 
     def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
@@ -91,20 +85,22 @@ class PardisoFactorization:
 
     def _halves(self, columns: SparseMatrix) -> Matrix:
         """Return the rows ``last`` of L⁻¹B, where all others vanish."""
-        halves = np.empty((np.count_nonzero(self.last), columns.shape[1]))
+        last = self.place[self.last]
+        halves = np.empty((len(last), columns.shape[1]))
         for block in column_blocks(*columns.shape):
             some = columns[:, block]
-            some.resize(self.handle.n, some.shape[1])
+            shape = (self.handle.n, some.shape[1])
+            some = sp.csc_array((some.data, self.place[some.indices], some.indptr), shape=shape)
             # In PARDISO's order of numbers at once: turning a dense block around takes as long as
             # the substitution.
             padded = some.toarray(order="F")
             with self._turn:
-                halves[:, block] = self.handle.forward(padded)[: self.n][self.last]
+                halves[:, block] = self.handle.forward(padded)[last]
         return halves
 
     def _padded(self, columns: Matrix) -> Matrix:
         padded = np.zeros((self.handle.n, columns.shape[1]), order="F")
-        padded[: self.n] = columns
+        padded[self.place] = columns
         return padded
 
 
@@ -126,14 +122,14 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     """
     if not A.diagonal().min(initial=np.inf) > 0:
         raise NotDefiniteError  # and PARDISO wants every diagonal entry stored
-    handle, last = _analysed(A, ports)
+    handle, place, last = _analysed(A, ports)
     try:
         require_memory(_expected(handle, A))
         handle.factorize()
     except BaseException:
         handle.release()
         raise
-    return PardisoFactorization(handle=handle, n=A.shape[0], last=last)
+    return PardisoFactorization(handle=handle, place=place, last=last)
 
 
 def count_negative_pardiso(A: SparseMatrix) -> int:
@@ -165,7 +161,7 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
 
 def estimate_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> FactorMemory:
     """Tell what :func:`factorize_pardiso` would take, from the pattern alone."""
-    handle, _ = _analysed(_with_diagonal(A), ports)
+    handle, *_ = _analysed(_with_diagonal(A), ports)
     try:
         return _expected(handle, A)
     finally:
@@ -197,29 +193,20 @@ def _solved(handle: PardisoHandle, b: Vector) -> Vector:
     return solution
 
 
-def _analysed(A: SparseMatrix, ports: SparseMatrix | None) -> tuple[PardisoHandle, Mask]:
-    """Analyse the pattern, and return the rows to be eliminated last."""
-    blocks, n = node_blocks(A), A.shape[0]
-    if ports is not None:
-        form, last = _with_rows_last(A, blocks, _touched(ports.T))
+def _analysed(A: SparseMatrix, ports: SparseMatrix | None) -> tuple[PardisoHandle, Indices, Mask]:
+    """Analyse the pattern; return the place of its rows, and those to be eliminated last."""
+    n = A.shape[0]
+    nowhere = np.zeros(n, dtype=bool)
+    if ports is not None and n:
+        touched = _touched(ports.T)
+        form, last, place = blocks_with_last(A, touched)
         handle, size = PardisoHandle(*upper_blocks(form), last), form.blocksize[0]
         if _pays(handle.entries, size * int(np.count_nonzero(last)), ports.shape[0]):
-            return handle, np.repeat(last, size)[:n]
+            return handle, place, touched
         handle.release()
-    nowhere = np.zeros(len(blocks.indptr) - 1, dtype=bool)
-    return PardisoHandle(*upper_blocks(blocks), nowhere), np.zeros(n, dtype=bool)
-
-
-def _with_rows_last(
-    A: SparseMatrix, blocks: sp.bsr_array, touched: Mask
-) -> tuple[sp.bsr_array, Mask]:
-    """Return A in the blocks in which to eliminate some rows last, and those blocks."""
-    size = blocks.blocksize[0]
-    padded = np.append(touched, np.zeros(-len(touched) % size, dtype=bool))
-    last = np.asarray(padded.reshape(-1, size).any(axis=1))
-    if size * np.count_nonzero(last) > MOST_UNTOUCHED * np.count_nonzero(touched):
-        return single_rows(A), touched
-    return blocks, last
+    blocks = node_blocks(A)
+    handle = PardisoHandle(*upper_blocks(blocks), np.zeros(len(blocks.indptr) - 1, dtype=bool))
+    return handle, np.arange(n), nowhere
 
 
 def _pays(entries: int, front: int, n_port: int) -> bool:
