@@ -45,7 +45,7 @@ def blocks_with_last(A: SparseMatrix, last: Mask) -> tuple[sp.bsr_array, Mask, I
     blocks, n = node_blocks(A), A.shape[0]
     size = blocks.blocksize[0]
     nodes = np.append(last, np.full(-n % size, last[-1])).reshape(-1, size)
-    whole = nodes.all(axis=1)
+    whole: Mask = np.asarray(nodes.all(axis=1))
     parts = np.flatnonzero((nodes & ~whole[:, None]).ravel()[:n])
     place = np.arange(nodes.size + len(parts) + -len(parts) % size)
     if not len(parts):
