@@ -17,6 +17,7 @@ from faying.assessment.penalty_advice import recommend_penalty as recommend_pena
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.recovery import recover_pressure as recover_pressure
 from faying.assessment.sensitivity import sensitivity as sensitivity
+from faying.assessment.slip_reserve import slip_reserve as slip_reserve
 from faying.assessment.worst_case import worst_case_load as worst_case_load
 from faying.contact.problem import contact_problem as contact_problem
 from faying.export.transient_stream import stream_transient as stream_transient
@@ -42,6 +43,7 @@ from faying.reduction.reduced_model import ReducedModel as ReducedModel
 from faying.reduction.snapshots import LoadBox as LoadBox
 from faying.reduction.snapshots import static_snapshots as static_snapshots
 from faying.reduction.snapshots import step_snapshots as step_snapshots
+from faying.simulation.cycles import solve_cycles as solve_cycles
 from faying.simulation.frame_motion import FrameMotion as FrameMotion
 from faying.simulation.integrators import EnergyDecaying as EnergyDecaying
 from faying.simulation.integrators import GeneralizedAlpha as GeneralizedAlpha

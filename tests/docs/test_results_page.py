@@ -9,11 +9,13 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.slip_reserve import SlipReserve
 from faying.files.described import SPARSE
 from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
+from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
 from faying.study.results import (
     BoltRecord,
@@ -38,7 +40,10 @@ GROUPS = {
     "/interfaces/NAME/faces/0": FacePairs,
     "/bolts/NAME": BoltRecord,
     "/cases/NAME": CaseResult,
+    "/cases/NAME/reserve": SlipReserve,
     "/cases/NAME/reference": Response,
+    "/cases/NAME/reference/path": PathRecord,
+    "/cases/NAME/reference/cycles/AMPLITUDE": CycleRecord,
     "/cases/NAME/methods/METHOD/N": MethodResult,
     "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
     "/validation": ValidationRecord,

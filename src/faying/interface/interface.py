@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
-from faying.contact.laws import Law, normal_law
+from faying.contact.laws import Coulomb, Law, normal_law
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
@@ -210,7 +210,7 @@ class Interface:
         return average
 
     def with_penalty(self, penalty: float) -> "Interface":
-        """Return a copy with another contact stiffness (``inf`` for hard contact).
+        """Return a copy with another contact stiffness (``inf`` for hard); friction stays.
 
         Raises
         ------
@@ -218,7 +218,9 @@ class Interface:
             If the penalty is not positive.
         """
         with naming(f"interface '{self.name}'"):
-            return self.with_law(normal_law(penalty))
+            normal = normal_law(penalty)
+        law = self.law
+        return self.with_law(replace(law, normal=normal) if isinstance(law, Coulomb) else normal)
 
     def with_law(self, law: Law) -> "Interface":
         """Return a copy with another law."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.laws import Coulomb
 from faying.interface.interface import FacePairs, Interface
 
 
@@ -27,6 +28,10 @@ class ContactSurface:
         Matched facets (node indices).
     penalty
         ``inf`` for hard contact.
+    friction
+        Coefficient μ.
+    tangential_penalty
+        c_t, ``inf`` where nothing moves that sticks; zero without friction.
     stuck : (n_pair,)
         Sticking area.
     face_coverage : (n_face,), optional
@@ -53,6 +58,8 @@ class ContactSurface:
     face_coverage: Vector | None = None
     overlap: Matrix | None = None
     declared_area: float | None = None
+    friction: float = 0.0
+    tangential_penalty: float = 0.0
 
 
 def contact_surface(
@@ -87,4 +94,8 @@ def contact_surface(
         face_coverage=None if coupling is None else coupling.face_coverage,
         overlap=None if coupling is None else coupling.segments.partial,
         declared_area=interface.declared_area,
+        friction=interface.law.friction,
+        tangential_penalty=interface.law.tangential_penalty
+        if isinstance(interface.law, Coulomb)
+        else 0.0,
     )

@@ -8,9 +8,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
-from faying.contact.laws import Hard, Law, normal_law
+from faying.contact.laws import Hard, Law, Penalty, normal_law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import declared_area
+from faying.interface.friction import with_friction
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.interface.overlap import check_not_doubled
@@ -225,23 +226,25 @@ def _found(
     area = declared_area(assembly, spec)
     if spec.meshes == "non-matching":
         for name, coupling in find_couplings(assembly, spec).items():
-            law = _law(spec, partial(coupling_penalty, assembly, coupling))
+            law = _law(assembly, spec, partial(coupling_penalty, assembly, coupling))
             own = replace(spec, name=name)
             joint = build_mortar_interface(assembly, dofs, own, coupling, law)
             yield name, replace(joint, declared_area=area)
     else:
         for name, faces in find_interfaces(assembly, spec).items():
-            law = _law(spec, partial(automatic_penalty, assembly, faces))
+            law = _law(assembly, spec, partial(automatic_penalty, assembly, faces))
             joint = build_interface(assembly, dofs, replace(spec, name=name), faces, law)
             yield name, replace(joint, declared_area=area)
 
 
-def _law(spec: InterfaceSpec, automatic: Callable[[], float]) -> Law:
+def _law(assembly: Assembly, spec: InterfaceSpec, automatic: Callable[[], float]) -> Law:
     """Return the law that a spec names, with the penalty of the elements where it is automatic."""
     with naming(f"interface '{spec.name}'"):
         if spec.penalty == "hard":
-            return Hard()
-        return normal_law(automatic() if spec.penalty == "auto" else float(spec.penalty))
+            normal: Hard | Penalty = Hard()
+        else:
+            normal = normal_law(automatic() if spec.penalty == "auto" else float(spec.penalty))
+        return with_friction(normal, spec.friction, spec.tangential_penalty, assembly)
 
 
 def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) -> Indices:

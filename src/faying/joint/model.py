@@ -8,9 +8,9 @@ from typing import Literal
 from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.laws import normal_law
-from faying.contact.laws.coulomb import Coulomb, automatic_tangential_penalty
+from faying.contact.laws import Law, normal_law
 from faying.exceptions import ModelError, naming
+from faying.interface.friction import with_friction
 from faying.interface.interface import Interface, stack
 from faying.joint.load_pattern import (
     LoadPattern,
@@ -144,7 +144,7 @@ class Model:
         Parameters
         ----------
         friction
-            Coefficient μ.
+            Coefficient μ; 0 takes friction away.
         tangential_penalty : [force/length³]
             c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the model's materials,
             and infinite where normal contact is hard.
@@ -170,23 +170,10 @@ class Model:
 
     def _rubbing(
         self, interface: Interface, friction: float, tangential_penalty: float | Literal["auto"]
-    ) -> Coulomb:
+    ) -> Law:
+        normal = normal_law(interface.penalty)
         with naming(f"interface '{interface.name}'"):
-            shear = tangential_penalty
-            if shear == "auto":
-                shear = automatic_tangential_penalty(interface.penalty, self._poissons_ratio)
-            return Coulomb(normal_law(interface.penalty), friction, float(shear))
-
-    @property
-    def _poissons_ratio(self) -> float:
-        ratios = [one.poissons_ratio for one in self.assembly.materials.values()]
-        if not ratios:
-            message = (
-                "tangential_penalty = 'auto' needs materials, and the model has none; give the "
-                "penalty as a number [force/length³] (0.8 times the normal one is usual)"
-            )
-            raise ModelError(message)
-        return min(ratios)
+            return with_friction(normal, friction, tangential_penalty, self.assembly)
 
     def with_initial_gap(self, name: str, initial_gap: Vector) -> "Model":
         """Return a copy with other initial gaps (n_point,) on one interface."""

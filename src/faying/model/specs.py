@@ -27,6 +27,11 @@ class InterfaceSpec:
     penalty
         Contact stiffness [force/length³], ``"auto"`` (10 E/h of the adjoining elements) or
         ``"hard"``.
+    friction
+        Coulomb's coefficient μ; 0 lets the surfaces slide freely.
+    tangential_penalty
+        Stiffness c_t [force/length³] by which points hold on that stick; ``"auto"`` is Mindlin's
+        ratio times the contact stiffness, c_n 2 (1 − ν)/(2 − ν).
     tolerance
         Largest distance [length] between nodes that touch, of non-matching meshes between the
         surfaces; None is 1 % of the smallest facet edge.
@@ -42,6 +47,8 @@ class InterfaceSpec:
     quadrature: Literal["gauss", "nodal"] | None = None
     order: int | None = None
     penalty: float | Literal["auto", "hard"] = "auto"
+    friction: float = 0.0
+    tangential_penalty: float | Literal["auto"] = "auto"
     tolerance: float | None = None
     search_distance: float | None = None
 

@@ -87,6 +87,10 @@ SURFACE: Table = {
     "declared_area": Meaning(
         "area of the smaller side that was named as faces; absent where none was", "length²"
     ),
+    "friction": Meaning("coefficient of friction", "1"),
+    "tangential_penalty": Meaning(
+        "tangential stiffness c_t of points that stick; zero without friction", "force/length³"
+    ),
 }
 """Of a contact surface."""
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.contact.contact import Contact
-from faying.contact.laws import Law, normal_law
+from faying.contact.laws import Coulomb, Law, normal_law
 from faying.files.described import (
     described_file,
     items,
@@ -258,13 +258,21 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         interpolation=interpolation,
         initial_gap=_joined(record.initial_gap for record in records),
         weights=_joined(record.weights for record in records),
-        laws={name: normal_law(record.penalty) for name, record in interfaces.items()},
+        laws={name: _recorded(record) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
         places=_optional(group, "places", (n_relative, 3)),
         shear=sparse_matrix(group, "shear") if "shear" in group else None,
         tangents=_optional(group, "tangents", (2, ends[-1], 3)),
         dense_budget=int(budget),
     )
+
+
+def _recorded(record: ContactSurface) -> Law:
+    """Return the law that an interface was recorded with."""
+    normal = normal_law(record.penalty)
+    if not record.friction:
+        return normal
+    return Coulomb(normal, record.friction, record.tangential_penalty)
 
 
 def _joined(parts: Iterable[Matrix]) -> Matrix:

@@ -116,6 +116,22 @@ class Load:
             raise ModelError(message)
         return inputs
 
+    def scaled(self, factor: float) -> "Load":
+        """Return a copy with constant forces times a factor; bolts keep their forces.
+
+        Raises
+        ------
+        ModelError
+            If a force is a history.
+        """
+        forces: dict[str, float | History] = {}
+        for key, value in self.forces.items():
+            if isinstance(value, History):
+                message = f"load '{self.name}': {key} is a history; give a constant force"
+                raise ModelError(message)
+            forces[key] = factor * value
+        return Load(forces, name=self.name, bolt_forces=self.bolt_forces)
+
 
 def _split(key: str, system: Joint, load: str) -> tuple[str, str]:
     boundary, _, component = key.rpartition(".")

@@ -11,7 +11,7 @@ from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
-from faying.joint.system import System, initial_bolt_forces
+from faying.joint.system import Joint, initial_bolt_forces
 from faying.simulation.static import port_forces, solve_static
 
 NO_RESISTANCE = 1e-9
@@ -79,7 +79,7 @@ class Tightening:
     bolt_forces: Matrix
 
 
-def tighten(system: System, forces: Mapping[str, float], *, increments: int = 10) -> Tightening:
+def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 10) -> Tightening:
     """Tighten bolts one after the other, in increments, to their nominal final forces.
 
     Each bolt is brought to its nominal force while those before it stay locked; a last pass on all
@@ -196,7 +196,7 @@ def _check(forces: Mapping[str, float], names: list[str]) -> None:
 
 
 def _reach(
-    system: System, chosen: Indices, goal: Vector, state: Vector, contact: ContactState | None
+    system: Joint, chosen: Indices, goal: Vector, state: Vector, contact: ContactState | None
 ) -> tuple[Vector, ContactState, Vector]:
     """Newton on the initial forces of the chosen bolts until their forces meet the goal.
 
@@ -234,7 +234,7 @@ def _reach(
     raise ConvergenceError(message)
 
 
-def _check_stiffness(system: System) -> None:
+def _check_stiffness(system: Joint) -> None:
     """Refuse bolts of given matrices that are stiffer than the structure they are part of.
 
     K ⪰ k eᵀe exactly where k e K⁻¹ eᵀ ≤ 1; bolts faying assembled itself always satisfy it.
@@ -252,7 +252,7 @@ def _check_stiffness(system: System) -> None:
             raise ModelError(message)
 
 
-def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
+def _check_clamping(system: Joint, forces: Mapping[str, float]) -> None:
     """Refuse bolts whose tension closes no gap."""
     ports = system.port_compliance
     for name in forces:
@@ -267,7 +267,7 @@ def _check_clamping(system: System, forces: Mapping[str, float]) -> None:
 
 
 def _bolt_forces(
-    system: System, state: Vector, start: ContactState | None
+    system: Joint, state: Vector, start: ContactState | None
 ) -> tuple[Vector, Matrix, ContactState]:
     """Bolt forces, their derivative by the initial forces, and where contact stands."""
     ports, contact = system.port_compliance, system.contact

@@ -8,17 +8,15 @@ from functools import cached_property, partial
 import numpy as np
 
 from faying._typing import Matrix
-from faying.assessment.accuracy import Accuracy, measure
 from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
 from faying.assessment.recovery import recover_pressure
+from faying.assessment.slip_reserve import SlipReserve
 from faying.exceptions import ConvergenceError
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
-from faying.joint.model import Model
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
-from faying.reduction.projection import full_displacement
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.integrators import Integrator, named_integrator
@@ -27,10 +25,19 @@ from faying.simulation.static import solve_static
 from faying.simulation.stepping import transient_solver
 from faying.simulation.transient import solve_transient
 from faying.study.checkpoint import Checkpoint
+from faying.study.comparison import accuracy, recovered_error, slip_errors
 from faying.study.extras import Extras
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
+from faying.study.path_cases import (
+    goes_in_increments,
+    has_friction,
+    path_response,
+    reserve_of,
+    rest_state,
+)
 from faying.study.progress import Stages
+from faying.study.responses import FAILED, packed, respond, unpacked
 from faying.study.results import CaseResult, MethodResult, Response
 from faying.study.tables import LoadCaseSection
 from faying.study.timing import instants, time_span, time_step
@@ -71,29 +78,32 @@ class CaseRunner:
         failures = _gained(f"{case.name}, full model", reference)
         for name, sizes in self.models.items():
             methods[name] = {}
-            if case.kind != "static" and not METHODS[name].transient:
+            if case.transient and not METHODS[name].transient:
                 continue
             for count, rom in sizes.items():
                 try:
-                    response = self._response(case, rom, f"{name}/{count}")
+                    response = self._response(case, rom, f"{name}/{count}", reference)
                 except ConvergenceError as error:
                     failures.append(f"{case.name}, {name} with {count} joint modes: {error}")
                     continue
                 label = f"{case.name}, {name} with {count} joint modes"
                 failures += _gained(label, response)
-                accuracy = recovered = None
+                found = recovered = slips = None
                 with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
-                    accuracy = _accuracy(model, response, reference)
-                    recovered = _recovered_error(response, reference)
-                if accuracy is None:
+                    slips = slip_errors(response, reference)
+                    recovered = recovered_error(response, reference)
+                    found = accuracy(model, response, reference)
+                if found is None or slips is None:
                     continue
                 certificate = self._certified(case, response)
                 methods[name][count] = MethodResult(
                     joint_modes=count,
                     n_modes=int(rom.K.shape[0]),
                     response=response,
-                    accuracy=accuracy,
+                    accuracy=found,
                     recovered_error=recovered,
+                    traction_error=slips.traction,
+                    dissipation_error=slips.dissipation,
                     certified_energy_error=_bound(certificate, "energy_error"),
                     certified_force_error=_bound(certificate, "contact_force_error"),
                     certified_bound=_bound(certificate, "max_relative_error"),
@@ -101,6 +111,9 @@ class CaseRunner:
         half_step = None
         with self.extras.attempt(f"{case.name}, half the time step"):
             half_step = _sound(self._half_step(case))
+        reserve = None
+        with self.extras.attempt(f"{case.name}, slip reserve"):
+            reserve = self._reserve(case)
         result = CaseResult(
             name=case.name,
             kind=case.kind,
@@ -113,11 +126,12 @@ class CaseRunner:
             methods=methods,
             half_step=half_step,
             half_step_times=None if half_step is None else self._times(case, 2),
+            reserve=reserve,
         )
         return result, failures
 
     def _times(self, case: LoadCaseSection, refinement: int = 1) -> Matrix | None:
-        if case.kind == "static":
+        if not case.transient:
             return None
         step = time_step(case, self.joint.period) / refinement
         times: Matrix = step * np.arange(self._steps(case, refinement) + 1, dtype=float)
@@ -133,9 +147,27 @@ class CaseRunner:
             return certifier(self.joint.model)
         return None
 
+    @cached_property
+    def _known_rest(self) -> dict[str, Solution]:
+        """Preloaded states of the models, by what these are called; filled as they are needed."""
+        return {"full": self.joint.rest}
+
+    def _rest(self, system: System, label: str) -> Solution:
+        """Return the preloaded state of one model."""
+        if label not in self._known_rest:
+            self._known_rest[label] = rest_state(system, self.joint.preload_path)
+        return self._known_rest[label]
+
+    def _reserve(self, case: LoadCaseSection) -> SlipReserve | None:
+        """Return the slip reserve of a load that may be multiplied, where there is friction."""
+        if case.kind not in ("static", "cycle") or not has_friction(self.joint.model):
+            return None
+        with self.stages.stage("slip reserve"):
+            return reserve_of(self.joint.model, case, self.joint.rest)
+
     def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
-        """Bound the errors of a static case from the compliance alone."""
-        if case.kind != "static":
+        """Bound the errors of a static case without friction from the compliance alone."""
+        if case.kind != "static" or response.path is not None:
             return None
         with self.stages.timed("certificates"), self.extras.attempt(f"{case.name}, bounds"):
             inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
@@ -145,7 +177,7 @@ class CaseRunner:
 
     def _reference(self, case: LoadCaseSection) -> Response:
         """Solve with the full model; a transient with those that are stepped beside it."""
-        if case.kind == "static":
+        if not case.transient:
             return self._response(case, self.joint.model, "full")
         return self._full_transient(response_key(case))
 
@@ -168,18 +200,24 @@ class CaseRunner:
 
         with self.stages.timed("checkpoint"):
             self.checkpoint.fill(list(group), compute)
-            return _unpacked(self.checkpoint.get(key))
+            return unpacked(self.checkpoint.get(key))
 
-    def _response(self, case: LoadCaseSection, system: System, label: str) -> Response:
+    def _response(
+        self, case: LoadCaseSection, system: System, label: str, like: Response | None = None
+    ) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
-        total = 1 if case.kind == "static" else self._steps(case)
+        total = self._steps(case) if case.transient else 1
         known = len(self.extras.failed)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
-                solution, seconds = solve_case(self.joint, case, system, advance)
-            response = respond(solution, self.joint.model, seconds)
-            if case.kind != "static" and isinstance(system, ReducedModel):
+                if goes_in_increments(case, self.joint.model):
+                    rest = self._rest(system, label)
+                    response = path_response(self.joint.model, case, system, rest, like)
+                else:
+                    solution, seconds = solve_case(self.joint, case, system, advance)
+                    response = respond(solution, self.joint.model, seconds)
+            if case.transient and isinstance(system, ReducedModel):
                 name = f"{case.name}, {label}, recovered pressures"
                 with self.stages.stage("recovery"), self.extras.attempt(name):
                     recovered = recover_pressure(self.joint.model, solution).pressure
@@ -190,7 +228,7 @@ class CaseRunner:
         with self.stages.timed("checkpoint"):
             arrays = self.checkpoint.bundle(response_key(case, label), compute)
         self.extras.repeat(arrays.get(FAILED, ()))
-        return _unpacked(arrays)
+        return unpacked(arrays)
 
 
 def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
@@ -231,7 +269,7 @@ def case_groups(
     alike: dict[object, dict[str, FullTransient]] = {}
     for refinement in (1, 2) if half_step else (1,):
         for case in cases:
-            if case.kind != "static":
+            if case.transient:
                 kind = (refinement, instants(case), integrator_of(case))
                 run = FullTransient(case=case, refinement=refinement)
                 key = response_key(case, refinement=refinement)
@@ -269,25 +307,6 @@ def integrator_of(case: LoadCaseSection) -> Integrator:
     return named_integrator(case.integrator, case.rho_infinity)
 
 
-def respond(solution: Solution, model: Model, seconds: float) -> Response:
-    """Take from a solution what a run keeps."""
-    static = solution.times is None
-    return Response(
-        pressure=solution.pressure,
-        gap=solution.gap,
-        displacements={name: solution.displacement(name) for name in model.boundaries},
-        bolt_forces={name: np.asarray(solution.bolt_force(name)) for name in model.bolts},
-        contact_forces={name: solution.contact_force(name) for name in model.interfaces},
-        open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
-        iterations=solution.iterations,
-        seconds=seconds,
-        energy_gain=solution.energy_gain,
-        nodal_displacement=(
-            model.dofs.nodal(full_displacement(model, solution))[:, :3] if static else None
-        ),
-    )
-
-
 def _gained(what: str, response: Response) -> list[str]:
     """Say of a transient that its energy grew from nothing, if it did."""
     gain = response.energy_gain
@@ -306,68 +325,5 @@ def _sound(response: Response | None) -> Response | None:
     return response
 
 
-def _accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
-    displacements = [
-        (response.displacements[name], reference.displacements[name], boundary.components)
-        for name, boundary in model.boundaries.items()
-    ]
-    return measure(response.pressure, reference.pressure, displacements)
-
-
 def _bound(certificate: Certificate | None, measure: Measure) -> float | None:
     return None if certificate is None else float(certificate.bound(measure))
-
-
-def _recovered_error(response: Response, reference: Response) -> float | None:
-    if response.recovered_pressure is None:
-        return None
-    return measure(response.recovered_pressure, reference.pressure, []).max_relative_error
-
-
-MAPPINGS = ("displacements", "bolt_forces", "contact_forces", "open_fraction")
-ARRAYS = (
-    "pressure",
-    "gap",
-    "iterations",
-    "seconds",
-    "nodal_displacement",
-    "recovered_pressure",
-    "energy_gain",
-)
-
-
-FAILED = "failed"
-"""Name of the sentences about extras that failed, beside the arrays of a response."""
-
-
-def packed(response: Response) -> dict[str, Matrix]:
-    """Flatten a response to named arrays, as it is kept."""
-    arrays = {
-        f"{field}/{name}": value
-        for field in MAPPINGS
-        for name, value in getattr(response, field).items()
-    }
-    single = {field: getattr(response, field) for field in ARRAYS}
-    arrays |= {field: np.asarray(value) for field, value in single.items() if value is not None}
-    return arrays
-
-
-def _unpacked(arrays: Mapping[str, Matrix]) -> Response:
-    mappings: dict[str, dict[str, Matrix]] = {field: {} for field in MAPPINGS}
-    for key, value in arrays.items():
-        field, _, name = key.partition("/")
-        if name:
-            mappings[field][name] = value
-    return Response(
-        pressure=arrays["pressure"],
-        gap=arrays["gap"],
-        displacements=mappings["displacements"],
-        bolt_forces=mappings["bolt_forces"],
-        contact_forces=mappings["contact_forces"],
-        open_fraction=mappings["open_fraction"],
-        iterations=np.asarray(arrays["iterations"], dtype=np.int64),
-        seconds=float(arrays["seconds"]),
-        nodal_displacement=arrays.get("nodal_displacement"),
-        recovered_pressure=arrays.get("recovered_pressure"),
-        energy_gain=float(arrays["energy_gain"]),
-    )

@@ -11,6 +11,7 @@ from faying.reduction.methods import METHODS
 from faying.simulation.integrators import DAMPED
 from faying.sources import SOURCES, Source
 from faying.study.errors import Problem, nearest, quoted
+from faying.study.friction_rules import increment_problems, spare_tangential_penalties
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
@@ -289,6 +290,7 @@ def _load_cases(study: Study) -> Iterator[Problem]:
         yield from _not_both(study, location, case)
         yield from _timing(study, location, case)
         yield from _forces(study, location, case)
+        yield from increment_problems(study, location, case)
         if case.rho_infinity is not None and case.integrator not in DAMPED:
             having = " and ".join(f'"{name}"' for name in DAMPED)
             text = f"only integrator = {having} have it; remove it or add the integrator"
@@ -296,10 +298,10 @@ def _load_cases(study: Study) -> Iterator[Problem]:
 
 
 def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
-    if case.kind == "static":
+    if not case.transient:
         keys = [*Timed.model_fields, "integrator"]
         for key in [key for key in keys if getattr(case, key) is not None]:
-            text = 'kind = "static" has no time; remove it or use kind = "step"'
+            text = f'kind = "{case.kind}" has no time; remove it or use kind = "step"'
             yield _problem(study, (*location, key), text)
         return
     if case.step is None and case.steps_per_period is None:
@@ -358,6 +360,7 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     lap_joint_problems,
     _material,
     _interfaces,
+    spare_tangential_penalties,
     _bolts,
     _boundaries,
     _coupled,

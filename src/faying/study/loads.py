@@ -7,6 +7,7 @@ from faying.joint.model import Model
 from faying.reduction.methods import METHODS
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
+from faying.study.friction_rules import check_friction
 from faying.study.history import read_history
 from faying.study.tables import (
     ForceSection,
@@ -52,12 +53,12 @@ def validation_box(validation: ValidationSection) -> LoadBox:
 
 
 def check_loads(study: Study, model: Model) -> None:
-    """Refuse loads on components a boundary does not have, and transients without mass.
+    """Refuse what :func:`check_targets` does, and transients without mass.
 
     Raises
     ------
-    ModelError
-        The message names the boundary and its components, or what needs the mass.
+    StudyError, ModelError
+        As :func:`check_targets`; or the message says what needs the mass.
     """
     if missing := missing_mass(study, model):
         raise ModelError(missing)
@@ -74,13 +75,16 @@ def missing_mass(study: Study, model: Model) -> str:
 
 
 def check_targets(study: Study, model: Model) -> None:
-    """Refuse loads on components a boundary does not have.
+    """Refuse loads on components a boundary does not have, and what friction does not go with.
 
     Raises
     ------
+    StudyError
+        As :func:`faying.study.friction_rules.check_friction`.
     ModelError
         The message names the boundary and its components.
     """
+    check_friction(study, model)
     start = np.zeros(1)
     training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
     worst = Load({side.target: 0.0 for side in study.validation.box}, name="validation")
@@ -90,7 +94,7 @@ def check_targets(study: Study, model: Model) -> None:
 
 def _transients(study: Study) -> str:
     """Say what of a study computes a motion; nothing where all of it is static."""
-    moving = [case.name for case in study.load_cases if case.kind != "static"]
+    moving = [case.name for case in study.load_cases if case.transient]
     if moving:
         return f"load case '{moving[0]}' is a transient"
     training = study.reduction.training

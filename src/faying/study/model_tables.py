@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.io.left_out import IGNORABLE
 from faying.sources import SOURCES
 from faying.study.errors import refusal, shown
@@ -23,6 +24,7 @@ from faying.study.section import (
     Section,
     Selection,
     Switch,
+    TangentialPenalty,
     name_in,
 )
 
@@ -154,6 +156,8 @@ class InterfaceSection(Section):
     quadrature: Literal["gauss", "nodal"] | None = None
     order: Count | None = None
     penalty: Penalty = "auto"
+    friction: Annotated[NotNegative, Field(le=LARGEST_FRICTION)] = 0.0
+    tangential_penalty: TangentialPenalty = "auto"
     tolerance: Positive | None = None
     search_distance: Positive | None = None
     initial_gap: InitialGap | None = None

@@ -19,13 +19,17 @@ from faying.reduction.mode_count import ModeCount, check_modes
 from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.reduction.projection import projected
 from faying.reduction.snapshots import static_snapshots
+from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.load import Load
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
+from faying.simulation.without_friction import smooth_joint
 from faying.study.checkpoint import Checkpoint
 from faying.study.load_model import LoadedModel, build_loaded, check_interfaces, load_model
 from faying.study.loads import check_loads, is_trained, training_box
+from faying.study.path_cases import has_friction, rest_state
 from faying.study.progress import Stages
 from faying.study.tables import Study
 from faying.study.timing import time_step
@@ -49,7 +53,10 @@ class PreparedJoint:
     rest
         That of the model with locked bolts, where transients start.
     period
-        Longest period of small vibrations about the preloaded state; infinite without mass.
+        Longest period of small vibrations about the preloaded state; infinite without mass, and
+        with friction, where no load case is a motion.
+    preload_path
+        Loads by which the bolts were tightened with friction; none where it was without.
     """
 
     loaded: LoadedModel
@@ -58,6 +65,7 @@ class PreparedJoint:
     preload: Solution
     rest: Solution
     period: float
+    preload_path: tuple[Load, ...] = ()
 
 
 def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
@@ -75,6 +83,8 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
         check_loads(study, model)
     _condense(model, stages)
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
+    if has_friction(model):
+        return _rubbing_joint(study, loaded, model, forces, stages)
     with stages.stage("preload"):
         tightening = tighten(model, forces)
         model = model.with_bolt_forces(tightening.initial_forces)
@@ -100,6 +110,30 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
     )
 
 
+def _rubbing_joint(
+    study: Study, loaded: LoadedModel, model: Model, forces: Mapping[str, float], stages: Stages
+) -> PreparedJoint:
+    """Tighten the bolts of a joint with friction, along a path or as if there were none."""
+    with stages.stage("preload"):
+        path: tuple[Load, ...] = ()
+        if study.friction_during_preload:
+            found = tighten_with_friction(model, forces)
+            tightening, path = found.tightening, found.loads
+        else:
+            tightening = tighten(smooth_joint(model), forces)
+        model = model.with_bolt_forces(tightening.initial_forces)
+        rest = rest_state(model, path)
+    return PreparedJoint(
+        loaded=loaded,
+        model=model,
+        tightening=tightening,
+        preload=rest,
+        rest=rest,
+        period=np.inf,
+        preload_path=path,
+    )
+
+
 def _longest_period(model: Model, rest: Solution) -> float:
     """Return the longest period of small vibrations about a state; infinite without mass."""
     if not model.structure.has_mass:
@@ -112,7 +146,8 @@ def _condense(model: Model, stages: Stages) -> None:
     with stages.stage("factorization"):
         _ = model.structure.boundary_factor
     with stages.stage("compliance"):
-        _ = model.static_contact.space
+        contact = model.static_contact
+        _ = contact.frictional if has_friction(model) else contact.space
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

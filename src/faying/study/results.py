@@ -8,10 +8,12 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
+from faying.study.path_record import CycleRecord, PathRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -38,6 +40,12 @@ class Response:
         :mod:`faying.assessment.recovery`.
     energy_gain
         Of transients: share of the energy in motion that the time integration gained from nothing.
+    path
+        The increments of a case that is a path, or a static load with friction; the other fields
+        are those of the last one.
+    cycles
+        Amplitude as text to cycles of that amplitude; the other fields are those of the largest
+        amplitude at its positive reversal.
     """
 
     pressure: Matrix
@@ -51,6 +59,8 @@ class Response:
     nodal_displacement: Matrix | None = None
     recovered_pressure: Matrix | None = None
     energy_gain: float = 0.0
+    path: PathRecord | None = None
+    cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,6 +78,9 @@ class MethodResult:
     certified_energy_error, certified_force_error, certified_bound
         Bounds that need no full solution, of static cases: of the error in the energy norm, of the
         total contact force, and of the largest relative error.
+    traction_error, dissipation_error
+        Of cases with friction: largest difference of tractions over the largest, and difference of
+        the energies that friction took, over that of the full model.
     """
 
     joint_modes: int
@@ -78,6 +91,8 @@ class MethodResult:
     certified_energy_error: float | None = None
     certified_force_error: float | None = None
     certified_bound: float | None = None
+    traction_error: float | None = None
+    dissipation_error: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -87,7 +102,7 @@ class CaseResult:
     Attributes
     ----------
     kind
-        ``"static"``, ``"step"`` or ``"history"``.
+        ``"static"``, ``"step"``, ``"history"``, ``"path"`` or ``"cycle"``.
     times : (n_time,) or None
     components
         Boundary name to the names of its displacement components (ux … rz).
@@ -95,6 +110,8 @@ class CaseResult:
         Method name to joint mode count to result.
     half_step : Response or None
         The full model with half the time step: the time-step check of transients.
+    reserve
+        How far the load may grow until the joint slips, of static loads and cycles with friction.
     """
 
     name: str
@@ -105,6 +122,7 @@ class CaseResult:
     methods: Mapping[str, Mapping[int, MethodResult]]
     half_step: Response | None = None
     half_step_times: Vector | None = None
+    reserve: SlipReserve | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -90,6 +90,16 @@ def _penalty(value: Any) -> float | str:
     raise refusal(message)
 
 
+def _tangential_penalty(value: Any) -> float | str:
+    if value == "auto":
+        return "auto"
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if number and 0 < value < float("inf"):
+        return float(in_range(value))
+    message = f"found {shown(value)}, expected a positive number or 'auto'"
+    raise refusal(message)
+
+
 def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
     if isinstance(value, (str, Path)):
         return _existing_file(Path(value), info)
@@ -130,6 +140,7 @@ Switch = Annotated[bool, Strict()]
 Name = Annotated[str, Strict(), StringConstraints(min_length=1), AfterValidator(nameable)]
 ExistingFile = Annotated[Path, AfterValidator(_existing_file)]
 Penalty = Annotated[float | str, BeforeValidator(_penalty)]
+TangentialPenalty = Annotated[float | str, BeforeValidator(_tangential_penalty)]
 InitialGap = Annotated[float | Path, BeforeValidator(_initial_gap)]
 Selection = Annotated[str | int | tuple[int, ...], BeforeValidator(_selection)]
 IdOrName = Annotated[str | int, BeforeValidator(_id_or_name)]

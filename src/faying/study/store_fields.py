@@ -4,9 +4,11 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.slip_reserve import SlipReserve
 from faying.files.described import Meaning, Table
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import GEOMETRY, SURFACE
+from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
 from faying.study.results import (
     BoltRecord,
@@ -89,13 +91,24 @@ MEANINGS: dict[type, Table] = {
     },
     CaseResult: {
         "name": Meaning("name of the load case"),
-        "kind": Meaning("static, step or history"),
+        "kind": Meaning("static, step, history, path or cycle"),
         "times": Meaning("instants; absent for static cases", "time", "(n_time,)"),
         "components": Meaning("displacement components by boundary: ux uy uz rx ry rz"),
         "reference": Meaning("solution of the full model"),
         "methods": Meaning("method name, then number of joint modes"),
         "half_step": Meaning("the full model with half the time step"),
         "half_step_times": Meaning("instants of half_step", "time", "(n_half_time,)"),
+        "reserve": Meaning("load factors at which the joint slips"),
+    },
+    SlipReserve: {
+        "first_slip": Meaning("load factor at which the first point slips", "1"),
+        "interface": Meaning("interface of that point"),
+        "point": Meaning("its number among the points of the interface; -1 where none", "1"),
+        "share": Meaning("share of the area in contact that share_slip is about", "1"),
+        "share_slip": Meaning("load factor at which that share slips", "1"),
+        "gross_slip": Meaning("load factor at which all that is closed slips", "1"),
+        "largest": Meaning("load factor up to which was looked", "1"),
+        "stopped": Meaning("whether the next increment had no solution"),
     },
     MethodResult: {
         "joint_modes": Meaning("joint modes of the basis", "1"),
@@ -106,6 +119,8 @@ MEANINGS: dict[type, Table] = {
         "certified_force_error": Meaning("bound of the error of the contact force", "1"),
         "certified_bound": Meaning("bound of max_relative_error without full solution", "1"),
         "recovered_error": Meaning("max |p - p_ref| / max p_ref of recovered pressures", "1"),
+        "traction_error": Meaning("max |t - t_ref| / max |t_ref|, points and increments", "1"),
+        "dissipation_error": Meaning("difference of the energies that friction took", "1"),
     },
     Accuracy: {
         "max_relative_error": Meaning("max |p - p_ref| / max p_ref, points and instants", "1"),
@@ -134,6 +149,52 @@ MEANINGS: dict[type, Table] = {
         "energy_gain": Meaning(
             "share of the energy in motion that the time integration gained from nothing", "1"
         ),
+        "path": Meaning("increments of a path, or of a static load with friction"),
+        "cycles": Meaning("amplitude to cycles of that amplitude"),
+    },
+    PathRecord: {
+        "loads": Meaning("what the columns of factors multiply", "", "(n_load,)"),
+        "factors": Meaning("load factors", "1", "(n_increment, n_load)"),
+        "pressure": Meaning(
+            "contact pressure, compression positive", "force/length²", "(n_increment, n_point)"
+        ),
+        "traction": Meaning(
+            "tangential traction on the plus side", "force/length²", "(n_increment, n_point, 3)"
+        ),
+        "slip": Meaning(
+            "slip of the plus side since the joint was unstressed",
+            "length",
+            "(n_increment, n_point, 3)",
+        ),
+        "status": Meaning("0 open, 1 stick, 2 slip", "1", "(n_increment, n_point)"),
+        "open_share": Meaning("open area over that with friction", "1", "(n_increment,)"),
+        "stick_share": Meaning("sticking area over that with friction", "1", "(n_increment,)"),
+        "slip_share": Meaning("slipping area over that with friction", "1", "(n_increment,)"),
+        "macroslip": Meaning(
+            "whether all that is closed slips on an interface", "1", "(n_increment,)"
+        ),
+        "dissipation": Meaning("energy that friction took", "force·length", "(n_increment,)"),
+        "load_work": Meaning(
+            "load at factor one times the displacement it does work on",
+            "force·length",
+            "(n_increment,)",
+        ),
+        "iterations": Meaning("Newton steps", "1", "(n_increment,)"),
+        "displacements": Meaning(
+            "by boundary: translations [length] and rotations [rad]", "length", "(n_increment, n)"
+        ),
+        "bolt_forces": Meaning("axial force by bolt", "force", "(n_increment,)"),
+    },
+    CycleRecord: {
+        "amplitude": Meaning("load factor at the reversals", "1"),
+        "energies": Meaning("energy that friction took per cycle", "force·length", "(n_cycle,)"),
+        "stationary": Meaning("whether the last two cycles agree"),
+        "loop_area": Meaning("area of the last loop", "force·length"),
+        "slip_range": Meaning("largest distance between two places", "length", "(n_point,)"),
+        "fretting": Meaning("slip range times largest traction", "force/length", "(n_point,)"),
+        "slip_work": Meaning("energy per area and cycle", "force/length", "(n_point,)"),
+        "start_work": Meaning("load_work where the last cycle begins", "force·length"),
+        "increments": Meaning("the last cycle: down from the amplitude and up again"),
     },
     ValidationRecord: {
         "load_space": Meaning("methods at random loads of the training box"),

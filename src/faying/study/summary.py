@@ -8,8 +8,10 @@ import numpy as np
 
 from faying import __version__
 from faying.reduction.methods import METHODS
+from faying.study.comparison import increments
 from faying.study.declared import missing_contacts
 from faying.study.opening import opening
+from faying.study.path_record import CycleRecord
 from faying.study.results import (
     CaseResult,
     InterfaceRecord,
@@ -144,6 +146,7 @@ def _interface(face: InterfaceRecord) -> dict[str, Any]:
         "area": float(face.weights.sum()),
         "declared_area": face.declared_area,
         "penalty": "hard" if hard else face.penalty,
+        "friction": face.friction,
         "quadrature": face.quadrature,
         "stuck_pairs": int(face.stuck.sum()),
         "preload_open_fraction": float(face.weights[face.preload_pressure <= 0].sum())
@@ -160,6 +163,7 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             for name, sizes in case.methods.items()
         },
     }
+    summary |= _slip(case)
     check = step_check(case)
     if check is not None:
         summary["half_step_max_pressure"] = check.half_peak
@@ -170,6 +174,39 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             "displacement_change": check.change.displacement_error,
         }
     return summary
+
+
+def _slip(case: CaseResult) -> dict[str, Any]:
+    """Return what friction does in a load case that goes in increments; nothing in others."""
+    found = increments(case.reference)
+    if not found:
+        return {}
+    largest, cycles = found[-1], list(case.reference.cycles.values())
+    at = -1 if case.kind == "static" else largest.most_slip
+    summary: dict[str, Any] = {
+        "max_traction": max(one.max_traction for one in found),
+        "stick_fraction": float(largest.stick_share[at]),
+        "slip_fraction": float(largest.slip_share[at]),
+        "dissipated_energy": float(largest.dissipation.sum()),
+        "macroslip": any(bool(one.macroslip.any()) for one in found),
+        "first_slip_factor": None if case.reserve is None else case.reserve.first_slip,
+    }
+    if case.reserve is not None:
+        summary["slip_reserve"] = asdict(case.reserve)
+    if cycles:
+        summary["cycles"] = {name: _cycle(one) for name, one in case.reference.cycles.items()}
+    return summary
+
+
+def _cycle(one: CycleRecord) -> dict[str, Any]:
+    return {
+        "energy_per_cycle": float(one.energies[-1]),
+        "loop_area": one.loop_area,
+        "cycles": len(one.energies),
+        "stationary": one.stationary,
+        "max_slip_range": float(one.slip_range.max(initial=0.0)),
+        "max_fretting": float(one.fretting.max(initial=0.0)),
+    }
 
 
 def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
@@ -189,8 +226,9 @@ def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
 
 def _reference(response: Response) -> dict[str, Any]:
     total = sum(np.asarray(force) for force in response.contact_forces.values())
+    pressures = [response.pressure, *(one.pressure for one in increments(response))]
     return {
-        "max_pressure": float(response.pressure.max(initial=0.0)),
+        "max_pressure": max(float(one.max(initial=0.0)) for one in pressures),
         "contact_force": float(np.max(total)),
         "open_fraction": float(max(np.max(part) for part in response.open_fraction.values())),
         "max_penetration": float(np.maximum(-response.gap, 0.0).max(initial=0.0)),
@@ -203,12 +241,14 @@ def _method(result: MethodResult) -> dict[str, float]:
     figures = asdict(result.accuracy)
     if result.recovered_error is not None:
         figures["recovered_max_relative_error"] = result.recovered_error
-    certified = {
+    optional = {
         "certified_energy_error": result.certified_energy_error,
         "certified_force_error": result.certified_force_error,
         "certified_bound": result.certified_bound,
+        "max_traction_error": result.traction_error,
+        "dissipation_error": result.dissipation_error,
     }
     figures |= {
-        name: bound for name, bound in certified.items() if bound is not None and np.isfinite(bound)
+        name: bound for name, bound in optional.items() if bound is not None and np.isfinite(bound)
     }
     return figures

@@ -176,14 +176,31 @@ class ForceSection(Loading):
     file: ExistingFile | None = None
 
 
+DEFAULT_INCREMENTS = 10
+"""Increments from the preload to a static load, and of a quarter of a cycle."""
+
+MOST_INCREMENTS = 10_000
+"""Increments of a path: each takes milliseconds and keeps its fields."""
+
+
 class LoadCaseSection(Timed):
     """[[load_case]].
 
     Attributes
     ----------
     kind
-        ``"static"``; ``"step"``, loads applied at once to the preloaded structure at rest; or
-        ``"history"``, which by default lasts as long as its shortest file.
+        ``"static"``; ``"step"``, loads applied at once to the preloaded structure at rest;
+        ``"history"``, which by default lasts as long as its shortest file; ``"path"``, a sequence
+        of static loads; or ``"cycle"``, static loads to and fro.
+    factors
+        Of a path: csv of the loads' factors in each increment.
+    amplitudes
+        Of cycles: factors of the loads at the reversals; once the loads by default.
+    increments
+        From the preload to a static load of a joint with friction, and of a quarter of a cycle;
+        None is :data:`DEFAULT_INCREMENTS`.
+    slip_share
+        Share of the area in contact whose slip the slip reserve also tells; None is a half.
     integrator
         None is ``"implicit-euler"``.
     rho_infinity
@@ -192,10 +209,19 @@ class LoadCaseSection(Timed):
     """
 
     name: Name
-    kind: Literal["static", "step", "history"]
+    kind: Literal["static", "step", "history", "path", "cycle"]
     forces: Annotated[tuple[ForceSection, ...], Field(min_length=1)]
+    factors: ExistingFile | None = None
+    amplitudes: tuple[Positive, ...] = ()
+    increments: Annotated[Count, Field(le=MOST_INCREMENTS)] | None = None
+    slip_share: Annotated[Positive, Field(le=1)] | None = None
     integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
+
+    @property
+    def transient(self) -> bool:
+        """Whether it is a motion in time."""
+        return self.kind in ("step", "history")
 
 
 class OutputSection(Section):
@@ -261,6 +287,7 @@ class Study(Section):
 
     title: Annotated[str, AfterValidator(showable)] = ""
     units: Annotated[Name, AfterValidator(_units)] = "mm-t-s"
+    friction_during_preload: Switch = True
     model: ModelSection
     materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
     interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")

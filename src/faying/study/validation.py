@@ -21,6 +21,7 @@ from faying.simulation.static import AT_REST, solve_static, solve_static_cases
 from faying.study.extras import Extras
 from faying.study.loads import case_load, training_box, validation_box
 from faying.study.offline import PreparedJoint, TrainedBases
+from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
 from faying.study.results import (
     LoadSpaceRecord,
@@ -72,7 +73,7 @@ def validate(
                         worst[name] = _worst(largest, count, box)
                 advance(1)
     sweep = None
-    if study.validation.penalty_sweep:
+    if study.validation.penalty_sweep and not has_friction(joint.model):
         with stages.stage("penalty sweep"), extras.attempt("penalty sweep"):
             sweep = _penalty(study, joint.model, trained, models)
     return ValidationRecord(load_space=space, worst_cases=worst, penalty=sweep, choices=choices)

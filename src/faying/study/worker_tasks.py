@@ -16,10 +16,11 @@ from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
-from faying.study.cases import FullTransient, case_groups, full_transients, packed
+from faying.study.cases import FullTransient, case_groups, full_transients
 from faying.study.loads import is_trained
 from faying.study.offline import PreparedJoint, prepare_joint, step_training
 from faying.study.progress import Stages
+from faying.study.responses import packed
 from faying.study.schema import parse_study
 from faying.study.tables import Study
 from faying.study.training import StepTraining, step_groups

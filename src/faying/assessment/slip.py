@@ -1,0 +1,126 @@
+"""Which contact points stick, slip or are open along a path, and whether a joint slips as a whole.
+
+A point slips in an increment where its traction reaches the bound μ p and its slip changes.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.simulation.solution import Solution
+
+OPEN, STICK, SLIP = 0, 1, 2
+"""States of a contact point; closed points without friction always slip."""
+
+ON_THE_BOUND = 1e-6
+"""Distance of a traction from its bound, over it, that leaves it on the bound: far more than
+increments are solved to, far less than an increment of load changes it."""
+
+NOTICEABLE = 1e-9
+"""Change of a slip over the largest slip, and force over the largest force, above round-off."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SlipStates:
+    """What the points of a joint do in each increment of a path.
+
+    Attributes
+    ----------
+    status : (n_increment, n_point)
+        0 open, 1 stick, 2 slip.
+    open_share, stick_share, slip_share : (n_increment,)
+        Of the area of all interfaces with friction; together one (zero without friction).
+    macroslip : (n_increment,)
+        Whether everything that is closed slips, on some interface with friction.
+    """
+
+    status: Indices
+    open_share: Vector
+    stick_share: Vector
+    slip_share: Vector
+    macroslip: Mask
+
+    @property
+    def slip_of_closed(self) -> Vector:
+        """Slipping area over the area in contact (n_increment,); zero where nothing touches."""
+        closed = self.stick_share + self.slip_share
+        share: Vector = self.slip_share / np.where(closed > 0, closed, 1.0)
+        return share
+
+
+def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
+    """Tell which points stick, slip or are open in each increment.
+
+    Parameters
+    ----------
+    path
+        Result of :func:`faying.solve_path`.
+    initial
+        State it went on from; by default nothing had slipped.
+    """
+    contact = path.system.contact
+    normal, n = path.contact_forces, contact.n_points
+    friction = np.zeros(n)
+    friction[contact.rubbing] = contact.friction
+    status = np.where(_slips(path, initial, friction), SLIP, STICK)
+    status[:, friction == 0] = SLIP
+    status = np.where(normal > 0, status, OPEN)
+    shares = _shares(status, contact.weights, contact.rubbing)
+    whole = [
+        _all_slip(status[:, points])
+        for name, points in contact.slices.items()
+        if contact.laws[name].friction > 0
+    ]
+    return SlipStates(
+        status=status,
+        open_share=shares[OPEN],
+        stick_share=shares[STICK],
+        slip_share=shares[SLIP],
+        macroslip=np.any(whole, axis=0) if whole else np.zeros(len(normal), dtype=bool),
+    )
+
+
+def slip_change(path: Solution, initial: Solution | None = None) -> Matrix:
+    """Return how far each point slips in each increment (n_increment, n_point) [length]."""
+    change = np.diff(slip_history(path, initial), axis=0)
+    size: Matrix = np.hypot(change[:, 0], change[:, 1])
+    return size
+
+
+def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
+    """Return the slip before a path and after each increment (n_increment + 1, 2, n_point)."""
+    first = np.zeros((1, 2, path.system.contact.n_points))
+    before = first if initial is None else _slip(initial)[-1:]
+    return np.concatenate([before, _slip(path)])
+
+
+def _slip(path: Solution) -> Matrix:
+    """Return the slip (n_increment, 2, n_point) of a path or a static solution."""
+    shape = (*np.atleast_2d(path.contact_forces).shape[:1], 2, path.system.contact.n_points)
+    return np.zeros(shape) if path.shear_slip is None else path.shear_slip.reshape(shape)
+
+
+def _slips(path: Solution, initial: Solution | None, friction: Vector) -> Mask:
+    """Say where the traction is on its bound and the slip changes (n_increment, n_point)."""
+    normal, shear = path.contact_forces, path.shear_forces
+    if shear is None:
+        return np.zeros(normal.shape, dtype=bool)
+    slip = slip_history(path, initial)
+    farthest = np.hypot(slip[:, 0], slip[:, 1]).max(initial=0.0)
+    bound, size = friction * normal, np.hypot(shear[:, 0], shear[:, 1])
+    slack = ON_THE_BOUND * bound + NOTICEABLE * normal.max(initial=0.0)
+    moved = slip_change(path, initial) > NOTICEABLE * farthest
+    return np.asarray(moved & (size >= bound - slack))
+
+
+def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
+    """Return the shares of area (3, n_increment) in each state, of points with friction."""
+    own, area = status[:, rubbing], weights[rubbing]
+    total = float(area.sum()) or 1.0
+    return np.array([(own == state) @ area / total for state in (OPEN, STICK, SLIP)])
+
+
+def _all_slip(status: Indices) -> Mask:
+    all_slip: Mask = (status != STICK).all(axis=1) & (status == SLIP).any(axis=1)
+    return all_slip

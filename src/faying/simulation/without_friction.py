@@ -1,0 +1,100 @@
+"""A joint as it would be without friction: what frictionless tightening starts friction from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from faying.contact.condensed import CondensedContact
+from faying.contact.contact import Contact
+from faying.contact.laws import Coulomb, Law
+from faying.joint.load_pattern import LoadPattern
+from faying.joint.system import Joint, PortCompliance, System, input_forces, static_contact_of
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.static import AT_REST, port_forces, relative_forces
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SmoothJoint:
+    """A full or reduced model whose surfaces slide freely, seen through its ports.
+
+    Attributes
+    ----------
+    contact
+        With the normal laws of the system alone.
+    boundaries, bolts, load_patterns, port_compliance
+        Of the system.
+    """
+
+    contact: Contact
+    boundaries: Mapping[str, Boundary]
+    bolts: Mapping[str, Bolt]
+    load_patterns: Mapping[str, LoadPattern]
+    port_compliance: PortCompliance
+
+    @cached_property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem without friction."""
+        return static_contact_of(self)
+
+
+def smooth_joint(joint: Joint) -> SmoothJoint:
+    """Return a joint without the friction of its interfaces; nothing is factorized again."""
+    laws = {name: _normal(law) for name, law in joint.contact.laws.items()}
+    return SmoothJoint(
+        contact=replace(joint.contact, laws=laws),
+        boundaries=joint.boundaries,
+        bolts=joint.bolts,
+        load_patterns=joint.load_patterns,
+        port_compliance=joint.port_compliance,
+    )
+
+
+def _normal(law: Law) -> Law:
+    return law.normal if isinstance(law, Coulomb) else law
+
+
+def released_state(system: System, load: Load = AT_REST) -> Solution:
+    """Solve a load without friction, as a state of a joint with friction that carries no traction.
+
+    What moved tangentially counts as slip: friction begins here. A path that goes on from it
+    (``initial`` of :func:`faying.solve_path`) is that of a joint tightened without friction.
+
+    Returns
+    -------
+    Solution
+        With one entry, of the system itself.
+
+    Raises
+    ------
+    ModelError, ConvergenceError
+        As :func:`faying.solve_static`.
+    """
+    contact, ports = system.contact, system.port_compliance
+    condensed = smooth_joint(system).static_contact
+    inputs = load.inputs(system, np.zeros(1))
+    free = (port_forces(ports, inputs) @ ports.contact_columns)[0]
+    found, _ = condensed.solve(condensed.free_gap(free))
+    slip = np.zeros((2, contact.n_points))
+    if contact.shear is not None:
+        relative = free + condensed.total @ (contact.interpolation.T @ found.forces)
+        slip[:, contact.rubbing] = (contact.shear @ relative).reshape(2, -1)
+    external = input_forces(system, inputs) + relative_forces(system, found.forces[None])
+    return Solution(
+        name=load.name,
+        system=system,
+        states=system.factorize_static().solve(external.T).T,
+        contact_forces=found.forces[None],
+        gap=condensed.gap(found)[None],
+        inputs=inputs,
+        iterations=np.array([found.iterations]),
+        shear_forces=np.zeros((1, 2, contact.n_points)),
+        shear_slip=slip[None],
+        dissipation=np.zeros(1),
+    )

@@ -1,0 +1,131 @@
+"""What studies of joints with friction, and load cases that go in increments, must be."""
+
+from collections.abc import Iterator
+
+from faying.exceptions import StudyError
+from faying.joint.model import Model
+from faying.reduction.methods import METHODS
+from faying.sources import SOURCES
+from faying.study.errors import Problem, nearest, quoted, reject
+from faying.study.load_factors import ALL, read_load_factors
+from faying.study.positions import Location
+from faying.study.tables import LoadCaseSection, Study
+
+KINDS = {
+    "factors": ("path",),
+    "amplitudes": ("cycle",),
+    "increments": ("static", "cycle"),
+    "slip_share": ("static", "cycle"),
+}
+"""Kinds of load cases that have a key."""
+
+
+def increment_problems(
+    study: Study, location: Location, case: LoadCaseSection
+) -> Iterator[Problem]:
+    """Find keys of increments where there are none, and paths without a usable file."""
+    for key in sorted(case.model_fields_set.intersection(KINDS)):
+        if case.kind not in KINDS[key]:
+            having = " or ".join(f'"{kind}"' for kind in KINDS[key])
+            text = f"only kind = {having} has it; remove it or change the kind"
+            yield _problem(study, (*location, key), text)
+    if case.kind == "path" and case.factors is None:
+        text = "kind = \"path\" needs 'factors', a csv with a column for each load; add it"
+        yield Problem(location, f"{study.source.table(location)}: {text}")
+    if case.kind == "path" and case.factors is not None:
+        try:
+            read_load_factors(case.factors, [force.target for force in case.forces])
+        except StudyError as error:
+            yield _problem(study, (*location, "factors"), str(error))
+    if len(set(case.amplitudes)) < len(case.amplitudes):
+        text = "an amplitude is there twice; keep one"
+        yield _problem(study, (*location, "amplitudes"), text)
+
+
+def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
+    """Find tangential penalties of interfaces that nothing gives friction."""
+    for i, interface in enumerate(study.interfaces):
+        given = "tangential_penalty" in interface.model_fields_set
+        if given and not interface.friction and not SOURCES[study.model.source].is_deck:
+            text = "there is no friction that it could serve; add 'friction' or remove it"
+            yield _problem(study, ("interface", i, "tangential_penalty"), text)
+
+
+def check_friction(study: Study, model: Model) -> None:
+    """Refuse what a study asks for that a joint with friction, or without it, cannot give.
+
+    Raises
+    ------
+    StudyError
+        One message with everything that is refused, by name.
+    """
+    rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
+    problems = list(_bolt_columns(study, model))
+    problems += _with_friction(study, rubbing[0]) if rubbing else _without(study)
+    reject(study.source, problems)
+
+
+def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
+    """Find columns of paths that are neither loads of the case nor bolts."""
+    for i, case in enumerate(study.load_cases):
+        if case.factors is None:
+            continue
+        loads = [force.target for force in case.forces]
+        known = [ALL, *loads, *model.bolts]
+        for name in read_load_factors(case.factors, loads).names:
+            if name not in known:
+                text = (
+                    f"{case.factors.name}: column '{name}' is neither a load of the case nor a "
+                    f"bolt; {nearest(name, known)}"
+                )
+                yield _problem(study, ("load_case", i, "factors"), text)
+
+
+def _without(study: Study) -> Iterator[Problem]:
+    """Find keys that only friction gives a meaning."""
+    for i, case in enumerate(study.load_cases):
+        for key in ("increments", "slip_share"):
+            if case.kind == "static" and key in case.model_fields_set:
+                text = "no interface has friction, so one solution is enough; remove it"
+                yield _problem(study, ("load_case", i, key), text)
+    if "friction_during_preload" in study.model_fields_set:
+        text = "no interface has friction; add it to an [[interface]], or remove this key"
+        yield _problem(study, ("friction_during_preload",), text)
+
+
+def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
+    """Find what knows no friction."""
+    reason = f"interface '{interface}' has friction"
+    if study.sticking is not None:
+        text = f"{reason}, which says itself what sticks; remove [sticking], or the friction"
+        yield _problem(study, ("sticking",), text)
+    for i, case in enumerate(study.load_cases):
+        if case.transient:
+            text = (
+                f"{reason}, and transients of studies know none; take static loads, paths or "
+                "cycles, or friction = 0 there"
+            )
+            yield _problem(study, ("load_case", i, "kind"), text)
+    able = [name for name, one in METHODS.items() if not one.trained]
+    for name in study.reduction.methods:
+        if METHODS[name].trained:
+            text = (
+                f"{reason}, and method '{name}' learns from normal contact forces alone; take "
+                f"one of {quoted(able)} (compliance is exact on paths)"
+            )
+            yield _problem(study, ("reduction", "methods"), text)
+    places: dict[Location, str] = {}
+    if study.reduction.training.box:
+        places["reduction", "training", "box"] = "training loads are solved without it"
+    if not study.reduction.joint_modes:
+        places["reduction", "joint_modes"] = "'auto' goes by certificates, which know none"
+    if study.validation.box:
+        places["validation", "box"] = "the worst load is searched by certificates, which know none"
+    if study.validation.penalty_sweep and "penalty_sweep" in study.validation.model_fields_set:
+        places["validation", "penalty_sweep"] = "the penalty sweep knows none"
+    for location, what in places.items():
+        yield _problem(study, location, f"{reason}, and {what}; remove it")
+
+
+def _problem(study: Study, location: Location, text: str) -> Problem:
+    return Problem(location, f"{study.source.place(location)}: {text}")

@@ -1,0 +1,138 @@
+"""Load cases that go in increments: static loads of joints with friction, paths and cycles."""
+
+import time
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.assessment.slip_reserve import SlipReserve, slip_reserve
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.simulation.cycles import solve_cycles
+from faying.simulation.load import Load
+from faying.simulation.one_state import one_state
+from faying.simulation.path import solve_path
+from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static
+from faying.simulation.without_friction import released_state
+from faying.study.load_factors import ALL, read_load_factors
+from faying.study.loads import case_load
+from faying.study.path_record import cycle_record, path_record
+from faying.study.responses import respond
+from faying.study.results import Response
+from faying.study.tables import DEFAULT_INCREMENTS, LoadCaseSection
+
+
+def has_friction(model: Model) -> bool:
+    """Say whether an interface of a model has friction."""
+    return any(one.law.friction > 0 for one in model.interfaces.values())
+
+
+def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
+    """Say whether a load case is a path."""
+    return case.kind in ("path", "cycle") or (case.kind == "static" and has_friction(model))
+
+
+def rest_state(system: System, tightening: tuple[Load, ...]) -> Solution:
+    """Return the preloaded state of a full or reduced model.
+
+    Parameters
+    ----------
+    tightening
+        Path that tightened the bolts with friction; without one they were tightened without.
+    """
+    if tightening:
+        return one_state(solve_path(system, tightening, name="preload"))
+    if (system.contact.friction > 0).any():
+        return one_state(released_state(system))
+    return solve_static(system)
+
+
+def path_response(
+    model: Model,
+    case: LoadCaseSection,
+    system: System,
+    rest: Solution,
+    like: Response | None = None,
+) -> Response:
+    """Solve a load case in increments.
+
+    Parameters
+    ----------
+    model
+        The full model.
+    rest
+        Preloaded state of the system that is solved.
+    like
+        Response of the full model, whose number of cycles others follow.
+    """
+    load, start = case_load(case), time.perf_counter()
+    if case.kind == "cycle":
+        amplitudes = sorted(case.amplitudes or (1.0,))
+        found = {
+            str(amplitude): solve_cycles(
+                system,
+                load,
+                amplitude,
+                rest,
+                increments=case.increments or DEFAULT_INCREMENTS,
+                count=None if like is None else len(like.cycles[str(amplitude)].energies),
+            )
+            for amplitude in amplitudes
+        }
+        seconds = time.perf_counter() - start
+        records = {name: cycle_record(one, load) for name, one in found.items()}
+        largest = found[str(amplitudes[-1])].cycle
+        return respond(one_state(largest), model, seconds, cycles=records)
+    names, factors = _factors(case)
+    path = solve_path(system, _loads(case, model, names, factors), initial=rest, name=case.name)
+    seconds = time.perf_counter() - start
+    record = path_record(path, rest, load, names, factors)
+    return respond(one_state(path), model, seconds, path=record)
+
+
+def reserve_of(model: Model, case: LoadCaseSection, rest: Solution) -> SlipReserve:
+    """Return the slip reserve of a load case of the full model, from its preloaded state."""
+    return slip_reserve(
+        model,
+        case_load(case),
+        rest,
+        share=case.slip_share or DEFAULT_SHARE,
+        increments=case.increments or DEFAULT_INCREMENTS,
+    )
+
+
+DEFAULT_SHARE = 0.5
+"""Share of the area in contact whose slip the slip reserve tells unless a study names another."""
+
+
+def _factors(case: LoadCaseSection) -> tuple[tuple[str, ...], Matrix]:
+    """Return names and values (n_increment, n_column) of the load factors of a case."""
+    if case.factors is None:
+        count = case.increments or DEFAULT_INCREMENTS
+        return (ALL,), np.arange(1, count + 1)[:, None] / count
+    found = read_load_factors(case.factors, [force.target for force in case.forces])
+    return found.names, found.values
+
+
+def _loads(
+    case: LoadCaseSection, model: Model, names: tuple[str, ...], factors: Matrix
+) -> list[Load]:
+    """Return the loads of every increment, and the bolts' initial forces where they change."""
+    values = {force.target: force.value or 0.0 for force in case.forces}
+    rows: list[Mapping[str, float]] = [
+        dict(zip(names, row, strict=True)) for row in factors.tolist()
+    ]
+    return [
+        Load(
+            {name: value * row.get(name, row.get(ALL, 0.0)) for name, value in values.items()},
+            name=case.name,
+            bolt_forces={
+                name: bolt.initial_force * row[name]
+                for name, bolt in model.bolts.items()
+                if name in row
+            },
+        )
+        for row in rows
+    ]

@@ -1,0 +1,120 @@
+"""What a run keeps of a solution, and how it is packed into named arrays until the run ends."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.joint.model import Model
+from faying.joint.system import input_forces
+from faying.reduction.projection import full_displacement
+from faying.simulation.solution import Solution
+from faying.simulation.static import relative_forces
+from faying.study.path_record import (
+    CycleRecord,
+    PathRecord,
+    packed_record,
+    unpacked_cycles,
+    unpacked_path,
+)
+from faying.study.results import Response
+
+
+def respond(
+    solution: Solution,
+    model: Model,
+    seconds: float,
+    *,
+    path: PathRecord | None = None,
+    cycles: Mapping[str, CycleRecord] | None = None,
+) -> Response:
+    """Take from a solution what a run keeps, with the path or the cycles that led to it."""
+    static = solution.times is None
+    return Response(
+        pressure=solution.pressure,
+        gap=solution.gap,
+        displacements={name: solution.displacement(name) for name in model.boundaries},
+        bolt_forces={name: np.asarray(solution.bolt_force(name)) for name in model.bolts},
+        contact_forces={name: solution.contact_force(name) for name in model.interfaces},
+        open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
+        iterations=solution.iterations,
+        seconds=seconds,
+        energy_gain=solution.energy_gain,
+        nodal_displacement=(
+            model.dofs.nodal(_displacement(model, solution))[:, :3] if static else None
+        ),
+        path=path,
+        cycles=cycles or {},
+    )
+
+
+def _displacement(model: Model, solution: Solution) -> Vector:
+    """Return the displacements of the full model (n_dof,) in a static state."""
+    kept = solution.system.contact.residual_compliance
+    if solution.shear_forces is None or kept is None:
+        return full_displacement(model, solution)
+    # What a residual compliance moves is what the full model does under the same forces.
+    forces = input_forces(model, solution.inputs)
+    forces = forces + relative_forces(model, solution.contact_forces, solution.shear_forces)
+    moved: Vector = model.structure.solve(forces[:, None])[:, 0]
+    return moved
+
+
+MAPPINGS = ("displacements", "bolt_forces", "contact_forces", "open_fraction")
+ARRAYS = (
+    "pressure",
+    "gap",
+    "iterations",
+    "seconds",
+    "nodal_displacement",
+    "recovered_pressure",
+    "energy_gain",
+)
+
+
+PATH, CYCLES = "path", "cycles"
+"""Prefixes of the arrays of a path and of cycles."""
+
+FAILED = "failed"
+"""Name of the sentences about extras that failed, beside the arrays of a response."""
+
+
+def packed(response: Response) -> dict[str, Matrix]:
+    """Flatten a response to named arrays, as it is kept."""
+    arrays = {
+        f"{field}/{name}": value
+        for field in MAPPINGS
+        for name, value in getattr(response, field).items()
+    }
+    single = {field: getattr(response, field) for field in ARRAYS}
+    arrays |= {field: np.asarray(value) for field, value in single.items() if value is not None}
+    if response.path is not None:
+        arrays |= packed_record(response.path, PATH)
+    for name, one in response.cycles.items():
+        arrays |= packed_record(one, f"{CYCLES}/{name}")
+    return arrays
+
+
+def unpacked(arrays: Mapping[str, Matrix]) -> Response:
+    """Return the response that :func:`packed` flattened."""
+    mappings: dict[str, dict[str, Matrix]] = {field: {} for field in MAPPINGS}
+    for key, value in arrays.items():
+        field, _, name = key.partition("/")
+        if name and field in mappings:
+            mappings[field][name] = value
+    amplitudes = dict.fromkeys(key.split("/")[1] for key in arrays if key.startswith(f"{CYCLES}/"))
+    return Response(
+        pressure=arrays["pressure"],
+        gap=arrays["gap"],
+        displacements=mappings["displacements"],
+        bolt_forces=mappings["bolt_forces"],
+        contact_forces=mappings["contact_forces"],
+        open_fraction=mappings["open_fraction"],
+        iterations=np.asarray(arrays["iterations"], dtype=np.int64),
+        seconds=float(arrays["seconds"]),
+        nodal_displacement=arrays.get("nodal_displacement"),
+        recovered_pressure=arrays.get("recovered_pressure"),
+        energy_gain=float(arrays["energy_gain"]),
+        path=unpacked_path(arrays, PATH) if f"{PATH}/factors" in arrays else None,
+        cycles={name: unpacked_cycles(arrays, f"{CYCLES}/{name}") for name in amplitudes},
+    )

@@ -1,0 +1,346 @@
+"""Studies of joints with friction: keys, refusals, increments in the results, methods compared."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.contact.laws import Coulomb, Hard, Penalty
+from faying.exceptions import ModelError, StudyError
+from faying.simulation.without_friction import released_state
+from faying.study.load_factors import read_load_factors
+from faying.study.load_model import build
+from faying.study.loads import case_load
+from faying.study.path_cases import rest_state
+from faying.study.schema import parse_study, read_study
+from faying.study.store import read_results
+from faying.workflow.run import run
+
+STUDY = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
+
+[[interface]]
+name = "joint"
+penalty = 1e6
+friction = 0.2
+tangential_penalty = 8e5
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[reduction]
+normal_modes = 4
+methods = ["compliance"]
+
+[[load_case]]
+name = "pull"
+kind = "static"
+increments = 4
+forces = [{ boundary = "tip", component = "Fx", value = 600.0 }]
+
+[[load_case]]
+name = "way"
+kind = "path"
+factors = "way.csv"
+forces = [
+    { boundary = "tip", component = "Fx", value = 600.0 },
+    { boundary = "tip", component = "Fz", value = -50.0 },
+]
+
+[[load_case]]
+name = "shake"
+kind = "cycle"
+increments = 4
+amplitudes = [1.5, 0.5]
+forces = [{ boundary = "tip", component = "Fx", value = 600.0 }]
+
+[output]
+report = false
+"""
+WAY = "tip.Fx,tip.Fz,bolt\n0.5,0,1\n1,1,1\n\n1,1,0.7  # loosened\n-0.5,0,1\n"
+
+
+def write(folder, text=STUDY, way=WAY):
+    (folder / "way.csv").write_text(way)
+    path = folder / "slip.toml"
+    path.write_text(text)
+    return path
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    return read_study(write(tmp_path_factory.mktemp("study")))
+
+
+@pytest.fixture(scope="module")
+def finished(study, tmp_path_factory):
+    out = tmp_path_factory.mktemp("finished")
+    assert run(study, out).converged
+    return out
+
+
+@pytest.fixture(scope="module")
+def results(finished):
+    return read_results(finished / "results.h5")
+
+
+def test_the_summary_tells_what_friction_does(finished):
+    summary = json.loads((finished / "summary.json").read_text())
+    assert summary["interfaces"]["joint"]["friction"] == 0.2
+    assert summary["warnings"] == []
+    for name, case in summary["load_cases"].items():
+        assert 0 < case["max_traction"] <= 0.2 * case["reference"]["max_pressure"] * (1 + 1e-9)
+        assert 0 <= case["stick_fraction"] + case["slip_fraction"] <= 1 + 1e-12
+        assert case["slip_fraction"] > 0
+        assert case["dissipated_energy"] > 0
+        errors = case["methods"]["compliance"]["0"]
+        # The residual compliance makes paths exact; 1e-10 is measured.
+        assert errors["max_relative_error"] < 1e-8, name
+        assert errors["max_traction_error"] < 1e-7, name
+        assert errors["dissipation_error"] < 1e-7, name
+        assert "certified_bound" not in errors
+    cases = summary["load_cases"]
+    assert cases["pull"]["first_slip_factor"] == cases["pull"]["slip_reserve"]["first_slip"]
+    assert cases["pull"]["slip_reserve"]["share"] == 0.5
+    assert cases["way"]["first_slip_factor"] is None
+    assert set(cases["shake"]["cycles"]) == {"0.5", "1.5"}
+    large = cases["shake"]["cycles"]["1.5"]
+    assert large["energy_per_cycle"] == cases["shake"]["dissipated_energy"]
+    assert large["energy_per_cycle"] > cases["shake"]["cycles"]["0.5"]["energy_per_cycle"]
+    assert large["stationary"]
+
+
+def test_increments_are_those_of_a_path_in_python(study, results):
+    model = build(study).with_bolt_forces({"bolt": results.bolts["bolt"].initial_force})
+    tight = fy.solve_path(
+        model,
+        [fy.Load(bolt_forces={"bolt": float(f)}) for f in tightening(results)],
+    )
+    assert tight.bolt_force("bolt")[-1] == pytest.approx(5e3, rel=1e-9)
+    load = case_load(study.load_cases[0])
+    path = fy.solve_path(model, [load.scaled(f) for f in (0.25, 0.5, 0.75, 1.0)], initial=tight)
+    record = results.cases["pull"].reference.path
+    assert record.factors.ravel().tolist() == [0.25, 0.5, 0.75, 1.0]
+    assert record.loads == ("factor",)
+    for name in ("pressure", "traction", "slip", "dissipation"):
+        mine, exact = getattr(record, name), getattr(path, name)
+        # One path on one structure, its tightening found by other trials.
+        np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
+    np.testing.assert_array_equal(results.cases["pull"].reference.pressure, record.pressure[-1])
+    assert record.status.shape == record.pressure.shape
+    assert set(np.unique(record.status)) <= {0, 1, 2}
+
+
+def tightening(results):
+    """Initial forces along the tightening: nine tenths in equal parts of the frictionless one."""
+    smooth = build_smooth(results)
+    last = results.bolts["bolt"].initial_force
+    return [*(smooth * np.arange(1, 10) / 10), last]
+
+
+def build_smooth(results):
+    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    return fy.tighten(model, {"bolt": 5e3}).initial_forces["bolt"]
+
+
+def test_a_path_follows_its_file(results):
+    record = results.cases["way"].reference.path
+    assert record.loads == ("tip.Fx", "tip.Fz", "bolt")
+    assert record.factors.tolist() == [[0.5, 0, 1], [1, 1, 1], [1, 1, 0.7], [-0.5, 0, 1]]
+    bolt = record.bolt_forces["bolt"]
+    assert bolt[2] < 0.8 * bolt[1]  # loosened
+    assert record.displacements["tip"][3, 0] < 0 < record.displacements["tip"][2, 0]
+
+
+def test_cycles_keep_their_last_loop_and_fretting(results):
+    shake = results.cases["shake"].reference
+    large = shake.cycles["1.5"]
+    factors = large.increments.factors[:, 0]
+    assert (factors[3], factors[7], factors[-1]) == (0.0, -1.5, 1.5)
+    assert large.increments.dissipation.sum() == pytest.approx(large.energies[-1], rel=1e-12)
+    np.testing.assert_array_equal(shake.pressure, large.increments.pressure[-1])
+    slipping = large.slip_range > 1e-9 * large.slip_range.max()
+    assert (large.fretting[slipping] > 0).all()
+
+
+def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_path, monkeypatch):
+    from faying.study import cases
+
+    calls = []
+
+    def interrupted(*arguments, **options):
+        calls.append(1)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return whole(*arguments, **options)
+
+    whole = cases.path_response
+    monkeypatch.setattr(cases, "path_response", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path)
+    run(study, tmp_path, resume=True)
+    mine, other = (read_results(out / "results.h5") for out in (tmp_path, finished))
+    for name, case in mine.cases.items():
+        exact = other.cases[name].reference
+        np.testing.assert_array_equal(case.reference.pressure, exact.pressure)
+        for amplitude, one in case.reference.cycles.items():
+            np.testing.assert_array_equal(one.energies, exact.cycles[amplitude].energies)
+        if exact.path is not None:
+            np.testing.assert_array_equal(case.reference.path.slip, exact.path.slip)
+            assert case.reference.path.bolt_forces.keys() == exact.path.bolt_forces.keys()
+
+
+def test_friction_after_tightening_begins_without_traction(tmp_path):
+    text = "friction_during_preload = false\n" + STUDY.split("[[load_case]]")[0]
+    case = "[[load_case]]".join(["", STUDY.split("[[load_case]]")[1]])
+    study = read_study(write(tmp_path, text + case + "\n[output]\nreport = false"))
+    run(study, tmp_path / "out")
+    found = read_results(tmp_path / "out" / "results.h5")
+    force = found.bolts["bolt"].initial_force
+    assert force == pytest.approx(build_smooth(found), rel=1e-9)
+    model = build(study).with_bolt_forces({"bolt": force})
+    load = case_load(study.load_cases[0])
+    loads = [load.scaled(f) for f in (0.25, 0.5, 0.75, 1.0)]
+    path = fy.solve_path(model, loads, initial=released_state(model))
+    traction = found.cases["pull"].reference.path.traction
+    np.testing.assert_allclose(traction, path.traction, rtol=0, atol=1e-9 * np.abs(traction).max())
+    np.testing.assert_allclose(
+        rest_state(model, ()).pressure, found.interfaces["joint"].preload_pressure, rtol=1e-9
+    )
+
+
+def test_interfaces_may_have_laws_of_their_own(tmp_path):
+    text = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 10.0, plates = 3, hole_radius = 0.0, washer_radius = 11.0 }
+[[interface]]
+name = "joint-1"
+penalty = 1e6
+friction = 0.2
+tangential_penalty = 5e5
+[[interface]]
+name = "joint-2"
+penalty = "hard"
+friction = 0.1
+[[bolt]]
+name = "bolt"
+preload = 1e3
+"""
+    model = build(parse_study(text, tmp_path / "s.toml"))
+    first, second = (model.interfaces[name].law for name in ("joint-1", "joint-2"))
+    assert first == Coulomb(Penalty(1e6), 0.2, 5e5)
+    assert second == Coulomb(Hard(), 0.1, float("inf"))
+    softer = model.with_penalty(1e5)  # keeps the friction
+    assert softer.interfaces["joint-2"].law == replace(second, normal=Penalty(1e5))
+    first, second = model.contact.slices.values()
+    friction = np.zeros(model.contact.n_points)
+    friction[model.contact.rubbing] = model.contact.friction
+    assert set(friction[first]) == {0.2}
+    assert set(friction[second]) == {0.1}
+
+
+def test_specs_and_models_take_the_same_friction():
+    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    spec = fy.InterfaceSpec(name="joint", friction=0.2)
+    built = fy.build_model(smooth.assembly, interfaces=[spec])
+    assert built.interfaces["joint"].law == smooth.with_friction(0.2).interfaces["joint"].law
+    assert smooth.with_friction(0.2).with_friction(0.0).interfaces["joint"].law.components == 1
+    for change, match in (
+        ({"friction": -0.1}, r"interface 'joint': the coefficient of friction is -0\.1"),
+        ({"friction": 20.0}, "coefficient of friction is 20; give a number from 0 to 10"),
+        ({"friction": 0.2, "tangential_penalty": 0.0}, "tangential penalty is 0; give a positive"),
+        ({"friction": 0.2, "tangential_penalty": "stiff"}, "tangential penalty is 'stiff'; give"),
+    ):
+        with pytest.raises(ModelError, match=match):
+            fy.build_model(smooth.assembly, interfaces=[replace(spec, **change)])
+
+
+def test_a_joint_that_nothing_but_friction_holds_is_refused_with_the_direction():
+    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    loose = replace(smooth.assembly, beams=(), rigid_couplings=smooth.assembly.rigid_couplings[:1])
+    spec = fy.InterfaceSpec(name="joint", friction=0.5)
+    model = fy.build_model(loose, interfaces=[spec])
+    with pytest.raises(ModelError, match=r"unconstrained body: .* is held by nothing"):
+        fy.solve_path(model, [fy.Load()])
+
+
+MISTAKES = [
+    ("friction = 0.2", "friction = -0.2", "found -0.2, expected 0 or more"),
+    ("friction = 0.2", "friction = 30.0", "found 30.0, expected 10 or less"),
+    ("8e5", "0.0", "found 0.0, expected a positive number or 'auto'"),
+    ("friction = 0.2\n", "", "'tangential_penalty' .* no friction that it could serve"),
+    ("[reduction]", "[sticking]\nstiffness = 1e6\n[reduction]", "says itself what sticks"),
+    ('["compliance"]', '["jim-b"]', "method 'jim-b' learns from|learns from training loads"),
+    ('kind = "path"\nfactors = "way.csv"', 'kind = "path"', "needs 'factors', a csv"),
+    ('kind = "path"', 'kind = "path"\nincrements = 3', 'only kind = "static" or "cycle" has it'),
+    ("amplitudes = [1.5, 0.5]", "amplitudes = [1.5, 1.5]", "an amplitude is there twice"),
+    ("amplitudes = [1.5, 0.5]", "amplitudes = [-1.0]", "found -1.0, expected greater than 0"),
+    ("increments = 4\nforces", "increments = 4\nstep = 1e-5\nforces", 'kind = "static" has no'),
+    (
+        'kind = "static"\nincrements = 4',
+        'kind = "step"\nstep = 1e-5\nduration = 1e-4',
+        "'kind' in .* has friction, and transients of studies know none",
+    ),
+    ("[output]", "[validation]\npenalty_sweep = true\n[output]", "the penalty sweep knows none"),
+    (
+        "[output]",
+        '[validation]\nbox = [{ boundary = "tip", component = "Fx", min = 0.0, max = 1.0 }]\n'
+        "[output]",
+        "searched by certificates, which know none",
+    ),
+    ("friction = 0.2\ntangential_penalty = 8e5\n", "", "so one solution is enough; remove it"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "match"), MISTAKES)
+def test_mistakes_are_said_with_their_place(tmp_path, old, new, match):
+    assert old in STUDY
+    path = write(tmp_path, STUDY.replace(old, new, 1))
+    with pytest.raises(StudyError, match=match) as raised:
+        build(read_study(path))
+    assert re.search(r"slip\.toml \(line \d+\)", str(raised.value))
+
+
+@pytest.mark.parametrize(
+    ("text", "match"),
+    [
+        ("", "line 1: found nothing, expected a line of names first"),
+        ("0.5,1\n1,1\n", "line 1: found '0.5', '1', expected a line of names first, 'factor' or"),
+        ("tip.Fx,tip.Fz\n1,\n", r"line 2: column 'tip\.Fz' has a gap"),
+        ("tip.Fx,tip.Fz\n1,1\n1\n", "line 3: found 1 cells, expected 2"),
+        ("tip.Fx,tip.Fz\nnan,1\n", r"line 2: column 'tip\.Fx' has 'nan', expected a finite"),
+        ("tip.Fx,tip.Fz\none,1\n", r"column 'tip\.Fx' has 'one', expected a finite"),
+        ("tip.Fx,tip.Fx,tip.Fz\n1,1,1\n", r"column 'tip\.Fx' is there twice"),
+        ("tip.Fx\n1\n", r"no column for 'tip\.Fz'; add it, or call the only column 'factor'"),
+        ("tip.Fx,factor\n1,1\n", r"found 'factor' and 'tip\.Fx'; give one factor for all"),
+        ("tip.Fx,,tip.Fz\n1,1,1\n", "a column has no name"),
+        ("tip.Fx,tip.Fz\n", "found 0 increments, expected 1 to"),
+        ("tip.Fx\n1,2\nnan\n", r"no column for .*line 2: found 2 cells.*line 3: .*'nan'"),
+    ],
+)
+def test_path_files_with_mistakes_are_refused_at_once(tmp_path, text, match):
+    path = write(tmp_path, way=text)
+    with pytest.raises(StudyError, match=match) as raised:
+        read_study(path)
+    assert "way.csv" in str(raised.value)
+    assert "'factors' in [[load_case]] number 2" in str(raised.value)
+
+
+def test_columns_that_are_nothing_are_refused(tmp_path):
+    path = write(tmp_path, way="factor,bold\n1,1\n")
+    with pytest.raises(StudyError, match=r"way\.csv: column 'bold' .* did you mean 'bolt'\?"):
+        build(read_study(path))
+
+
+def test_one_column_multiplies_all_loads(tmp_path):
+    (tmp_path / "one.csv").write_text("# a comment\nfactor\n0.5\n")
+    found = read_load_factors(tmp_path / "one.csv", ["tip.Fx", "tip.Fz"])
+    assert found.names == ("factor",)
+    assert found.values.tolist() == [[0.5]]
