@@ -11,7 +11,7 @@ import pytest
 from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
 from faying.simulation.transient import solve_transient
-from faying.study import cases, offline, progress, record, validation, worker_tasks
+from faying.study import cases, comparison, offline, progress, record, validation, worker_tasks
 from faying.study.checkpoint import open_checkpoint
 from faying.study.loads import case_load
 from faying.study.schema import read_study
@@ -139,7 +139,7 @@ def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
 WORK = (
     (offline, "solve_static"),
     (cases, "certifier"),
-    (cases, "measure"),
+    (comparison, "measure"),
     (cases, "packed"),
     (record, "bodies"),
     (record, "contact_surfaces"),
