@@ -8,7 +8,7 @@ from faying.assessment.slip import OPEN, SLIP, STICK, slip_states
 from faying.exceptions import ModelError
 from faying.simulation.cycles import loop_area
 from faying.simulation.frictional_preload import tighten_with_friction
-from faying.simulation.one_state import one_state
+from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
 from faying.study.path_record import cycle_record
 
@@ -150,7 +150,7 @@ def test_cycles_repeat_and_close_their_energy(rubbing, cycles):
     assert record.slip_range.max() > 0
     np.testing.assert_array_equal(record.fretting > 0, record.slip_range > 0)
     np.testing.assert_array_equal(
-        one_state(cycles.cycle).contact_forces, cycles.cycle.contact_forces[-1]
+        last_of(cycles.cycle).contact_forces, cycles.cycle.contact_forces[-1]
     )
 
 

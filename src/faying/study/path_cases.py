@@ -11,9 +11,9 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.cycles import solve_cycles
 from faying.simulation.load import Load
-from faying.simulation.one_state import one_state
 from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
+from faying.simulation.start import last_of
 from faying.simulation.static import solve_static
 from faying.simulation.without_friction import released_state
 from faying.study.load_factors import ALL, read_load_factors
@@ -43,9 +43,9 @@ def rest_state(system: System, tightening: tuple[Load, ...]) -> Solution:
         Path that tightened the bolts with friction; without one they were tightened without.
     """
     if tightening:
-        return one_state(solve_path(system, tightening, name="preload"))
+        return last_of(solve_path(system, tightening, name="preload"))
     if (system.contact.friction > 0).any():
-        return one_state(released_state(system))
+        return last_of(released_state(system))
     return solve_static(system)
 
 
@@ -84,12 +84,12 @@ def path_response(
         seconds = time.perf_counter() - start
         records = {name: cycle_record(one, load) for name, one in found.items()}
         largest = found[str(amplitudes[-1])].cycle
-        return respond(one_state(largest), model, seconds, cycles=records)
+        return respond(last_of(largest), model, seconds, cycles=records)
     names, factors = _factors(case)
     path = solve_path(system, _loads(case, model, names, factors), initial=rest, name=case.name)
     seconds = time.perf_counter() - start
     record = path_record(path, rest, load, names, factors)
-    return respond(one_state(path), model, seconds, path=record)
+    return respond(last_of(path), model, seconds, path=record)
 
 
 def reserve_of(model: Model, case: LoadCaseSection, rest: Solution) -> SlipReserve:
