@@ -100,6 +100,17 @@ class Contact:
         n = self.n_points
         return forces[..., :n], forces[..., n:].reshape(*forces.shape[:-1], 2, n)
 
+    def moved(self, relative: Vector) -> Matrix:
+        """Return what pairs (n_relative,) move at the points (3, n_point) [length].
+
+        Openings, and tangential displacements where there is friction.
+        """
+        moved = np.zeros((3, self.n_points))
+        moved[0] = self.interpolation @ relative
+        if self.shear is not None:
+            moved[1:, self.rubbing] = (self.shear @ relative).reshape(2, -1)
+        return moved
+
     def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
         """Return forces between the pairs (n_relative, ...) of forces at the contact points.
 

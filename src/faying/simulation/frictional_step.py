@@ -38,7 +38,7 @@ class FrictionalEnd:
         acting, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            found = solver.solve(_slack(solver, relative, slip), state.forces)
+            found = solver.solve(_slack(solver.contact, relative, slip), state.forces)
             slip = slip + found.slack[1:]
             ends.append(_contact_forces(found, found.dissipation, slip))
             acting.append(found.forces.ravel())
@@ -82,7 +82,7 @@ class FrictionalMean:
         means, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            z_free = _slack(solver, relative, slip) - self._given_way(before)
+            z_free = _slack(solver.contact, relative, slip) - self._given_way(before)
             mean = solver.solve(z_free, state.forces)
             end = self._at_end(mean, mean.forces - before)
             slip = slip + mean.slack[1:] + end.slack[1:]
@@ -94,42 +94,50 @@ class FrictionalMean:
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
         """Return forces at the end, with the slip that they add to that of the mean."""
-        solver, gap = self._law, mean.slack[0]
-        bound = solver.friction * forces[0] + ADMISSIBLE * np.abs(forces).max(initial=0.0)
-        wrong = (forces[0] < 0) | ((gap > 0) & (forces[0] > 0))
-        none = np.zeros_like(gap)
-        if not (wrong | (np.hypot(forces[1], forces[2]) > bound)).any():
-            return replace(mean, forces=forces, slack=np.stack([gap, none, none]))
-        z_free = np.stack([gap, none, none]) - self._given_way(forces)
-        if self.condensed.contact.residual_compliance is not None:
-            end = solver.solve(z_free, forces)
+        contact, none = self.condensed.contact, np.zeros_like(forces)
+        opened = np.concatenate([mean.slack[:1], none[1:]])
+        if self._obeyed(opened[0], forces):
+            return replace(mean, forces=forces, slack=opened)
+        z_free = opened - self._given_way(forces)
+        if contact.residual_compliance is not None:
+            end = self._law.solve(z_free, forces)
             return replace(end, iterations=mean.iterations + end.iterations)
-        rubbing = self.condensed.contact.rubbing
-        elastic = np.zeros_like(forces)
-        elastic[0] = np.maximum(-z_free[0] / solver.D[0], 0.0)
-        elastic[1:, rubbing] = -z_free[1:, rubbing] / solver.D[1:, rubbing]
-        size = np.hypot(elastic[1], elastic[2])
-        limit = solver.friction * elastic[0]
-        elastic[1:] *= np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
-        return replace(mean, forces=elastic, slack=z_free + solver.D * elastic)
+        rubbing, elastic = contact.rubbing, none
+        elastic[0] = np.maximum(-z_free[0] / contact.flexibility, 0.0)
+        shear = -z_free[1:, rubbing] / contact.tangential_flexibility
+        size, limit = np.hypot(*shear), contact.friction * elastic[0, rubbing]
+        elastic[1:, rubbing] = shear * np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
+        return replace(mean, forces=elastic, slack=z_free + self._yielded(elastic))
+
+    def _obeyed(self, gap: Vector, forces: Matrix) -> bool:
+        """Say whether forces press closed points alone, and shear them no more than they may."""
+        rubbing, largest = self.condensed.contact.rubbing, np.abs(forces).max(initial=0.0)
+        limit = self.condensed.contact.friction * forces[0, rubbing] + ADMISSIBLE * largest
+        wrong = (forces[0] < 0) | ((gap > 0) & (forces[0] > 0))
+        return not wrong.any() and not (np.hypot(*forces[1:, rubbing]) > limit).any()
 
     def _given_way(self, forces: Matrix) -> Matrix:
         """W λ (3, n_point)."""
-        solver, residual = self._law, self.condensed.contact.residual_compliance
-        way: Matrix = solver.D * forces
-        if residual is None:
-            return way
-        moved = solver.G @ (solver.S @ (solver.G.T @ forces.ravel()))
-        return np.asarray(way + moved.reshape(way.shape))
+        contact = self.condensed.contact
+        way, R = self._yielded(forces), contact.residual_compliance
+        return (
+            way if R is None else way + contact.moved(R @ contact.at_pairs(forces[0], forces[1:]))
+        )
+
+    def _yielded(self, forces: Matrix) -> Matrix:
+        """D λ (3, n_point)."""
+        contact, yielded = self.condensed.contact, np.zeros_like(forces)
+        yielded[0] = contact.flexibility * forces[0]
+        at = contact.rubbing
+        yielded[1:, at] = contact.tangential_flexibility * forces[1:, at]
+        return yielded
 
     @cached_property
     def _law(self) -> FrictionalContact:
         """The law where nothing but laws and residual compliance gives way."""
         contact = self.condensed.contact
-        residual, n = contact.residual_compliance, contact.relative_operator.shape[0]
         alone: Contact = replace(contact, residual_compliance=None)
-        S = np.zeros((n, n)) if residual is None else np.asarray(residual)
-        return FrictionalContact(contact=alone, S=S)
+        return FrictionalContact(contact=alone, S=np.asarray(contact.residual_compliance))
 
 
 def _components(forces: Matrix) -> Matrix:
@@ -141,10 +149,10 @@ def _slip(state: ContactState, forces: Matrix) -> Matrix:
     return np.zeros_like(forces[1:]) if state.slip is None else state.slip
 
 
-def _slack(solver: FrictionalContact, relative: Vector, slip: Matrix) -> Matrix:
+def _slack(contact: Contact, relative: Vector, slip: Matrix) -> Matrix:
     """Return z_free (3, n_point) of relative displacements (n_relative,) without the new forces."""
-    z_free: Matrix = (solver.G @ relative).reshape(3, -1)
-    z_free[0] += solver.contact.initial_gap
+    z_free = contact.moved(relative)
+    z_free[0] += contact.initial_gap
     z_free[1:] -= slip
     return z_free
 
