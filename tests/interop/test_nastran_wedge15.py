@@ -2,16 +2,13 @@
 
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "verification"))
-from solid_blocks import one_sheared_cell, solid_assembly, solid_block, solid_dofs
-
 from faying.model.matrices import assemble_matrices
+from solid_blocks import one_sheared_cell, solid_assembly, solid_block, solid_dofs
 
 # C3D15 numbers the top edges before the upright ones.
 ABAQUS_ORDER = (*range(9), 12, 13, 14, 9, 10, 11)

@@ -10,7 +10,6 @@ import skfem
 from scipy.sparse.linalg import spsolve
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
-from solid_blocks import STEEL, one_sheared_cell, solid_assembly, solid_block, solid_dofs
 
 from faying.interface.facets import shape_functions as facet_shape_functions
 from faying.model.assembly import Assembly, Material
@@ -18,12 +17,15 @@ from faying.model.elements import SOLIDS, solid_element
 from faying.model.elements.solid_element import shape_gradients, shape_values
 from faying.model.matrices import assemble_matrices, mass_properties, rigid_body_motions
 from faying.model.mesh import CellBlock, Mesh
+from solid_blocks import STEEL, one_sheared_cell, solid_assembly, solid_block, solid_dofs
 
 DATA = Path(__file__).parents[1] / "data" / "lap_joint"
 FORMULATIONS = [
     ("hex8", "standard"),
     ("hex8", "incompatible"),
+    ("hex8", "reduced"),
     ("hex20", "standard"),
+    ("hex20", "reduced"),
     ("tet4", "standard"),
     ("tet10", "standard"),
     ("wedge6", "standard"),
@@ -79,6 +81,8 @@ def test_constant_strain_stores_the_exact_energy(kind, formulation):
 def test_only_the_six_rigid_motions_store_no_energy(kind, formulation, cells):
     mesh = solid_block(kind, cells, SIZE, DISTORTION)
     if cells == (1, 1, 1):
+        if (kind, formulation) == ("hex20", "reduced"):
+            pytest.skip("alone it has six more, which a neighbour holds")
         mesh = one_sheared_cell(mesh)
     _, K = nodal_matrices(solid_assembly(mesh, formulation))
     stiffness = np.linalg.eigvalsh(K.toarray())

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material, MatrixBlock
-from faying.model.elements import SolidElement, solid_element
+from faying.model.elements import SolidElement, block_element
 from faying.model.elements.beam import beam_matrices
 from faying.model.elements.bush import bush_matrices
 from faying.model.elements.geometry import check_shapes
@@ -164,7 +164,7 @@ def rigid_body_motions(nodes: Matrix, origin: Vector) -> Matrix:
 
 
 def _solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, SparseMatrix]:
-    element = solid_element(block.kind, assembly.element)
+    element = block_element(block, assembly.element)
     n_node = len(assembly.mesh.nodes)
     _check_nodes(block, element, n_node)
     materials, which = _materials(assembly, block)

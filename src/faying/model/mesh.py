@@ -23,12 +23,15 @@ class CellBlock:
         Element ids as the user knows them; unique over all blocks of a mesh.
     properties : (n_cell,)
         Property ids; they name the material through ``Assembly.materials``.
+    formulation
+        Of these elements, as in ``"reduced"``; empty for that of the assembly.
     """
 
     kind: str
     nodes: Indices
     ids: Indices
     properties: Indices
+    formulation: str = ""
 
     def __post_init__(self) -> None:
         for name in ("nodes", "ids", "properties"):

@@ -202,7 +202,13 @@ def _as_wished(described: JointDescription, study: Study) -> JointDescription:
     """Replace materials and the formulation of bricks by what the study says."""
     assembly = _with_materials(described.assembly, study)
     if "element" in study.model.model_fields_set:
-        assembly = replace(assembly, element=study.model.element)
+        blocks = tuple(
+            replace(block, formulation="") if block.kind == "hex8" else block
+            for block in assembly.mesh.blocks
+        )
+        assembly = replace(
+            assembly, element=study.model.element, mesh=replace(assembly.mesh, blocks=blocks)
+        )
     return replace(described, assembly=assembly)
 
 

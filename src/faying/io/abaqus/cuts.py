@@ -104,6 +104,15 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
     )
 
 
+def origins(mesh: Mesh, cuts: list[Cut]) -> Indices:
+    """Return which node of the deck each node of a cut mesh (n_node,) stands in the place of."""
+    origin = np.arange(len(mesh.nodes))
+    for cut in cuts:
+        origin[cut.copies] = origin[cut.kept]
+        origin[list(cut.ends)] = origin[cut.kept[0]]
+    return origin
+
+
 def _direction(section: Section, normal: Vector) -> Vector:
     """Return the direction given on the data line, turned to the mean normal; else the latter."""
     if section.direction is None:

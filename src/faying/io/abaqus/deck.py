@@ -36,6 +36,10 @@ class Deck:
         """Return the keywords of these names."""
         return [keyword for keyword in self.keywords if keyword.name in names]
 
+    def without(self, *names: str) -> "Deck":
+        """Return the deck without the keywords of these names."""
+        return replace(self, keywords=[k for k in self.keywords if k.name not in names])
+
     def until(self, step: int | None) -> "Deck":
         """Return the deck as it is in one step: model data and steps up to it.
 

@@ -1,11 +1,11 @@
-"""``*DLOAD`` and ``*DSLOAD``: pressures and gravity as consistent nodal forces."""
+"""``*DLOAD`` and ``*DSLOAD``: pressures and body forces as consistent nodal forces."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
+from faying._typing import Indices, Matrix, Vector
 from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
@@ -41,7 +41,7 @@ def read_distributed(
     Raises
     ------
     FormatError
-        Naming the line of a load that is not a pressure on a face or gravity.
+        Naming the line of a load that is neither a pressure on a face nor a body force.
     """
     result: dict[Key, list[tuple[Matrix, Keyword]]] = {}
     for step in range(deck.n_step + 1):
@@ -81,8 +81,8 @@ def _lines(
                 raise keyword.error(message, row)
             value = real(keyword, row, fields[2], "a pressure")
             yield key, _pressure(assembly, found.facets, value)
-        elif kind == "GRAV":
-            yield key, _gravity(keyword, row, fields, assembly, sets)
+        elif kind in _BODY_FORCES:
+            yield key, _body_force(keyword, row, fields, assembly, sets)
         elif len(kind) == 2 and kind[0] == "P" and len(fields) == 3:
             face = integer(keyword, row, kind[1], "a face P1 … P6")
             ids = sets.members(keyword, fields[0], row)
@@ -91,7 +91,7 @@ def _lines(
             )
             yield key, _pressure(assembly, facets, real(keyword, row, fields[2], "a pressure"))
         else:
-            message = f"load {kind} is not supported; P1 … P6 (pressure) and GRAV are"
+            message = f"load {kind} is not supported; P1 … P6 (pressure), GRAV and CENTRIF are"
             raise keyword.error(message, row)
 
 
@@ -107,18 +107,19 @@ def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -
     return forces
 
 
-def _gravity(
+def _body_force(
     keyword: Keyword, row: int, fields: list[str], assembly: Assembly, sets: NamedSets
 ) -> Matrix:
-    """Return forces M a of a uniform acceleration, consistent with the mass of every element."""
-    if len(fields) != 6:
-        message = f"found {len(fields)} fields, expected set, GRAV, acceleration, x, y, z"
+    """Return forces M a of an acceleration, consistent with the mass of every element."""
+    kind = fields[1].upper()
+    width, expected, acceleration = _BODY_FORCES[kind]
+    if len(fields) != width:
+        message = f"found {len(fields)} fields, expected {expected}"
         raise keyword.error(message, row)
-    size, x, y, z = (real(keyword, row, text, "a number") for text in fields[2:])
-    direction = np.array([x, y, z])
-    length = float(np.linalg.norm(direction))
+    numbers = np.array([real(keyword, row, text, "a number") for text in fields[2:]])
+    direction, length = numbers[-3:], float(np.linalg.norm(numbers[-3:]))
     if not length > 0:
-        message = "the direction of gravity is zero"
+        message = f"the direction of {kind} is zero"
         raise keyword.error(message, row)
     chosen = assembly
     if fields[0]:
@@ -136,6 +137,27 @@ def _gravity(
             masses=tuple(mass for mass in assembly.masses if mass.id in known),
         )
     motion = np.zeros((len(assembly.mesh.nodes), 6))
-    motion[:, :3] = size * direction / length
+    motion[:, :3] = acceleration(numbers[:-3], direction / length, assembly.mesh.nodes)
     forces: Matrix = (assemble_matrices(chosen).M @ motion.ravel()).reshape(-1, 6)
     return forces
+
+
+def _gravity(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
+    return np.tile(numbers[0] * direction, (len(nodes), 1))
+
+
+def _centrifugal(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
+    """Return ω² r away from the axis through a point."""
+    arms = nodes - numbers[1:]
+    return np.asarray(numbers[0] * (arms - np.outer(arms @ direction, direction)))
+
+
+_BODY_FORCES: Mapping[str, tuple[int, str, Callable[[Vector, Vector, Matrix], Matrix]]] = {
+    "GRAV": (6, "set, GRAV, acceleration, x, y, z", _gravity),
+    "CENTRIF": (
+        9,
+        "set, CENTRIF, square of the angular velocity, point of the axis, its direction",
+        _centrifugal,
+    ),
+}
+"""Number of fields, what they are, and the acceleration (n_node, 3) they give nodes."""

@@ -18,7 +18,8 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("STEADY STATE DYNAMICS", "VISCO", "COMPLEX FREQUENCY", "SUBSTRUCTURE GENERATE"),
         *("RETAINED NODAL DOFS", "SELECT CYCLIC SYMMETRY MODES"),
     ),
-    "solution control: faying has its own tolerances": (
+    "solution control: faying has its own tolerances, and the mesh stays as it is": (
+        *("REFINE MESH", "HCF"),
         *("CONTROLS", "SOLVER CONTROLS", "CONTACT CONTROLS", "NO ANALYSIS", "DYNAMIC CONTROLS"),
     ),
     "optimization and sensitivities: nothing is optimized": (
@@ -47,10 +48,9 @@ _ON_REQUEST: Mapping[str, tuple[str, ...]] = {
         *("INITIAL CONDITIONS, TYPE=HARDENING",),
     ),
     "temperature": (
-        *("TEMPERATURE", "HEAT TRANSFER", "COUPLED TEMPERATURE-DISPLACEMENT", "FILM", "CFLUX"),
+        *("HEAT TRANSFER", "COUPLED TEMPERATURE-DISPLACEMENT", "FILM", "CFLUX"),
         *("UNCOUPLED TEMPERATURE-DISPLACEMENT", "DFLUX", "DSFLUX", "RADIATE", "SFILM", "SRADIATE"),
         *("CAVITY DEFINITION", "SURFACE PROPERTY", "GAP HEAT GENERATION"),
-        *("INITIAL CONDITIONS, TYPE=TEMPERATURE",),
     ),
 }
 

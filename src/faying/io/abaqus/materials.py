@@ -1,6 +1,9 @@
 """``*MATERIAL``: isotropic linear elasticity and density."""
 
 from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
 
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
@@ -8,14 +11,18 @@ from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ
 from faying.io.abaqus.left_out import KEYWORDS
+from faying.io.abaqus.temperatures import (
+    Expansion,
+    check_constant,
+    initial_temperature,
+    read_expansion,
+)
 from faying.model.assembly import Material
 
-HARMLESS = frozenset(
-    ("EXPANSION", "CONDUCTIVITY", "SPECIFIC HEAT", "LATENT HEAT", "INELASTIC HEAT FRACTION")
-)
+HARMLESS = frozenset(("CONDUCTIVITY", "SPECIFIC HEAT", "LATENT HEAT", "INELASTIC HEAT FRACTION"))
 """Properties without effect at constant temperature."""
 
-MEMBERS = ("ELASTIC", "DENSITY", "DAMPING", *sorted(HARMLESS))
+MEMBERS = ("ELASTIC", "DENSITY", "DAMPING", "EXPANSION", *sorted(HARMLESS))
 
 
 def without_unused(deck: Deck, ignored: list[str]) -> Deck:
@@ -44,8 +51,8 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
     Raises
     ------
     FormatError
-        Naming the line of a material that is not isotropic, depends on temperature, has impossible
-        constants or is defined twice.
+        Naming the line of a material that is not isotropic, has impossible constants or is defined
+        twice, or whose constants depend on temperatures that differ or change.
     """
     found: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
@@ -57,11 +64,13 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
         elastic, density = None, 0.0
         for member in members:
             if member.name == "ELASTIC":
-                elastic = _elastic(member)
+                elastic = _elastic(member, deck)
             elif member.name == "DENSITY":
-                density = _density(member)
+                density = _density(member, deck)
             elif member.name in HARMLESS:
                 ignored.append(f"*{member.name} of material {name} (no temperatures)")
+        if any(len(m.data) > 1 for m in members if m.name in ("ELASTIC", "DENSITY")):
+            ignored.append(f"tables of material {name}: taken at the initial temperature")
         if elastic is None:
             message = f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
             raise head.error(message)
@@ -74,33 +83,67 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
     return found
 
 
-def _elastic(keyword: Keyword) -> tuple[float, float]:
+def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
+    """Read all *EXPANSION, upper-case name of the material to what it expands by.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an expansion that differs between directions, or of a malformed table.
+    """
+    found = {}
+    for head, members in deck.groups("MATERIAL", *MEMBERS):
+        name = head.required("NAME")
+        for member in (one for one in members if one.name == "EXPANSION"):
+            if deck.of("TEMPERATURE"):
+                found[name.upper()] = read_expansion(member)
+            else:
+                ignored.append(f"*EXPANSION of material {name} (no temperature changes)")
+    return found
+
+
+def _elastic(keyword: Keyword, deck: Deck) -> tuple[float, float]:
     keyword.allow("TYPE", "MODULI")
     kind = keyword.choice("TYPE", "ISOTROPIC")
     if kind not in ("ISOTROPIC", "ISO"):
         message = f"TYPE={kind} is not supported; only isotropic materials are"
         raise keyword.error(message)
     rows = keyword.rows()
-    _check_one(keyword, rows, 3, "E, nu")
-    modulus = real(keyword, 0, rows[0][0], "Young's modulus")
-    return modulus, optional_real(keyword, 0, rows[0], 1, 0.0, "Poisson's ratio")
+    _check_rows(keyword, rows, 3, "E, nu")
+    modulus = [real(keyword, i, row[0], "Young's modulus") for i, row in enumerate(rows)]
+    ratio = [optional_real(keyword, i, row, 1, 0.0, "nu") for i, row in enumerate(rows)]
+    return _at_start(keyword, deck, rows, 2, modulus), _at_start(keyword, deck, rows, 2, ratio)
 
 
-def _density(keyword: Keyword) -> float:
+def _density(keyword: Keyword, deck: Deck) -> float:
     keyword.allow()
     rows = keyword.rows()
-    _check_one(keyword, rows, 2, "the density")
-    return real(keyword, 0, rows[0][0], "the density")
+    _check_rows(keyword, rows, 2, "the density")
+    values = [real(keyword, i, row[0], "the density") for i, row in enumerate(rows)]
+    return _at_start(keyword, deck, rows, 1, values)
 
 
-def _check_one(keyword: Keyword, rows: list[list[str]], most: int, expected: str) -> None:
-    """Refuse constants for several temperatures."""
+def _at_start(
+    keyword: Keyword, deck: Deck, rows: list[list[str]], column: int, values: list[float]
+) -> float:
+    """Return the value of a table at the temperature that everything starts with."""
+    if len(rows) == 1:
+        return values[0]
+    at = check_constant(keyword, deck, initial_temperature(deck))
+    places = [
+        optional_real(keyword, i, row, column, 0.0, "a temperature") for i, row in enumerate(rows)
+    ]
+    if any(after <= before for before, after in pairwise(places)):
+        message = "the temperatures do not increase; sort them"
+        raise keyword.error(message, 1)
+    return float(np.interp(at, places, values))
+
+
+def _check_rows(keyword: Keyword, rows: list[list[str]], most: int, expected: str) -> None:
     if not rows:
         message = f"expected {expected} on a data line"
         raise keyword.error(message)
-    if len(rows) > 1:
-        message = "constants that depend on temperature are not supported; give one line"
-        raise keyword.error(message, 1)
-    if len(rows[0]) > most:
-        message = f"found {len(rows[0])} fields, expected {expected}"
-        raise keyword.error(message, 0)
+    wide = next((i for i, row in enumerate(rows) if len(row) > most), None)
+    if wide is not None:
+        message = f"found {len(rows[wide])} fields, expected {expected}"
+        raise keyword.error(message, wide)

@@ -10,7 +10,7 @@ from faying.io.abaqus import contact, materials, pretension
 from faying.io.abaqus.amplitudes import read_amplitudes
 from faying.io.abaqus.beams import read_beams
 from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
-from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh
+from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh, origins
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
@@ -22,6 +22,7 @@ from faying.io.abaqus.keyword_names import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
+from faying.io.abaqus.moved_supports import with_moved_supports
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
@@ -29,6 +30,11 @@ from faying.io.abaqus.solid_sections import formulation, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
 from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
+from faying.io.abaqus.temperatures import (
+    read_temperatures,
+    thermal_forces,
+    without_temperatures,
+)
 from faying.io.left_out import Occurrence
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
@@ -43,7 +49,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     FormatError
         With file and line.
     """
-    deck = materials.without_unused(deck, ignored)
+    deck = materials.without_unused(without_temperatures(deck, ignored), ignored)
     check_supported(deck, ignored)
     nodes = read_nodes(deck)
     elements = read_elements(deck, nodes)
@@ -64,6 +70,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     surfaces = read_surfaces(deck, mesh, by_element, by_node)
     amplitudes = read_amplitudes(deck)
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
+    temperatures = read_temperatures(deck, dofs, amplitudes)
+    held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     pairs = contact.read_pairs(deck, surfaces, by_node, ignored)
     assembly = Assembly(
         mesh=mesh,
@@ -72,7 +80,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         beams=tuple(read_beams(deck, elements, by_element, named, ignored)),
         springs=tuple(read_springs(deck, elements, by_element, nodes.coordinates)),
         masses=tuple(read_masses(deck, elements, by_element)),
-        supports=read_supports(deck, dofs, frozenset(section.node for section in sections)),
+        supports=held.supports,
         face_sets=face_sets(surfaces),
         name=deck.path.stem,
     )
@@ -81,12 +89,15 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         nodal_forces({place: f for place, f in here.items() if place[0] not in apart}, dofs)
         for here in forces
     )
-    distributed = read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored)
-    loads = _loads(deck, concentrated, distributed)
+    distributed = list(read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored))
+    expansions = materials.read_expansions(deck, ignored)
+    thermal = thermal_forces(assembly, temperatures, expansions, origins(mesh, cuts), ignored)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
     bolts = pretension.bolts(sections, [spring.id for spring in closing])
+    assembly, moving = with_moved_supports(assembly, held.moved, deck.n_step, ignored)
+    loads = _loads(deck, concentrated, distributed, thermal, moving)
     assembly = replace(
         assembly,
         mesh=contact.with_mixed_sides(assembly.mesh, pairs),
@@ -201,17 +212,21 @@ def _unread_name(keyword: Keyword) -> str:
         known = not kind or kind in SOLID_TYPES or kind in LINE_TYPES
         return "" if known else f"ELEMENT, TYPE={kind}"
     if keyword.name == "INITIAL CONDITIONS" and keyword.has("TYPE"):
-        return f"INITIAL CONDITIONS, TYPE={without_blanks(keyword.value('TYPE'))}"
+        kind = without_blanks(keyword.value("TYPE"))
+        return "" if kind == "TEMPERATURE" else f"INITIAL CONDITIONS, TYPE={kind}"
     return "" if keyword.name in READ else keyword.name
 
 
 def _loads(
-    deck: Deck, concentrated: Iterable[Matrix], distributed: Iterable[Matrix]
+    deck: Deck,
+    concentrated: Iterable[Matrix],
+    *others: Iterable[Matrix],
 ) -> dict[str, NodalLoads]:
     """Return the loads in force in every step up to the chosen one, that one first."""
     steps = {keyword.step for keyword in deck.of("STEP")} | {deck.n_step}
     found = {}
-    for step, (applied, forces) in enumerate(zip(concentrated, distributed, strict=True)):
+    for step, (applied, *further) in enumerate(zip(concentrated, *others, strict=True)):
+        forces = np.sum(further, axis=0)
         forces[: len(applied)] += applied
         loaded = np.flatnonzero((forces != 0).any(axis=1))
         if loaded.size and step in steps:

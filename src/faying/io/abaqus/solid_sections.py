@@ -72,13 +72,20 @@ def _place(blocks: Sequence[ElementBlock], position: int) -> tuple[ElementBlock,
 
 
 def cells(blocks: Sequence[ElementBlock], section: Indices) -> list[CellBlock]:
-    """Return solids as blocks of a mesh; ``section`` are the properties of all, in order."""
+    """Return solids as blocks of a mesh; ``section`` are the properties of all, in order.
+
+    Bricks of eight nodes have a formulation of their own only where the deck mixes them.
+    """
     found, start = [], 0
+    mixed = len({block.type for block in blocks if _is_hex8(block.type)}) > 1
     for block in blocks:
+        element = SOLID_TYPES[block.type]
+        own = mixed if _is_hex8(block.type) else element.formulation != "standard"
         end = start + len(block.ids)
         found.append(
             CellBlock(
-                kind=SOLID_TYPES[block.type].kind,
+                kind=element.kind,
+                formulation=element.formulation if own else "",
                 nodes=block.nodes,
                 ids=block.ids,
                 properties=section[start:end],
@@ -96,11 +103,9 @@ def formulation(blocks: Sequence[ElementBlock], ignored: list[str]) -> str:
     for name, count in counts.items():
         if note := SOLID_TYPES[name].elsewhere.abaqus[name]:
             ignored.append(f"{count} {name}: {note}")
-    bricks = [SOLID_TYPES[name] for name in counts if SOLID_TYPES[name].kind == "hex8"]
-    wished = {brick.formulation for brick in bricks}
-    if len(wished) > 1:
-        ignored.append(
-            f"{counts['C3D8']} C3D8 are taken with incompatible modes like the other bricks: a "
-            "model has one formulation of bricks"
-        )
-    return "standard" if wished == {"standard"} else "incompatible"
+    bricks = {SOLID_TYPES[name].formulation for name in counts if _is_hex8(name)}
+    return bricks.pop() if len(bricks) == 1 else "incompatible"
+
+
+def _is_hex8(name: str) -> bool:
+    return SOLID_TYPES[name].kind == "hex8"

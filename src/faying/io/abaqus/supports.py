@@ -1,10 +1,12 @@
-"""``*BOUNDARY``: degrees of freedom held at zero."""
+"""``*BOUNDARY``: degrees of freedom held at zero, or moved."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from faying._typing import Indices
+from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.fields import optional_real
@@ -23,11 +25,30 @@ TYPES = {
     "ENCASTRE": (0, 1, 2, 3, 4, 5),
 }
 
-Holds = dict[tuple[int, int], float]
+Place = tuple[int, int]
+Holds = dict[Place, tuple[float, Keyword, int]]
+"""Node and component of the deck to value, keyword and data line."""
 
 
-def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int]) -> tuple[Support, ...]:
-    """Return what is held in the step the deck has been cut to.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Held:
+    """What *BOUNDARY holds in the step the deck has been cut to.
+
+    Attributes
+    ----------
+    supports
+        What is held at zero in all steps.
+    moved
+        Node and component of what is moved in some step to its displacement at the end of each,
+        from 0.
+    """
+
+    supports: tuple[Support, ...]
+    moved: Mapping[Place, tuple[float, ...]]
+
+
+def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amplitudes) -> Held:
+    """Return what is held in the step the deck has been cut to, and how it moves.
 
     Parameters
     ----------
@@ -37,39 +58,64 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int]) -> tuple[Suppor
     Raises
     ------
     FormatError
-        Naming the line of a prescribed motion other than zero, or of an unknown node.
+        Naming the line of an unknown node, of a motion along axes of a *TRANSFORM, or of FIXED.
     """
+    courses: dict[Place, list[float]] = {}
     held: Holds = {}
-    where: dict[tuple[int, int], tuple[Keyword, int]] = {}
-    for keyword in deck.of("BOUNDARY"):
+    for step in range(deck.n_step + 1):
+        held = _after(held, deck, step, dofs, apart)
+        for place, (value, keyword, _) in held.items():
+            course = courses.setdefault(place, [0.0] * (deck.n_step + 1))
+            course[step] = value * amplitudes.factor(keyword, step) if value else 0.0
+    held = {place: one for place, one in held.items() if place[0] not in apart}
+    moved = {}
+    for place in [place for place in held if any(courses[place])]:
+        _, keyword, row = held.pop(place)
+        if dofs.axes(place[0]) is not None:
+            message = (
+                f"node {dofs.nodes.ids[place[0]]} is moved along axes of a *TRANSFORM; only basic "
+                "directions are supported for other displacements than zero"
+            )
+            raise keyword.error(message, row)
+        moved[dofs.place(*place)] = tuple(courses[place])
+    return Held(supports=tuple(_supports(list(held), dofs)), moved=moved)
+
+
+def _after(held: Holds, deck: Deck, step: int, dofs: Dofs, apart: frozenset[int]) -> Holds:
+    """Return what is held in a step, given what was held in the one before."""
+    held = dict(held)
+    for keyword in (one for one in deck.of("BOUNDARY") if one.step == step):
         keyword.allow("OP", "TYPE", "AMPLITUDE", "FIXED", "LOAD CASE")
         if keyword.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT" or keyword.has("LOAD CASE"):
             message = "only displacements are supported (no TYPE=VELOCITY, no LOAD CASE)"
             raise keyword.error(message)
         if operation(keyword):
-            held = {place: v for place, v in held.items() if where[place][0].step == keyword.step}
-        for row, fields in enumerate(keyword.rows()):
-            for place, value in _line(keyword, row, fields, dofs):
-                held[place] = value
-                where[place] = keyword, row
-    for place, value in held.items():
-        if value != 0.0 and place[0] not in apart:
-            keyword, row = where[place]
+            held = {place: one for place, one in held.items() if one[1].step == step}
+        new = {
+            place: (value, keyword, row)
+            for row, fields in enumerate(keyword.rows())
+            for place, value in _line(keyword, row, fields, dofs, "temperature" in deck.ignore)
+        }
+        held |= new
+        if keyword.has("FIXED") and any(node not in apart for node, _ in new):
             message = (
-                f"node {dofs.nodes.ids[place[0]]} is moved by {value:g}; only zero is supported. "
-                "Apply a force, or tighten bolts by *PRE-TENSION SECTION with a *CLOAD"
+                "FIXED holds nodes where the step before left them, which is known for pretension "
+                "nodes only; give displacements, or take an earlier step (subcase in the study)"
             )
-            raise keyword.error(message, row)
-    return tuple(_supports(held, dofs, apart))
+            raise keyword.error(message)
+    return held
 
 
 def _line(
-    keyword: Keyword, row: int, fields: list[str], dofs: Dofs
-) -> Iterator[tuple[tuple[int, int], float]]:
+    keyword: Keyword, row: int, fields: list[str], dofs: Dofs, cold: bool
+) -> Iterator[tuple[Place, float]]:
+    """Read a line; of temperatures (11, 0) nothing where they are left out."""
     expected = "node or node set, first and last degree of freedom, value"
     if not 2 <= len(fields) <= 4:
         message = f"found {len(fields)} fields, expected {expected}"
         raise keyword.error(message, row)
+    if cold and fields[1] in ("0", "11"):
+        return
     nodes = dofs.find(keyword, row, fields[0])
     if fields[1].upper() in TYPES:
         if len(fields) > 2:
@@ -89,12 +135,11 @@ def _line(
             yield (node, c), value
 
 
-def _supports(held: Holds, dofs: Dofs, apart: frozenset[int]) -> Iterator[Support]:
+def _supports(held: list[Place], dofs: Dofs) -> Iterator[Support]:
     """One support per set of components, and one per node with axes of its own."""
     by_node: dict[int, list[int]] = {}
     for node, c in held:
-        if node not in apart:
-            by_node.setdefault(node, []).append(c)
+        by_node.setdefault(node, []).append(c)
     groups: dict[tuple[int, ...], list[int]] = {}
     number = 1
     for node, components in by_node.items():

@@ -16,7 +16,8 @@ _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 def read_keywords(lines: Lines) -> list[Keyword]:
     """Split a deck into its keywords, in order.
 
-    A keyword line that ends in a comma continues on the next line; ``**`` starts a comment.
+    A keyword line that ends in a comma continues on the next line; ``**`` starts a comment, and so
+    does ``>*``, which stands before the first lines of some decks of CalculiX.
 
     Raises
     ------
@@ -29,7 +30,7 @@ def read_keywords(lines: Lines) -> list[Keyword]:
     """
     marks = [t.lstrip()[:2] for t in lines.text]
     # Comments and blank lines belong to nothing; "*" alone starts a keyword.
-    content = [i for i, mark in enumerate(marks) if mark and mark != b"**"]
+    content = [i for i, mark in enumerate(marks) if mark and mark not in (b"**", b">*")]
     starts = [k for k, i in enumerate(content) if marks[i][:1] == b"*"]
     if content and (not starts or starts[0]):
         message = (

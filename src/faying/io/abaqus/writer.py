@@ -27,7 +27,7 @@ from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.description import JointDescription
-from faying.model.elements import SOLIDS, solid_element
+from faying.model.elements import SOLIDS, block_element
 from faying.model.mesh import CellBlock
 
 
@@ -172,7 +172,7 @@ def _solids(assembly: Assembly) -> Iterator[str]:
 
 
 def _type(block: CellBlock, assembly: Assembly) -> str:
-    return next(iter(solid_element(block.kind, assembly.element).elsewhere.abaqus))
+    return next(iter(block_element(block, assembly.element).elsewhere.abaqus))
 
 
 def _property(number: int) -> str:

@@ -210,6 +210,13 @@ def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
 
 
 def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterator[str]:
+    formulation = block.formulation or (assembly.element if block.kind == "hex8" else "")
+    if block.formulation or formulation == "reduced":
+        message = (
+            f"element {block.ids[0]} is a {formulation} {block.kind}, which Nastran has not, "
+            "or not beside others; give the model one formulation, or write a CalculiX deck"
+        )
+        raise FormatError(message)
     name = SOLIDS[block.kind].elsewhere.nastran
     ids = [numbering.element("cell", number) for number in block.ids.tolist()]
     nodes = assembly.mesh.node_ids[block.nodes].tolist()

@@ -6,12 +6,15 @@ from types import MappingProxyType
 from faying.exceptions import ModelError
 from faying.model.elements.hex8 import HEX8
 from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
+from faying.model.elements.hex8_reduced import HEX8_REDUCED
 from faying.model.elements.hex20 import HEX20
+from faying.model.elements.hex20_reduced import HEX20_REDUCED
 from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.tet4 import TET4
 from faying.model.elements.tet10 import TET10
 from faying.model.elements.wedge6 import WEDGE6
 from faying.model.elements.wedge15 import WEDGE15
+from faying.model.mesh import CellBlock
 
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
     {element.kind: element for element in (HEX8, HEX20, WEDGE6, WEDGE15, TET4, TET10)}
@@ -19,16 +22,18 @@ SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
 """Mesh cell kind to its standard element."""
 
 HEX8_FORMULATIONS: Mapping[str, SolidElement] = MappingProxyType(
-    {element.formulation: element for element in (HEX8, HEX8_INCOMPATIBLE)}
+    {element.formulation: element for element in (HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED)}
 )
 """Values of ``Assembly.element`` and the eight-node brick each stands for."""
 
-ALL_SOLIDS = (*SOLIDS.values(), HEX8_INCOMPATIBLE)
+ALL_SOLIDS = (*SOLIDS.values(), HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX20_REDUCED)
 """Every element in every formulation."""
+
+_VARIANTS = {(element.kind, element.formulation): element for element in ALL_SOLIDS}
 
 
 def solid_element(kind: str, formulation: str) -> SolidElement:
-    """Return the element of a mesh cell kind; ``formulation`` decides between the two hex8.
+    """Return the element of a mesh cell kind in a formulation; kinds without it have one only.
 
     Raises
     ------
@@ -42,7 +47,24 @@ def solid_element(kind: str, formulation: str) -> SolidElement:
     if kind not in SOLIDS:
         message = f"there is no solid element '{kind}'; known kinds are {', '.join(SOLIDS)}"
         raise ModelError(message)
-    return HEX8_FORMULATIONS[formulation] if kind == "hex8" else SOLIDS[kind]
+    return _VARIANTS.get((kind, formulation), SOLIDS[kind])
 
 
-__all__ = ["ALL_SOLIDS", "HEX8_FORMULATIONS", "SOLIDS", "SolidElement", "solid_element"]
+def block_element(block: CellBlock, formulation: str) -> SolidElement:
+    """Return the element of a block: its own formulation, or else that of the assembly."""
+    if not block.formulation:
+        return solid_element(block.kind, formulation)
+    if (block.kind, block.formulation) not in _VARIANTS:
+        message = f"there is no '{block.formulation}' formulation of {block.kind}"
+        raise ModelError(message)
+    return _VARIANTS[block.kind, block.formulation]
+
+
+__all__ = [
+    "ALL_SOLIDS",
+    "HEX8_FORMULATIONS",
+    "SOLIDS",
+    "SolidElement",
+    "block_element",
+    "solid_element",
+]

@@ -44,6 +44,8 @@ class SolidElement:
     internal_gradients
         Reference gradients of internal displacement modes that are condensed out of the
         stiffness: points (n_quad, 3) to (n_quad, 3, n_mode); None if there are none.
+    hourglass_patterns : (n_node, n_pattern)
+        Motions that springs hold where the mean strain alone has stiffness; None elsewhere.
     """
 
     kind: str
@@ -57,6 +59,7 @@ class SolidElement:
     brick_cells: tuple[tuple[int, ...], ...]
     formulation: str = "standard"
     internal_gradients: Callable[[Matrix], Matrix] | None = None
+    hourglass_patterns: Matrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reference_nodes", frozen(self.reference_nodes))

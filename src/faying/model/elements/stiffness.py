@@ -1,10 +1,18 @@
 """Stiffness of solid elements of isotropic material, all elements of a batch at once."""
 
+from functools import cache
+
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.model.elements.geometry import cofactors, determinants, jacobians
-from faying.model.elements.solid_element import SolidElement, centre_gradients, stiffness_gradients
+from faying.model.elements.hex8 import HEX8
+from faying.model.elements.solid_element import (
+    SolidElement,
+    centre_gradients,
+    shape_values,
+    stiffness_gradients,
+)
 
 
 def stiffness_blocks(
@@ -33,19 +41,76 @@ def stiffness_blocks(
     Cost per element: n_quad (3 n_node)² multiplications; memory three arrays of the result's size.
     """
     gradients = _weighted_gradients(element, coordinates)
+    if element.hourglass_patterns is not None:
+        gradients = _mean_gradients(element, coordinates, gradients)
     n_cell, n_quad, _, n_shape = gradients.shape
     flat = gradients.reshape(n_cell, n_quad, 3 * n_shape)
     products = np.matmul(flat.transpose(0, 2, 1), flat).reshape(n_cell, 3, n_shape, 3, n_shape)
     blocks = _isotropic(products, lame, shear)
+    if element.hourglass_patterns is not None:
+        youngs = shear * (3 * lame + 2 * shear) / (lame + shear)
+        springs = _hourglass(element.hourglass_patterns, coordinates, gradients[:, 0], youngs)
+        for a in range(3):
+            blocks[..., a, a] += springs
     return _condense(blocks, element.n_nodes) if n_shape > element.n_nodes else blocks
+
+
+def free_strain_forces(
+    element: SolidElement, coordinates: Matrix, modulus: float, strain: Matrix
+) -> Matrix:
+    """Integrate the forces E / (1 - 2 ν) ∫ ε ∇N_i dV of a strain ε that nothing resists.
+
+    Parameters
+    ----------
+    coordinates : (n_cell, n_node, 3) [length]
+    modulus : [force/length²]
+        E / (1 - 2 ν).
+    strain : (n_cell, n_quad)
+        At the points of the stiffness, see :func:`temperature_shapes`.
+
+    Returns
+    -------
+    ndarray (n_cell, n_node, 3) [force]
+
+    Notes
+    -----
+    Internal modes see nothing of it: they exist in bricks of eight nodes only, and the mean of
+    their gradients over a cell is zero.
+    """
+    rule, table = element.stiffness_quadrature(), stiffness_gradients(element)
+    determinant = determinants(*_mapping(table, coordinates))
+    at_points = strain * np.sqrt(rule.weights * determinant)
+    gradients = _weighted_gradients(element, coordinates)[..., : element.n_nodes]
+    return np.asarray(modulus * np.einsum("eq,eqan->ena", at_points, gradients))
+
+
+@cache
+def temperature_shapes(element: SolidElement) -> Matrix:
+    """Return what carries temperatures of nodes to the points of the stiffness (n_quad, n_node).
+
+    As in Abaqus and CalculiX the mean of the nodes counts in bricks of eight nodes, and a linear
+    field through the corners in fully integrated bricks of twenty.
+    """
+    points = element.stiffness_quadrature().points
+    if element.kind == "hex8":
+        return np.full((len(points), 8), 1 / 8)
+    if element.kind == "hex20" and element.formulation == "standard":
+        shapes = np.zeros((len(points), 20))
+        shapes[:, :8] = shape_values(HEX8, points)
+        return shapes
+    return shape_values(element, points)
+
+
+def _mapping(table: Matrix, coordinates: Matrix) -> tuple[Matrix, Matrix]:
+    jacobian = jacobians(table, coordinates)
+    return jacobian, cofactors(jacobian)
 
 
 def _weighted_gradients(element: SolidElement, coordinates: Matrix) -> Matrix:
     """Physical gradients times the root of w det J: (n_cell, n_quad, 3, n_node + n_internal)."""
     rule = element.stiffness_quadrature()
     table = stiffness_gradients(element)
-    jacobian = jacobians(table, coordinates)
-    cofactor = cofactors(jacobian)
+    jacobian, cofactor = _mapping(table, coordinates)
     determinant = determinants(jacobian, cofactor)
     inverse = cofactor.swapaxes(-1, -2) * np.sqrt(rule.weights / determinant)[..., None, None]
     gradients: Matrix = np.matmul(inverse, table)
@@ -53,6 +118,31 @@ def _weighted_gradients(element: SolidElement, coordinates: Matrix) -> Matrix:
         return gradients
     internal = _internal_gradients(element, coordinates, np.sqrt(rule.weights / determinant))
     return np.concatenate([gradients, internal], axis=-1)
+
+
+def _mean_gradients(element: SolidElement, coordinates: Matrix, gradients: Matrix) -> Matrix:
+    """Return the mean gradients b_i times the root of the volume (n_cell, 1, 3, n_node)."""
+    rule = element.stiffness_quadrature()
+    weights = rule.weights * determinants(*_mapping(stiffness_gradients(element), coordinates))
+    total = np.einsum("eqan,eq->ean", gradients, np.sqrt(weights))
+    return np.asarray((total / np.sqrt(weights.sum(axis=1))[:, None, None])[:, None])
+
+
+HOURGLASS_SHARE = 5e-4
+"""Stiffness of the hourglass springs over E V Σ |b_i|², as in CalculiX 2.20."""
+
+
+def _hourglass(patterns: Matrix, coordinates: Matrix, means: Matrix, youngs: Vector) -> Matrix:
+    """Return the stiffness (n_cell, n_node, n_node) that holds what uniform strain does not see.
+
+    Patterns are made orthogonal to linear motions: γ = h - b · (x · h).
+    """
+    moments = np.einsum("nm,enc->emc", patterns, coordinates)
+    # b · x is one in each direction, so this is the root of the volume that scales the means.
+    root = np.einsum("ean,ena->e", means, coordinates) / 3
+    gamma = patterns - np.einsum("ean,ema->enm", means, moments) / root[:, None, None]
+    scale = HOURGLASS_SHARE * youngs * np.einsum("ean,ean->e", means, means)
+    return np.asarray(scale[:, None, None] * (gamma @ gamma.swapaxes(1, 2)))
 
 
 def _internal_gradients(element: SolidElement, coordinates: Matrix, scale: Matrix) -> Matrix:

@@ -1,0 +1,215 @@
+"""``*INITIAL CONDITIONS, TYPE=TEMPERATURE``, ``*TEMPERATURE`` and ``*EXPANSION``: free strains."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.io.abaqus.amplitudes import Amplitudes
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.dofs import Dofs
+from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.loads import operation
+from faying.io.left_out import IGNORABLE, request
+from faying.model.assembly import Assembly
+from faying.model.thermal import expansion_forces
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Temperatures:
+    """Temperatures of the nodes at the start and at the end of each step, from 0.
+
+    Attributes
+    ----------
+    initial : (n_node,)
+    steps
+        One field (n_node,) for each step; the initial one where nothing changes it.
+    first
+        The first *TEMPERATURE, if any.
+    """
+
+    initial: Vector
+    steps: Sequence[Vector]
+    first: Keyword | None
+
+
+def without_temperatures(deck: Deck, ignored: list[str]) -> Deck:
+    """Leave out the temperatures of steps as asked; the initial ones choose material constants."""
+    if "temperature" not in deck.ignore or not deck.of("TEMPERATURE"):
+        return deck
+    ignored.append(f"*TEMPERATURE: {IGNORABLE['temperature']} (ignore = temperature)")
+    return deck.without("TEMPERATURE")
+
+
+def initial_temperature(deck: Deck) -> float | None:
+    """Return the temperature that all nodes start with, 0 unless given; None if they differ.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a malformed number.
+    """
+    values = {
+        real(keyword, row, fields[1], "a temperature")
+        for keyword in _initial(deck)
+        for row, fields in enumerate(keyword.rows())
+        if len(fields) > 1
+    }
+    return values.pop() if len(values) == 1 else (None if values else 0.0)
+
+
+def _initial(deck: Deck) -> list[Keyword]:
+    found = deck.of("INITIAL CONDITIONS")
+    return [keyword for keyword in found if keyword.choice("TYPE") == "TEMPERATURE"]
+
+
+def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Temperatures:
+    """Read the temperatures at the start and in each step.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of temperatures from files, gradients through shells and beams, or a
+        malformed number.
+    """
+    initial = np.zeros(len(dofs.nodes.ids))
+    for keyword in _initial(deck):
+        keyword.allow("TYPE")
+        for nodes, value in _lines(keyword, dofs):
+            initial[nodes] = value
+    current, steps = initial, []
+    given = deck.of("TEMPERATURE")
+    for step in range(deck.n_step + 1):
+        current = current.copy()
+        for keyword in (one for one in given if one.step == step):
+            keyword.allow("OP", "AMPLITUDE")
+            if operation(keyword):
+                current = initial.copy()
+            factor = amplitudes.factor(keyword, step)
+            for nodes, value in _lines(keyword, dofs):
+                # With an amplitude CalculiX goes from the initial temperature; at 1 none matters.
+                current[nodes] = factor * value
+        steps.append(current)
+    return Temperatures(initial=initial, steps=steps, first=given[0] if given else None)
+
+
+def _lines(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[Indices, float]]:
+    for row, fields in enumerate(keyword.rows()):
+        if len(fields) < 2:
+            message = f"found {len(fields)} fields, expected node or node set and temperature"
+            raise keyword.error(message, row)
+        value = real(keyword, row, fields[1], "a temperature")
+        for column in range(2, len(fields)):
+            if optional_real(keyword, row, fields, column, 0.0, "a gradient") != 0.0:
+                message = (
+                    "gradients through a section are not supported; temperatures of solids are "
+                    "those of their nodes"
+                )
+                raise keyword.error(message, row)
+        yield dofs.find(keyword, row, fields[0]), value
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Expansion:
+    """Coefficients of expansion over temperature, from the temperature without strain."""
+
+    temperatures: Vector
+    coefficients: Vector
+    zero: float
+
+    def strain(self, temperature: Matrix) -> Matrix:
+        """Return the strain from the temperature without any to another."""
+        coefficient = np.interp(temperature, self.temperatures, self.coefficients)
+        return np.asarray(coefficient * (temperature - self.zero))
+
+
+def read_expansion(keyword: Keyword) -> Expansion:
+    """Read *EXPANSION.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an expansion that differs between directions, or of a malformed table.
+    """
+    keyword.allow("TYPE", "ZERO")
+    if keyword.choice("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
+        message = f"TYPE={keyword.value('TYPE')} is not supported; expansion is isotropic here"
+        raise keyword.error(message)
+    rows = keyword.rows()
+    wrong = next((row for row, fields in enumerate(rows) if len(fields) > 2), None)
+    if not rows or wrong is not None:
+        message = "expected a coefficient of expansion and a temperature on each line"
+        raise keyword.error(message, wrong)
+    table = np.array(
+        [
+            [
+                optional_real(keyword, row, fields, 1, 0.0, "a temperature"),
+                real(keyword, row, fields[0], "a coefficient of expansion"),
+            ]
+            for row, fields in enumerate(rows)
+        ]
+    )
+    if (np.diff(table[:, 0]) <= 0).any():
+        message = "the temperatures do not increase; sort them"
+        raise keyword.error(message)
+    zero = real(keyword, None, keyword.value("ZERO", "0"), "ZERO")
+    return Expansion(temperatures=table[:, 0], coefficients=table[:, 1], zero=zero)
+
+
+def thermal_forces(
+    assembly: Assembly,
+    temperatures: Temperatures,
+    expansions: Mapping[str, Expansion],
+    origin: Indices,
+    ignored: list[str],
+) -> list[Matrix]:
+    """Return the forces (n_node, 6) of the free strains at the end of each step.
+
+    Parameters
+    ----------
+    expansions
+        Upper-case material name to its expansion.
+    origin : (n_node,)
+        Node of the deck that each node of the assembly has the temperature of.
+    """
+    shape = (len(assembly.mesh.nodes), 6)
+    of_property = {number: one.name for number, one in assembly.materials.items()}
+    of_property |= {beam.property: beam.material.name for beam in assembly.beams}
+    used = {
+        number: expansions[name.upper()].strain
+        for number, name in of_property.items()
+        if name.upper() in expansions
+    }
+    if temperatures.first is None or not used:
+        return [np.zeros(shape)] * len(temperatures.steps)
+    ignored.append(
+        "*TEMPERATURE: free strains are part of the loads of the steps; apply them by deck_load"
+    )
+    forces = []
+    for step in temperatures.steps:
+        changed = not np.array_equal(step, temperatures.initial)
+        forces.append(
+            expansion_forces(assembly, used, temperatures.initial[origin], step[origin])
+            if changed
+            else np.zeros(shape)
+        )
+    return forces
+
+
+def check_constant(keyword: Keyword, deck: Deck, temperature: float | None) -> float:
+    """Return the temperature that constants are taken at.
+
+    Raises
+    ------
+    FormatError
+        If it differs between nodes or steps.
+    """
+    if temperature is None or deck.of("TEMPERATURE"):
+        message = (
+            "constants that depend on temperature are not supported where temperatures differ or "
+            f"change; give one line, or {request('temperature')}"
+        )
+        raise keyword.error(message, 1)
+    return temperature
