@@ -10,6 +10,12 @@ import pytest
 import faying as fy
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ModelError, StudyError
+from faying.report.figures.slip import plot_slip_states
+from faying.report.friction_table import friction_table
+from faying.report.html import write_report
+from faying.report.quantities import number
+from faying.report.slip import slip_sentence, slipping
+from faying.report.style import new_figure
 from faying.simulation.without_friction import released_state
 from faying.study.load_factors import read_load_factors
 from faying.study.load_model import build
@@ -17,6 +23,7 @@ from faying.study.loads import case_load
 from faying.study.path_cases import rest_state
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
+from faying.units import units_of
 from faying.workflow.run import run
 
 STUDY = """
@@ -194,6 +201,52 @@ def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_
         if exact.path is not None:
             np.testing.assert_array_equal(case.reference.path.slip, exact.path.slip)
             assert case.reference.path.bolt_forces.keys() == exact.path.bolt_forces.keys()
+
+
+def test_the_report_says_first_what_slips(results, tmp_path):
+    page = write_report(results, tmp_path).read_text(encoding="utf-8")
+    first = re.search(r'class="verdict">([^.]*\.)', page)[1]
+    assert first.startswith("The joint slips: up to ")
+    assert "macroslip" in first
+    assert "<h3>Friction</h3>" in page
+    names = {path.stem for path in (tmp_path / "figures").iterdir()}
+    assert {"case_pull_slip", "case_pull_path", "case_way_slip", "case_way_path"} <= names
+    assert {"case_shake_slip", "case_shake_loops", "case_shake_fretting"} <= names
+    assert "case_shake_path" not in names
+    rows = {row[0].text: [cell.text for cell in row] for row in friction_table(results).rows}
+    assert set(rows) == {"pull", "way", "shake"}
+    reserve = results.cases["pull"].reserve
+    assert rows["pull"][4] == f"{number(reserve.first_slip)} × the load"
+    assert rows["pull"][5].startswith("joint (")
+    assert rows["way"][4] == "—"
+    assert rows["shake"][2].endswith("per cycle")
+
+
+def test_reports_without_slip_say_nothing_of_it(results):
+    sliding = {name: replace(one, friction=0.0) for name, one in results.interfaces.items()}
+    smooth = replace(results, interfaces=sliding)
+    assert slip_sentence(smooth) == ""
+    assert not friction_table(smooth).rows
+    case = results.cases["pull"]
+    path = case.reference.path
+    zero = np.zeros_like(path.slip_share)
+    held = replace(path, slip_share=zero, macroslip=zero > 0)
+    still = replace(case, reference=replace(case.reference, path=held))
+    assert slip_sentence(replace(results, cases={"pull": still})) == (
+        "Nothing slips in these load cases."
+    )
+
+
+def test_slip_states_are_drawn_where_they_are(results):
+    record, path = results.interfaces["joint"], results.cases["pull"].reference.path
+    figure = new_figure(6.0, 4.0)
+    axes = plot_slip_states(record, path.status[-1], figure.subplots(), units_of("mm-t-s"))
+    (image,) = axes.get_images()
+    shown = set(np.unique(np.asarray(image.get_array())).tolist())
+    assert shown == set(np.unique(path.status[-1]).astype(float).tolist())
+    assert slipping(record, path.status[-1]) == pytest.approx(
+        path.slip_share[-1] / (path.slip_share[-1] + path.stick_share[-1])
+    )
 
 
 def test_friction_after_tightening_begins_without_traction(tmp_path):

@@ -12,6 +12,7 @@ from faying.files.names import file_names
 from faying.report.certified import sharpness
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
+from faying.report.friction_table import friction_table
 from faying.report.limits import limits
 from faying.report.meanings import meanings
 from faying.report.quantities import percent, quantity
@@ -98,6 +99,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         interfaces=interface_table(results),
         bolts=bolt_table(results),
         load_cases=case_table(results),
+        friction=friction_table(results),
         cases=_sections(results, figures),
         unseen=load_space_table(results),
         worst_cases=worst_case_table(results),

@@ -92,6 +92,7 @@ def interface_table(results: Results) -> Table:
     units = units_of(results.units)
     columns = (
         "interface", "node pairs", "contact points", "quadrature", "area", "penalty stiffness",
+        "friction",
         "sticking pairs", "max preload pressure", "without pressure after preload",
     )  # fmt: skip
     rows = [
@@ -102,6 +103,7 @@ def interface_table(results: Results) -> Table:
             r.quadrature,
             quantity(float(r.weights.sum()), units.of("length²"), 4) + _of_declared(r),
             "hard" if np.isinf(r.penalty) else quantity(r.penalty, units.of("force/length³")),
+            _friction(r, units),
             f"{int(r.stuck.sum())}",
             quantity(float(r.preload_pressure.max(initial=0.0)), units.pressure),
             percent(_open(r)),
@@ -109,6 +111,15 @@ def interface_table(results: Results) -> Table:
         for name, r in results.interfaces.items()
     ]
     return table(columns, rows)
+
+
+def _friction(record: InterfaceRecord, units: Units) -> str:
+    """Say the coefficient of friction and the tangential stiffness of points that stick."""
+    if not record.friction:
+        return "none"
+    stiffness = quantity(record.tangential_penalty, units.of("force/length³"))
+    sticking = "rigid" if np.isinf(record.tangential_penalty) else f"stick stiffness {stiffness}"
+    return f"{number(record.friction)}, {sticking}"
 
 
 def _of_declared(record: InterfaceRecord) -> str:

@@ -81,7 +81,7 @@ def tighten_with_friction(
             state = state.copy()
             state[chosen] = start + (end - start) * number / increments
             path = path.then(state)
-            stages.append(f"{name} to {number / increments:.0%} of its initial force")
+            stages.append(f"{name} to {number / increments:.0%} of N₀")
         path, state = _reach(path, state, chosen, np.array([target]), np.array([target / end]))
         stages.append(f"{name} to nominal")
     if len(forces) > 1:

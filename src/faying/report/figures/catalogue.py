@@ -11,11 +11,14 @@ from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure
 from faying.report.figures.gap import gap_figure
 from faying.report.figures.load_space import load_space_figure
+from faying.report.figures.loops import fretting_figure, loop_figure
 from faying.report.figures.model import model_figure
+from faying.report.figures.path import path_figure
 from faying.report.figures.penalty import penalty_figure
 from faying.report.figures.preload import preload_figure
 from faying.report.figures.pressure import pressure_figure
 from faying.report.figures.response import response_figure
+from faying.report.figures.slip import slip_figure
 from faying.report.figures.tightening import tightening_figure
 from faying.report.figures.time_step import time_step_figure
 from faying.report.style import house_style, save
@@ -98,7 +101,16 @@ def _drawings(results: Results) -> Iterator[Draw]:
         yield _of_run(draw, results)
     for case in results.cases.values():
         for draw_case in (
-            (pressure_figure, gap_figure, deformed_figure, error_figure)
+            (
+                pressure_figure,
+                slip_figure,
+                path_figure,
+                loop_figure,
+                fretting_figure,
+                gap_figure,
+                deformed_figure,
+                error_figure,
+            )
             if case.times is None
             else (response_figure, gap_figure, time_step_figure)
         ):

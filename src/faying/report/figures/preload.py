@@ -32,37 +32,44 @@ def plot_sticking(record: InterfaceRecord, axes: Axes, units: Units) -> Axes:
 
 
 def preload_figure(results: Results) -> Drawn:
-    """Draw preload pressure and sticking area, one row per interface."""
+    """Draw preload pressure by interface, and the sticking area where nothing has friction."""
     units = units_of(results.units)
     records = results.interfaces
+    tied = not any(record.friction > 0 for record in records.values())
     sizes = [panel_size(record, best_plane(record), 4.2) for record in records.values()]
-    figure = new_figure(16.0, max(sum(height for _, height in sizes), 2.0) + 0.5)
+    figure = new_figure(16.0 if tied else 11.0, max(sum(height for _, height in sizes), 2.0) + 0.5)
     rows = figure.subplots(
-        len(records), 3, squeeze=False, height_ratios=[height for _, height in sizes]
+        len(records),
+        3 if tied else 2,
+        squeeze=False,
+        height_ratios=[height for _, height in sizes],
     )
     notes = []
-    for (left, middle, right), (name, record) in zip(rows, records.items(), strict=True):
+    for panels, (name, record) in zip(rows, records.items(), strict=True):
         own = record.preload_pressure
         top = float(own.max(initial=0.0))
-        plot_point_pressure(record, own, left, units)
-        plot_pressure(record, own, middle, units, largest=top)
-        plot_sticking(record, right, units)
-        count = f"{int(record.stuck.sum())} of {len(record.stuck)} node pairs stick"
-        left.set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
-        middle.set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
-        right.set_title(plain(f"{name}: {count} (large dots)"), loc="left")
-        notes.append(f"{summary(name, record, own, units)}; {count}")
-    figure.suptitle("Preload: contact pressure and sticking area")
-    caption = (
-        "Contact pressure after tightening, before any pair was tied, and the node pairs tied in "
-        "tangential direction in all load cases because their pressure passes the study's "
-        f"threshold (as Fig. 15.3). Left: {POINTS}. Middle: {AVERAGES}. Grey carries no pressure. "
-        f"Right: the node pairs, large dots where they stick. {'. '.join(notes)}."
+        plot_point_pressure(record, own, panels[0], units)
+        plot_pressure(record, own, panels[1], units, largest=top)
+        panels[0].set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
+        panels[1].set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
+        note = summary(name, record, own, units)
+        if tied:
+            plot_sticking(record, panels[2], units)
+            count = f"{int(record.stuck.sum())} of {len(record.stuck)} node pairs stick"
+            panels[2].set_title(plain(f"{name}: {count} (large dots)"), loc="left")
+            note += f"; {count}"
+        notes.append(note)
+    title = "Preload and sticking area" if tied else "Preload"
+    figure.suptitle(
+        "Preload: contact pressure and sticking area" if tied else "Preload: contact pressure"
     )
-    return Drawn(
-        figure=figure,
-        stem="preload",
-        title="Preload and sticking area",
-        caption=caption,
-        section="preload",
-    )
+    maps = f"Left: {POINTS}. {'Middle' if tied else 'Right'}: {AVERAGES}. Grey carries no pressure."
+    caption = f"Contact pressure after tightening. {maps} {'. '.join(notes)}."
+    if tied:
+        caption = (
+            "Contact pressure after tightening, before any pair was tied, and the node pairs tied "
+            "in tangential direction in all load cases because their pressure passes the study's "
+            f"threshold (as Fig. 15.3). {maps} "
+            f"Right: the node pairs, large dots where they stick. {'. '.join(notes)}."
+        )
+    return Drawn(figure=figure, stem="preload", title=title, caption=caption, section="preload")

@@ -1,0 +1,125 @@
+"""Cycles of a joint with friction: loops, energy over amplitude, and fretting."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
+from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
+from faying.report.quantities import number, percent, quantity
+from faying.report.style import heading, new_figure, plain
+from faying.study.path_record import CycleRecord
+from faying.study.results import CaseResult, Results
+from faying.units import Units, units_of
+
+FRETTING_MAP = "magma_r"
+
+
+def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
+    """Draw the last loop of each amplitude: load factor over the displacement it does work on."""
+    for one in case.reference.cycles.values():
+        factors = np.concatenate([[one.amplitude], one.increments.factors[:, 0]])
+        work = np.concatenate([[one.start_work], one.increments.load_work])
+        label = f"amplitude {number(one.amplitude)}"
+        axes.plot(work, factors, marker=".", ms=3, label=label)
+    axes.set_xlabel(f"load at factor one × displacement along it [{units.of('force·length')}]")
+    axes.set_ylabel("load factor")
+    axes.legend()
+    return axes
+
+
+def plot_energies(case: CaseResult, axes: Axes, units: Units) -> Axes:
+    """Draw the energy per cycle over the amplitude, by slip and as the area of the loop."""
+    found = list(case.reference.cycles.values())
+    amplitudes = [one.amplitude for one in found]
+    axes.plot(amplitudes, [one.energies[-1] for one in found], "o-", label="by slip")
+    axes.plot(amplitudes, [one.loop_area for one in found], "x", ms=8, label="area of the loop")
+    if min(one.energies[-1] for one in found) > 0 and len(found) > 1:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    axes.set_xlabel("amplitude [load factor]")
+    axes.set_ylabel(f"energy per cycle [{units.of('force·length')}]")
+    axes.legend()
+    return axes
+
+
+def loop_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw the cycles of a case; None for cases without."""
+    cycles = case.reference.cycles
+    if not cycles:
+        return None
+    units = units_of(results.units)
+    figure = new_figure(13.0, 5.4)
+    left, right = figure.subplots(1, 2)
+    plot_loops(case, left, units)
+    plot_energies(case, right, units)
+    left.set_title("last loop of each amplitude", loc="left")
+    right.set_title("energy per cycle", loc="left")
+    figure.suptitle(heading(f"{case.name}: cycles, full model"))
+    notes = "; ".join(_described(one, units) for one in cycles.values())
+    return Drawn(
+        figure=figure,
+        stem="loops",
+        title=f"{case.name}: loops and energy per cycle",
+        caption=(
+            "Left: load factor over the displacement that the load does work on, times the load "
+            "at factor one, so that the area of a loop is energy. Right: energy per cycle, by "
+            "slip and by that area, which come together as increments shrink. "
+            f"Amplitude {notes}."
+        ),
+        section=case.name,
+    )
+
+
+def _described(one: CycleRecord, units: Units) -> str:
+    """Return amplitude, energy, number of cycles and whether they repeat."""
+    energy = quantity(float(one.energies[-1]), units.of("force·length"))
+    repeats = "" if one.stationary else ", still changing"
+    return f"{number(one.amplitude)}: {energy} after {len(one.energies)} cycles{repeats}"
+
+
+def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw slip range and its product with the traction at the largest amplitude, per point."""
+    records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
+    cycles = list(case.reference.cycles.values())
+    if not cycles or not records or not cycles[-1].fretting.any():
+        return None
+    units, largest = units_of(results.units), cycles[-1]
+    fields = (
+        (largest.slip_range, f"slip range [{units.length}]"),
+        (largest.fretting, f"slip range × traction [{units.of('force/length')}]"),
+    )
+    sizes = [panel_size(record, best_plane(record), 5.4) for record in records.values()]
+    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 0.7)
+    rows = figure.subplots(
+        len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
+    )
+    for panels, (name, record) in zip(rows, records.items(), strict=True):
+        for axes, (values, text) in zip(panels, fields, strict=True):
+            plane, own = best_plane(record), values[slice(*record.slice)]
+            prepare(axes, record, plane, units)
+            colours = scale(FRETTING_MAP, float(values.max(initial=0.0)))
+            draw_points(axes, record, plane, np.where(own > 0, own, np.nan), colours)
+            colour_bar(axes, colours, text)
+            axes.set_title(plain(name), loc="left")
+    figure.suptitle(
+        heading(f"{case.name}: fretting at amplitude {number(largest.amplitude)}, full model")
+    )
+    worn = _worn(results, largest)
+    return Drawn(
+        figure=figure,
+        stem="fretting",
+        title=f"{case.name}: fretting",
+        caption=(
+            "Left: how far a contact point slips to and fro in a cycle. Right: that times its "
+            "largest traction, the parameter of Ruiz, Boddington & Chen 1984 for fretting. Grey "
+            f"does not slip. {worn}"
+        ),
+        section=case.name,
+    )
+
+
+def _worn(results: Results, largest: CycleRecord) -> str:
+    weights = np.concatenate([one.weights for one in results.interfaces.values()])
+    share = float(weights[largest.slip_range > 0].sum() / weights.sum())
+    return f"{percent(share)} of all contact area slips somewhere in the cycle."

@@ -1,0 +1,127 @@
+"""Where a joint with friction sticks and slips, and with what tractions."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.patches import Patch
+
+from faying._typing import Indices, Matrix, Vector
+from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
+from faying.report.figures.pressure import plot_pressure
+from faying.report.figures.surface_map import Scale, draw_points, panel_size, prepare
+from faying.report.quantities import percent, quantity
+from faying.report.slip import shown_increment, slipping
+from faying.report.style import OPEN_COLOUR, heading, new_figure, plain
+from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.units import Units, units_of
+
+STATES = {"open": OPEN_COLOUR, "sticks": "#7FA6C9", "slips": "#D95F02"}
+"""States of a contact point and their colours, in the order of their numbers."""
+
+LONGEST_ARROW = 1.4
+"""Length of the longest arrow over the distance of neighbouring pairs."""
+
+WEAKEST_ARROW = 0.02
+"""Traction over the largest one from which an arrow is drawn."""
+
+
+def plot_traction(
+    record: InterfaceRecord,
+    pressure: Vector,
+    traction: Matrix,
+    axes: Axes,
+    units: Units,
+    *,
+    largest: float | None = None,
+) -> Axes:
+    """Draw tractions as arrows at the node pairs, over the contact pressure.
+
+    Parameters
+    ----------
+    pressure : (n_point,)
+    traction : (n_point, 3)
+        At the contact points of this interface, on the plus side.
+    largest
+        Top of the colour scale of the pressure.
+    """
+    plane = best_plane(record)
+    plot_pressure(record, pressure, axes, units, largest=largest)
+    averages = record.averaging @ traction
+    size = float(np.linalg.norm(averages, axis=1).max(initial=0.0))
+    if size > 0:
+        strong = np.linalg.norm(averages, axis=1) > WEAKEST_ARROW * size
+        x, y = plane.project(record.pair_points[strong]).T
+        right, up = plane.project(averages[strong]).T
+        edge = np.sqrt(float(record.weights.sum()) / max(len(record.pairs), 1))
+        arrows = axes.quiver(
+            x, y, right, up, angles="xy", scale_units="xy", scale=size / (LONGEST_ARROW * edge),
+            color="white", edgecolor="black", linewidth=0.6, width=0.005, zorder=4, pivot="mid",
+        )  # fmt: skip
+        axes.quiverkey(
+            arrows, 0.86, 1.05, size, quantity(size, units.pressure), labelpos="E", color="black"
+        )
+    return axes
+
+
+def plot_slip_states(record: InterfaceRecord, status: Indices, axes: Axes, units: Units) -> Axes:
+    """Draw which contact points (n_point,) of an interface are open, stick or slip."""
+    prepare(axes, record, best_plane(record), units)
+    colours = ListedColormap(list(STATES.values()))
+    limits = Normalize(vmin=-0.5, vmax=len(STATES) - 0.5)
+    scale = Scale(colours=colours, limits=limits)
+    return draw_points(axes, record, best_plane(record), status.astype(float), scale)
+
+
+def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw tractions over pressure and the states of the points, one row per interface.
+
+    Returns
+    -------
+    Drawn or None
+        Of the increment in which most slips, of a static load at its full value; None without
+        friction.
+    """
+    records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
+    found = shown_increment(case)
+    if found is None or not records:
+        return None
+    path, at, when = found
+    units = units_of(results.units)
+    sizes = [panel_size(record, best_plane(record), 5.4) for record in records.values()]
+    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 1.0)
+    rows = figure.subplots(
+        len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
+    )
+    largest = float(path.pressure[at].max(initial=0.0))
+    notes = []
+    for (left, right), (name, record) in zip(rows, records.items(), strict=True):
+        own = slice(*record.slice)
+        traction = path.traction[at, own]
+        plot_traction(record, path.pressure[at, own], traction, left, units, largest=largest)
+        plot_slip_states(record, path.status[at, own], right, units)
+        top = float(np.linalg.norm(traction, axis=1).max(initial=0.0))
+        slips = percent(slipping(record, path.status[at, own]))
+        left.set_title(plain(f"{name}: max traction {quantity(top, units.pressure)}"), loc="left")
+        right.set_title(plain(f"{name}: {slips} of the area in contact slip"), loc="left")
+        notes.append(
+            f"{name}: traction up to {quantity(top, units.pressure)}, {slips} of the area in "
+            "contact slip"
+        )
+    figure.legend(
+        handles=[Patch(color=shade, label=state) for state, shade in STATES.items()],
+        loc="outside lower center",
+        ncols=len(STATES),
+    )
+    figure.suptitle(heading(f"{case.name}: traction and slip, full model, {when}"))
+    return Drawn(
+        figure=figure,
+        stem="slip",
+        title=f"{case.name}: traction and slip",
+        caption=(
+            f"The full model {when}. Left: traction on the plus side as nodal averages, arrows "
+            "over the contact pressure. Right: contact points, each over the area nearest to it, "
+            f"that are open, stick, or slip in this increment. {'. '.join(notes)}."
+        ),
+        section=case.name,
+    )
