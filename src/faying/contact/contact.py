@@ -67,9 +67,11 @@ class Contact:
 
     @cached_property
     def flexibility(self) -> Vector:
-        """Diagonal of D [length/force]: what the laws add; 1 / (c_n w), or zero where hard."""
-        values = self._by_point(lambda law, points: law.compliance(self.weights[points])[0])
-        flexibility: Vector = frozen(values)
+        """Diagonal of D [length/force]: what the laws add; 1 / (c_n w), or zero where hard.
+
+        Of a law whose closure is not in proportion to force, what it adds to the first of it.
+        """
+        flexibility: Vector = frozen(self._compliance(0))
         return flexibility
 
     @cached_property
@@ -126,14 +128,26 @@ class Contact:
             pairs = pairs + self.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
         return pairs
 
+    @property
+    def forgets(self) -> bool:
+        """Whether active sets solve it: no friction, and closure in proportion to force."""
+        return all(law.components == 1 and law.proportional for law in self.laws.values())
+
     def check_frictionless(self) -> None:
-        """Refuse friction, for what knows normal forces alone.
+        """Refuse what only increments know: friction, and closure not in proportion to force.
 
         Raises
         ------
         ModelError
-            Naming an interface with friction.
+            Naming such an interface.
         """
+        curved = [name for name, law in self.laws.items() if not law.proportional]
+        if curved:
+            message = (
+                f"interface '{curved[0]}' has the law '{self.laws[curved[0]].name}', whose closure "
+                "is not in proportion to its force, which paths alone know (solve_path)"
+            )
+            raise ModelError(message)
         rubbing = [name for name, law in self.laws.items() if law.components > 1]
         if rubbing:
             message = (
@@ -146,9 +160,18 @@ class Contact:
     @cached_property
     def tangential_flexibility(self) -> Vector:
         """Diagonal of D of one tangential component (n_rubbing,) [length/force]."""
-        values = self._by_point(lambda law, points: law.compliance(self.weights[points])[-1])
-        flexibility: Vector = frozen(values[self.rubbing])
+        flexibility: Vector = frozen(self._compliance(-1)[self.rubbing])
         return flexibility
+
+    def _compliance(self, component: int) -> Vector:
+        """Return c′(0) of one component at every point (n_point,) [length/force]."""
+
+        def own(law: Law, points: slice) -> Vector:
+            weights = self.weights[points]
+            nothing = np.zeros((law.components, len(weights)))
+            return np.asarray(law.closure(nothing, weights)[1][component])
+
+        return self._by_point(own)
 
     @cached_property
     def friction(self) -> Vector:

@@ -1,7 +1,7 @@
 """Quasi-static paths: increments of load, with friction that remembers its slip."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from faying.joint.system import System, input_forces
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import port_forces, relative_forces
+from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
 
 MOST_DIVISIONS = 6
 """Times an increment is halved before its path is given up."""
@@ -53,22 +53,26 @@ def solve_path(
     halved, up to 64 parts. Path and increments are part of the answer: one large increment and
     several small ones give different slips, and energy by slip and by the loop of load and
     displacement agree as increments shrink. Each costs some Newton steps between pairs, of 2 n³/3
-    for n relative displacements in contact, and a back-substitution.
+    for n relative displacements in contact, and a back-substitution. Without friction nothing is
+    remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
-    start = np.zeros(1)
-    inputs = np.concatenate([load.inputs(system, start) for load in loads])
+    times, start = np.zeros(1), _start(system, initial)
+    inputs = np.concatenate([load.inputs(system, times) for load in loads])
+    if system.contact.forgets:
+        solved = solve_static_inputs(system, inputs, name)
+        return replace(solved, dissipation=np.zeros(len(inputs)))
     solver = system.static_contact.frictional
-    steps = list(_walk(system, solver, inputs, _start(system, initial)))
+    steps = list(_walk(system, solver, inputs, start))
     normal = np.array([step.increment.forces[0] for step in steps])
     shear = np.array([step.increment.forces[1:] for step in steps])
-    gap = np.array([step.increment.slack[0] for step in steps])
+    gap = np.array([solver.gap(step.increment) for step in steps])
     external = input_forces(system, inputs) + relative_forces(system, normal, shear)
     return Solution(
         name=name,
         system=system,
         states=system.factorize_static().solve(external.T).T,
         contact_forces=normal,
-        gap=gap - system.contact.flexibility * normal,
+        gap=gap,
         inputs=inputs,
         iterations=np.array([step.iterations for step in steps]),
         shear_forces=shear,

@@ -71,17 +71,52 @@ class Coulomb:
         """Contact stiffness of the normal component."""
         return self.normal.penalty
 
-    def compliance(self, weights: Vector) -> Matrix:
-        """Return 1/(c_n w) and twice 1/(c_t w) (3, n_point) [length/force]; zero where rigid."""
-        shear = 1.0 / (self.tangential_penalty * weights)
-        return np.vstack([self.normal.compliance(weights), shear, shear])
+    @property
+    def proportional(self) -> bool:
+        """Whether the normal law is; shear is in proportion to the tangential force."""
+        return self.normal.proportional
 
-    def admissible(self, forces: Matrix) -> Matrix:
-        """Return ⟨λ_n⟩ and the tangential force cut to μ ⟨λ_n⟩ (3, ..., n_point)."""
-        normal = np.maximum(forces[0], 0.0)
-        size = np.hypot(forces[1], forces[2])
-        cut = np.minimum(1.0, self.friction * normal / np.where(size > 0, size, 1.0))
+    def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
+        """Return that of the normal law and λ_t / (c_t w), with 1/(c_t w); zero where rigid."""
+        closed, compliance = self.normal.closure(forces[:1], weights)
+        shear = np.broadcast_to(1.0 / (self.tangential_penalty * weights), (2, len(weights)))
+        return np.vstack([closed, shear * forces[1:]]), np.vstack([compliance, shear])
+
+    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+        """Return ⟨λ_n⟩ and the tangential force cut to μ ⟨λ_n⟩, or to μ times given ones."""
+        normal, size, limit = self._limits(forces, pressing)
+        cut = np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
         return np.stack([normal, cut * forces[1], cut * forces[2]])
+
+    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+        """Return the derivative of the projection (n_point, 3, 3), unsymmetric where it slips.
+
+        With n = λ_t/|λ_t|: I where a point sticks, and where it slips (μ λ_n/|λ_t|)(I − n nᵀ) by
+        λ_t and μ n by λ_n.
+        """
+        normal, size, limit = self._limits(forces, pressing)
+        closed = normal > 0
+        # Without anything to hold on by nothing sticks, not even where nothing pulls.
+        slips = (size > limit) | (limit <= 0)
+        over = 1.0 / np.where(size > 0, size, 1.0)
+        first, second = forces[1] * over, forces[2] * over
+        held = np.where(slips, limit * over, 1.0)
+        turned = held * slips
+        result = np.zeros((forces.shape[1], 3, 3))
+        result[:, 0, 0] = closed
+        result[:, 1, 1] = held - turned * first * first
+        result[:, 2, 2] = held - turned * second * second
+        result[:, 1, 2] = result[:, 2, 1] = -turned * first * second
+        if pressing is None:
+            pulled = self.friction * (closed & slips)
+            result[:, 1, 0], result[:, 2, 0] = pulled * first, pulled * second
+        return result
+
+    def _limits(self, forces: Matrix, pressing: Vector | None) -> tuple[Vector, Vector, Vector]:
+        """Return ⟨λ_n⟩, |λ_t| and what |λ_t| is held to."""
+        normal = np.maximum(forces[0], 0.0)
+        limit = self.friction * (normal if pressing is None else np.maximum(pressing, 0.0))
+        return normal, np.hypot(forces[1], forces[2]), np.where(normal > 0, limit, 0.0)
 
 
 def automatic_tangential_penalty(penalty: float, poissons_ratio: float) -> float:

@@ -33,10 +33,19 @@ class Hard:
         """None."""
         return 0.0
 
-    def compliance(self, weights: Vector) -> Matrix:
-        """Return zeros (1, n_point)."""
-        return np.zeros((1, len(weights)))
+    @property
+    def proportional(self) -> bool:
+        """Nothing is in proportion to everything."""
+        return True
 
-    def admissible(self, forces: Matrix) -> Matrix:
+    def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:  # noqa: ARG002
+        """Return zeros (1, n_point)."""
+        return np.zeros_like(forces), np.zeros_like(forces)
+
+    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
         """Return ⟨λ⟩: contact presses, it never pulls."""
         return np.maximum(forces, 0.0)
+
+    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
+        """Return one where contact presses, else zero (n_point, 1, 1)."""
+        return np.asarray((forces > 0).astype(float)[0, :, None, None])

@@ -15,8 +15,10 @@ class Law(Protocol):
 
         x = admissible(x − r s).
 
-    Frictionless contact has the normal component alone. A law with friction has three components
-    and a state, the slip, which is part of s and moves on with every increment.
+    Newton's method takes the derivatives of both from the law as well, so that a solver knows
+    nothing of a law but this. Frictionless contact has the normal component alone. A law with
+    friction has three components and a state, the slip, which is part of s and moves on with every
+    increment.
     """
 
     @property
@@ -39,16 +41,35 @@ class Law(Protocol):
         """Coefficient of friction μ; zero without friction."""
         ...
 
-    def compliance(self, weights: Vector) -> Matrix:
-        """Return c′(x) (components, n_point) [length/force], the diagonal of D of (M2).
+    @property
+    def proportional(self) -> bool:
+        """Whether c(x) is in proportion to x, as active sets need it; others take solve_path."""
+        ...
+
+    def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
+        """Return c(x) [length] and its derivative c′(x) [length/force], (components, n_point) each.
+
+        Components do not mix. The derivative is the diagonal of D of (M2).
 
         Parameters
         ----------
+        forces : (components, n_point) [force]
         weights : (n_point,) [length²]
             Area each point stands for.
         """
         ...
 
-    def admissible(self, forces: Matrix) -> Matrix:
-        """Return the admissible forces (components, ..., n_point) nearest to given ones."""
+    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+        """Return the admissible forces (components, n_point) nearest to given ones.
+
+        Parameters
+        ----------
+        pressing : (n_point,) [force]
+            Normal forces that hold the tangential ones; by default those of ``forces``. With them
+            given the admissible forces are a convex set.
+        """
+        ...
+
+    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+        """Return the derivative of :meth:`admissible` (n_point, components, components)."""
         ...

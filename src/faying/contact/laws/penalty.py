@@ -52,11 +52,20 @@ class Penalty:
         """None."""
         return 0.0
 
-    def compliance(self, weights: Vector) -> Matrix:
-        """Return 1 / (c_n w) (1, n_point) [length/force]."""
-        result: Matrix = 1.0 / (self.stiffness * weights[None])
-        return result
+    @property
+    def proportional(self) -> bool:
+        """Penetration is in proportion to pressure."""
+        return True
 
-    def admissible(self, forces: Matrix) -> Matrix:
+    def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
+        """Return λ / (c_n w) and 1 / (c_n w), (1, n_point) each."""
+        compliance = 1.0 / (self.stiffness * weights[None])
+        return forces * compliance, compliance
+
+    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
         """Return ⟨λ⟩: contact presses, it never pulls."""
         return np.maximum(forces, 0.0)
+
+    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
+        """Return one where contact presses, else zero (n_point, 1, 1)."""
+        return np.asarray((forces > 0).astype(float)[0, :, None, None])

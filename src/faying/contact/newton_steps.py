@@ -1,0 +1,238 @@
+"""Linear systems of Newton's method on increments: local but for what forces between pairs move.
+
+With the derivatives J of what the laws admit and c′ of what they yield, residuals F of (F1) and the
+relative displacements y = G S Gᵀ x that contact forces make, a step dx obeys at every point
+
+    A dx + E dy = −F,   E = J r,   A = I − J + E c′,                                        (F2)
+
+and dx = −F where nothing is admissible. A is inverted point by point, and with the change q of
+the forces between pairs
+
+    (I + B S) q = −Gᵀ A⁻¹ F,   B = Gᵀ K G,   K = A⁻¹ E,   dx = −A⁻¹ F − K G S q,              (F3)
+
+is a system between the pairs that closed points touch. Where a law does not yield, as hard contact,
+c′ in A (not in F) is a small part of what the structure yields: a proximal point iteration, which
+needs no more steps and selects one of several solutions where S is singular.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import LinAlgError, lapack
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.padded_rows import PaddedRows
+
+PROXIMAL = 1e-8
+"""Yield of a rigid point in a Newton step, over what the structure yields at it."""
+
+MOST_CORRECTIONS = 12
+"""Corrections after which a system gets factors of its own, which cost as much as ten."""
+
+CHANGED, MOST_CHANGED = 0.1, 4
+"""Change of K at a point, over the largest K, that counts, and how many such serve for GMRES."""
+
+TINY = np.finfo(float).tiny
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Factors of I + B S at the pairs that closed points touch.
+
+    Attributes
+    ----------
+    K : (n_point, 3, 3) [force/length]
+    touched : (n_touched,)
+    lu, pivots
+        Of the transpose.
+    """
+
+    K: Matrix
+    touched: Indices
+    lu: Matrix
+    pivots: Indices
+
+    def serve(self, K: Matrix) -> bool:
+        """Say whether K is another at few points only."""
+        changed = np.abs(K - self.K).max(axis=(1, 2)) > CHANGED * np.abs(K).max()
+        return bool(np.count_nonzero(changed) <= MOST_CHANGED)
+
+    def applied(self, right: Vector) -> Vector:
+        """Return the pair forces of a right-hand side (n_relative,), itself where not touched."""
+        result = right.copy()
+        result[self.touched] = lapack.dgetrs(self.lu, self.pivots, right[self.touched], trans=1)[0]
+        return result
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NewtonSteps:
+    """Solves (F2).
+
+    Attributes
+    ----------
+    G : (3 n_point, n_relative) sparse
+        Displacements at the points: all normal ones, first tangents, second tangents.
+    S : (n_relative, n_relative) [length/force]
+        Compliance between pairs.
+    """
+
+    G: SparseMatrix
+    S: Matrix
+
+    @cached_property
+    def own(self) -> Matrix:
+        """Displacement of a point per force at it, the diagonal of G S Gᵀ (3, n_point).
+
+        Both tangents have one, the mean of theirs, which no turn of them changes.
+        """
+        own = np.asarray(self.G.multiply(self.G @ self.S).sum(axis=1)).reshape(3, -1)
+        own[1:] = own[1:].mean(axis=0)
+        return own
+
+    @cached_property
+    def transposed(self) -> SparseMatrix:
+        """Gᵀ, which takes forces at the points to the pairs."""
+        return self.G.T.tocsr()
+
+    def moved(self, forces: Matrix) -> Matrix:
+        """Return the displacements G S Gᵀ x (3, n_point) of forces (3, n_point)."""
+        pairs = self.S @ (self.transposed @ forces.ravel())
+        return np.asarray((self.G @ pairs).reshape(forces.shape))
+
+    def step(
+        self,
+        wrong: Matrix,
+        slope: Matrix,
+        scale: Matrix,
+        compliance: Matrix,
+        factors: Factors | None = None,
+        tolerance: float = 0.0,
+    ) -> tuple[Matrix, Factors | None]:
+        """Return dx (3, n_point), and the factors it was made with.
+
+        Parameters
+        ----------
+        wrong : (3, n_point) [force]
+            F.
+        slope : (n_point, 3, 3)
+            J.
+        scale : (3, n_point) [force/length]
+            r.
+        compliance : (3, n_point) [length/force]
+            c′.
+        factors
+            Of a similar system; they serve where few corrections lead to the solution of this one.
+        tolerance
+            Relative residual of a system that is solved in this way.
+
+        Raises
+        ------
+        scipy.linalg.LinAlgError
+            If the system is singular.
+        """
+        points = np.flatnonzero(slope.any(axis=(1, 2)))
+        dx = -wrong
+        if not len(points):
+            return dx, factors
+        blocks, r = slope[points], scale[:, points].T
+        yielding = np.maximum(compliance, PROXIMAL * self.own)[:, points].T
+        E = blocks * r[:, None, :]
+        A = np.eye(3) - blocks + E * yielding[:, None, :]
+        solved = np.linalg.solve(A, np.concatenate([E, dx[:, points].T[:, :, None]], axis=2))
+        K = np.zeros_like(slope)
+        K[points], dx[:, points] = solved[..., :3], solved[..., 3].T
+        pairs, factors = self._between_pairs(K, self.transposed @ dx.ravel(), factors, tolerance)
+        dx -= self._applied(K, self.S @ pairs)
+        return dx, factors
+
+    def _applied(self, K: Matrix, displacements: Vector) -> Matrix:
+        """Return K G u (3, n_point) of displacements u of the pairs."""
+        moved = (self.G @ displacements).reshape(3, -1)
+        return np.asarray(np.einsum("pij,jp->ip", K, moved))
+
+    def _gathered(self, K: Matrix, displacements: Vector) -> Vector:
+        """Return Gᵀ K G u of displacements u of the pairs."""
+        return np.asarray(self.transposed @ self._applied(K, displacements).ravel())
+
+    def _between_pairs(
+        self, K: Matrix, right: Vector, factors: Factors | None, tolerance: float
+    ) -> tuple[Vector, Factors]:
+        """Solve (I + B S) q = b, with factors at hand or new ones."""
+        if factors is not None and factors.serve(K):
+            found = self._refined(K, right, factors, tolerance)
+            if found is not None:
+                return found, factors
+        touched = np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
+        B = self._springs(K)[touched][:, touched]
+        S = self.S.take(touched, axis=0).take(touched, axis=1)
+        system = B @ S
+        system.flat[:: len(touched) + 1] += 1.0
+        # LAPACK works in column order: it factorizes the transpose in place.
+        lu, pivots, failed = lapack.dgetrf(system.T, overwrite_a=1)
+        if failed or not np.isfinite(lu).all():
+            message = "singular system of a Newton step"
+            raise LinAlgError(message)
+        factors = Factors(K, touched, lu, pivots)
+        # Forces between pairs that no closed point touches are known, and move the others.
+        beside = right.copy()
+        beside[touched] = 0.0
+        return factors.applied(right - self._gathered(K, self.S @ beside)), factors
+
+    def _refined(
+        self, K: Matrix, right: Vector, factors: Factors, tolerance: float
+    ) -> Vector | None:
+        """Solve by GMRES with the factors of a similar system, or not at all."""
+        size = float(np.linalg.norm(right))
+        if size == 0.0:
+            return np.zeros_like(right)
+        basis = np.empty((MOST_CORRECTIONS + 1, len(right)))
+        seen = np.zeros((MOST_CORRECTIONS + 1, MOST_CORRECTIONS))
+        target = np.zeros(MOST_CORRECTIONS + 1)
+        basis[0], target[0] = right / size, size
+        enough = tolerance * float(np.linalg.norm(factors.applied(right)))
+        for k in range(MOST_CORRECTIONS):
+            u = factors.applied(basis[k])
+            u += self._gathered(K, self.S @ u)
+            own = basis[: k + 1] @ u
+            u -= own @ basis[: k + 1]
+            seen[: k + 1, k], seen[k + 1, k] = own, np.linalg.norm(u)
+            basis[k + 1] = u / max(seen[k + 1, k], TINY)
+            shares, left, *_ = np.linalg.lstsq(seen[: k + 2, : k + 1], target[: k + 2])
+            if left.size and left[0] <= enough**2:
+                return factors.applied(shares @ basis[: k + 1])
+        return None
+
+    @cached_property
+    def _touching(self) -> SparseMatrix:
+        """Which pairs a point touches (n_relative, n_point)."""
+        n = self.G.shape[0] // 3
+        pattern = abs(self.G)
+        return (pattern[:n] + pattern[n : 2 * n] + pattern[2 * n :]).T.tocsr()
+
+    def _springs(self, K: Matrix) -> SparseMatrix:
+        """Return B = Gᵀ K G; which entry of K goes where is the same for every K."""
+        places, indices, indptr = self._assembly
+        n = len(self.S)
+        return sp.csr_array((places @ K.ravel(), indices, indptr), shape=(n, n))
+
+    @cached_property
+    def _assembly(self) -> tuple[SparseMatrix, Indices, Indices]:
+        """Return the entries of B (nnz, 9 n_point) per entry of K, and their columns and rows."""
+        rows = PaddedRows.of(self.G)
+        n, n_pair = self.G.shape[0] // 3, len(self.S)
+        columns, values = (part.reshape(3, n, -1) for part in (rows.columns, rows.values))
+        factors = values[:, None, :, :, None] * values[None, :, :, None, :]
+        used = factors != 0
+        key = (columns[:, None, :, :, None] * n_pair + columns[None, :, :, None, :])[used]
+        entries = 3 * np.arange(3)[:, None] + np.arange(3)
+        source = entries[:, :, None] + 9 * np.arange(n)
+        source = np.broadcast_to(source[..., None, None], factors.shape)[used]
+        found, entry = np.unique(key, return_inverse=True)
+        places = sp.csr_array((factors[used], (entry, source)), shape=(len(found), 9 * n))
+        indptr = np.searchsorted(found, n_pair * np.arange(n_pair + 1))
+        return places, found % n_pair, indptr
