@@ -21,7 +21,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from faying._typing import Matrix, SparseMatrix, Vector
+from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import Factors, NewtonSteps
@@ -121,7 +121,10 @@ class FrictionalContact:
         half = shear.shape[0] // 2
         place = sp.csr_array((np.ones(half), (contact.rubbing, np.arange(half))), shape=(n, half))
         parts = [contact.interpolation, place @ shear[:half], place @ shear[half:]]
-        return NewtonSteps(G=sp.vstack(parts).tocsr(), S=self.S)
+        rows = sp.vstack(parts).tocsr()
+        # Operations sort entries in passing, and another order of a sum has other last digits.
+        rows.sum_duplicates()
+        return NewtonSteps(G=read_only(rows), S=self.S)
 
     @property
     def G(self) -> SparseMatrix:

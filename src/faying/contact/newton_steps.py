@@ -23,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import LinAlgError, lapack
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.padded_rows import PaddedRows
 
 PROXIMAL = 1e-8
@@ -97,7 +97,9 @@ class NewtonSteps:
     @cached_property
     def transposed(self) -> SparseMatrix:
         """Gᵀ, which takes forces at the points to the pairs."""
-        return self.G.T.tocsr()
+        transposed = self.G.T.tocsr()
+        transposed.sum_duplicates()
+        return read_only(transposed)
 
     def moved(self, forces: Matrix) -> Matrix:
         """Return the displacements G S Gᵀ x (3, n_point) of forces (3, n_point)."""
