@@ -34,6 +34,7 @@ from faying.reduction.recovery import (
     supported_operator,
 )
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.contact_fields import ContactFields
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, relative_forces
@@ -41,7 +42,7 @@ from faying.simulation.static import AT_REST, relative_forces
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Recovered:
+class Recovered(ContactFields):
     """Pressures of the full model recovered from a reduced history or static solution.
 
     Read like a :class:`~faying.simulation.solution.Solution`; arrays have no leading axis for one
@@ -77,22 +78,6 @@ class Recovered:
     def __post_init__(self) -> None:
         for name in ("contact_forces", "gap", "port_displacements", "inputs"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
-
-    @property
-    def pressure(self) -> Matrix:
-        """Contact pressure p (..., n_point) [force/length²], compression positive."""
-        pressure: Matrix = self.contact_forces / self.system.contact.weights
-        return pressure
-
-    @property
-    def max_pressure(self) -> Matrix:
-        """Largest pressure over the contact points (...)."""
-        return np.asarray(self.pressure.max(axis=-1, initial=0.0))
-
-    def contact_force(self, interface: str | None = None) -> Matrix:
-        """Return the total normal force Σ λ of one interface, or of all (...) [force]."""
-        points = slice(None) if interface is None else self.system.contact.slices[interface]
-        return np.asarray(self.contact_forces[..., points].sum(axis=-1))
 
     def displacement(self, boundary: str) -> Matrix:
         """Return the recovered displacements at a boundary (..., n) in its components' order."""

@@ -226,8 +226,7 @@ class CondensedContact:
 
     def free_gap(self, relative_displacement: Matrix) -> Matrix:
         """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
-        gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
-        return gap + self.contact.initial_gap
+        return self.contact.free_gap(relative_displacement)
 
     def solve(
         self, free_gap: Vector, state: ContactState | None = None

@@ -197,6 +197,11 @@ class Contact:
         """Number of contact points of all interfaces."""
         return len(self.weights)
 
+    def free_gap(self, relative_displacement: Matrix) -> Matrix:
+        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
+        gap: Matrix = (self.interpolation @ np.asarray(relative_displacement).T).T
+        return gap + self.initial_gap
+
     def at_points(self, compliance: Compliance) -> Matrix:
         """Take a compliance between node pairs to one between contact points, N S Nᵀ.
 

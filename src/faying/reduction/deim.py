@@ -18,12 +18,10 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
-from faying.contact.frictional import FrictionalContact
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
-from faying.reduction.contact_reduction import AnyModel, with_static_contact
+from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 from faying.reduction.pod import pod
 
 EXCHANGES = 100
@@ -54,21 +52,15 @@ class Deim:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class DeimContact:
+class DeimContact(ReducedContact):
     """The contact problem at the sampling points only.
 
     Attributes
     ----------
-    contact
-        Gap operator and law of all contact points.
-    flexibility : (n_point, n_point)
-        H of all contact points.
     deim
         Sampling points and interpolation.
     """
 
-    contact: Contact
-    flexibility: Matrix
     deim: Deim
 
     @cached_property
@@ -79,11 +71,6 @@ class DeimContact:
         compliance[np.arange(len(points)), points] -= law[points]
         sampled: Matrix = compliance @ self.deim.interpolation + np.diag(law[points])
         return sampled
-
-    def free_gap(self, relative_displacement: Matrix) -> Matrix:
-        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
-        gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
-        return gap + self.contact.initial_gap
 
     def solve(
         self, free_gap: Vector, state: ContactState | None = None
@@ -99,32 +86,7 @@ class DeimContact:
         closed = free_gap[points] < 0 if state is None else state.active[points]
         sampled, iterations = _exchange(self.sampled_flexibility, free_gap[points], closed)
         forces = self.deim.interpolation @ sampled
-        found = ContactForces(
-            forces=forces,
-            slack=self.flexibility @ forces + free_gap,
-            active=forces > 0,
-            iterations=iterations,
-        )
-        return found, ContactState(active=found.active)
-
-    @property
-    def frictional(self) -> FrictionalContact:
-        """Refuse: sampled contact knows no tangential forces.
-
-        Raises
-        ------
-        ModelError
-        """
-        message = "DEIM reduces normal contact forces and knows no friction; take another method"
-        raise ModelError(message)
-
-    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
-        """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""
-        return np.asarray(np.linalg.lstsq(self.flexibility[np.ix_(active, active)], gaps)[0])
-
-    def gap(self, solution: ContactForces) -> Vector:
-        """Gap (n_point,) of a solution; off the sampling points it need not fit the forces."""
-        return np.asarray(solution.slack - self.contact.flexibility * solution.forces)
+        return self.answered(forces, free_gap, iterations)
 
 
 def deim(contact_forces: Matrix, *, count: int) -> Deim:

@@ -17,14 +17,12 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import nnls
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.contact import Contact
+from faying._typing import Indices, Matrix, Vector, frozen
 from faying.contact.forces import ContactForces
-from faying.contact.frictional import FrictionalContact
 from faying.contact.problem import ContactProblem
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
-from faying.reduction.contact_reduction import AnyModel, with_static_contact
+from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 
 SPANNED = 1e-10
 """Part of a snapshot outside the cone below which it is round-off of the projection."""
@@ -62,21 +60,15 @@ class ForceBasis:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ForceBasisContact:
+class ForceBasisContact(ReducedContact):
     """The condensed contact problem on the cone of a force basis.
 
     Attributes
     ----------
-    contact
-        Gap operator and law of all contact points.
-    flexibility : (n_point, n_point)
-        H of all contact points.
     basis
         W.
     """
 
-    contact: Contact
-    flexibility: Matrix
     basis: ForceBasis
 
     @cached_property
@@ -84,11 +76,6 @@ class ForceBasisContact:
         """Wᵀ H W (n_force, n_force)."""
         product: Matrix = self.basis.vectors.T @ (self.flexibility @ self.basis.vectors)
         return (product + product.T) / 2
-
-    def free_gap(self, relative_displacement: Matrix) -> Matrix:
-        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
-        gap: Matrix = (self.contact.interpolation @ np.asarray(relative_displacement).T).T
-        return gap + self.contact.initial_gap
 
     def solve(
         self,
@@ -100,34 +87,7 @@ class ForceBasisContact:
         problem = ContactProblem(H=self.reduced_flexibility, g_free=W.T @ free_gap)
         solution = problem.solve()
         forces = W @ solution.forces
-        found = ContactForces(
-            forces=forces,
-            slack=self.flexibility @ forces + free_gap,
-            active=forces > 0,
-            iterations=solution.iterations,
-        )
-        return found, ContactState(active=found.active)
-
-    @property
-    def frictional(self) -> FrictionalContact:
-        """Refuse: sampled contact knows no tangential forces.
-
-        Raises
-        ------
-        ModelError
-        """
-        message = (
-            "a force basis reduces normal contact forces and knows no friction; take another method"
-        )
-        raise ModelError(message)
-
-    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
-        """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""
-        return np.asarray(np.linalg.lstsq(self.flexibility[np.ix_(active, active)], gaps)[0])
-
-    def gap(self, solution: ContactForces) -> Vector:
-        """Gap (n_point,) of a solution, which may be closed too far where the basis is poor."""
-        return np.asarray(solution.slack - self.contact.flexibility * solution.forces)
+        return self.answered(forces, free_gap, solution.iterations)
 
 
 def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:

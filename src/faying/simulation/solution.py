@@ -7,10 +7,11 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.exceptions import ModelError
 from faying.joint.system import System, bolt_input
+from faying.simulation.contact_fields import ContactFields
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Solution:
+class Solution(ContactFields):
     """One static solution, several static cases, or a transient.
 
     Arrays have no leading axis for one static solution, otherwise one entry per case or instant.
@@ -69,12 +70,6 @@ class Solution:
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
-    def pressure(self) -> Matrix:
-        """Contact pressure p (..., n_point) [force/length²], compression positive."""
-        pressure: Matrix = self.contact_forces / self.system.contact.weights
-        return pressure
-
-    @property
     def traction(self) -> Matrix:
         """Traction on the plus side in the tangent plane (..., n_point, 3) [force/length²]."""
         weights = self.system.contact.weights[:, None]
@@ -93,27 +88,6 @@ class Solution:
             return np.zeros((*self.contact_forces.shape, 3))
         vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
         return vectors
-
-    @property
-    def max_pressure(self) -> Matrix:
-        """Largest pressure over the contact points (...)."""
-        return np.asarray(self.pressure.max(axis=-1, initial=0.0))
-
-    @property
-    def max_penetration(self) -> Matrix:
-        """Largest penetration max ⟨−g⟩ over the contact points (...) [length]."""
-        return np.asarray(np.maximum(-self.gap, 0.0).max(axis=-1, initial=0.0))
-
-    def contact_force(self, interface: str | None = None) -> Matrix:
-        """Return the total normal force Σ λ of one interface, or of all (...) [force]."""
-        return np.asarray(self.contact_forces[..., self._points(interface)].sum(axis=-1))
-
-    def open_fraction(self, interface: str | None = None) -> Matrix:
-        """Return the part of the area without pressure, of one interface or of all (...)."""
-        points = self._points(interface)
-        weights = self.system.contact.weights[points]
-        is_open = self.contact_forces[..., points] <= 0
-        return np.asarray((is_open * weights).sum(axis=-1) / weights.sum())
 
     def displacement(self, boundary: str) -> Matrix:
         """Return the displacements at a boundary (..., n) in the order of its components.
@@ -156,14 +130,3 @@ class Solution:
             )
             raise ModelError(message)
         return self.system.expand(self.states)
-
-    def _points(self, interface: str | None) -> slice:
-        if interface is None:
-            return slice(None)
-        if interface not in self.system.contact.slices:
-            message = (
-                f"there is no interface '{interface}'; "
-                f"the interfaces are {', '.join(self.system.contact.slices)}"
-            )
-            raise ModelError(message)
-        return self.system.contact.slices[interface]

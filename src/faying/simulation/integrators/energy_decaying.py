@@ -5,15 +5,15 @@ from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
-from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
+from faying.simulation.integrators.spectral_radius import SpectralRadius
 from faying.simulation.step_contact import StepContact, mean_contact
 
 
 @final
 @dataclass(frozen=True)
-class EnergyDecaying:
+class EnergyDecaying(SpectralRadius):
     """Second order, a chosen damping of what the step cannot resolve, and no growth of energy.
 
     The midpoint rule with a term of second order that damps. With Δ and a bar for the change and
@@ -33,13 +33,6 @@ class EnergyDecaying:
     rho_infinity
         Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the midpoint rule).
     """
-
-    rho_infinity: float = 0.8
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.rho_infinity <= 1.0:
-            message = f"rho_infinity is {self.rho_infinity:g}; it must lie between 0 and 1"
-            raise ModelError(message)
 
     @property
     def name(self) -> str:

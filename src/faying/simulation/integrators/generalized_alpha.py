@@ -5,15 +5,15 @@ from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
-from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
+from faying.simulation.integrators.spectral_radius import SpectralRadius
 from faying.simulation.step_contact import StepContact, end_contact
 
 
 @final
 @dataclass(frozen=True)
-class GeneralizedAlpha:
+class GeneralizedAlpha(SpectralRadius):
     """Second order with a chosen damping of frequencies the step cannot resolve.
 
     Balance holds between the ends of the step, M a_m + C v_f + K u_f = f_f with
@@ -26,13 +26,6 @@ class GeneralizedAlpha:
         Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the trapezoidal
         rule in its midpoint form).
     """
-
-    rho_infinity: float = 0.8
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.rho_infinity <= 1.0:
-            message = f"rho_infinity is {self.rho_infinity:g}; it must lie between 0 and 1"
-            raise ModelError(message)
 
     @property
     def name(self) -> str:

@@ -1,0 +1,53 @@
+"""What contact forces and gaps say, of whatever solution they are."""
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import ModelError
+from faying.joint.system import Joint
+
+
+class ContactFields:
+    """Pressures and resultants of contact forces (..., n_point) and gaps (..., n_point)."""
+
+    system: Joint
+    contact_forces: Matrix
+    gap: Matrix
+
+    @property
+    def pressure(self) -> Matrix:
+        """Contact pressure p (..., n_point) [force/length²], compression positive."""
+        pressure: Matrix = self.contact_forces / self.system.contact.weights
+        return pressure
+
+    @property
+    def max_pressure(self) -> Matrix:
+        """Largest pressure over the contact points (...)."""
+        return np.asarray(self.pressure.max(axis=-1, initial=0.0))
+
+    @property
+    def max_penetration(self) -> Matrix:
+        """Largest penetration max ⟨−g⟩ over the contact points (...) [length]."""
+        return np.asarray(np.maximum(-self.gap, 0.0).max(axis=-1, initial=0.0))
+
+    def contact_force(self, interface: str | None = None) -> Matrix:
+        """Return the total normal force Σ λ of one interface, or of all (...) [force]."""
+        return np.asarray(self.contact_forces[..., self._points(interface)].sum(axis=-1))
+
+    def open_fraction(self, interface: str | None = None) -> Matrix:
+        """Return the part of the area without pressure, of one interface or of all (...)."""
+        points = self._points(interface)
+        weights = self.system.contact.weights[points]
+        is_open = self.contact_forces[..., points] <= 0
+        return np.asarray((is_open * weights).sum(axis=-1) / weights.sum())
+
+    def _points(self, interface: str | None) -> slice:
+        if interface is None:
+            return slice(None)
+        if interface not in self.system.contact.slices:
+            message = (
+                f"there is no interface '{interface}'; "
+                f"the interfaces are {', '.join(self.system.contact.slices)}"
+            )
+            raise ModelError(message)
+        return self.system.contact.slices[interface]
