@@ -245,3 +245,32 @@ def test_matching_needs_no_tolerance_but_a_search_distance():
     with pytest.raises(ModelError, match=r'do not lie node on node .*"non-matching"'):
         find_interfaces(other, ANY)
     assert len(find_couplings(other, replace(ANY, meshes="non-matching"))) == 1
+
+
+def spoiled(change):
+    """Two blocks with named faces, the nodes of the upper one then changed."""
+    assembly = faced(blocks(*(((4, 4), "hex8"),) * 2))
+    nodes, mesh = assembly.mesh.nodes.copy(), assembly.mesh
+    upper = mesh.element_nodes(mesh.element_sets["upper"])
+    nodes[upper] = change(nodes[upper])
+    return replace(assembly, mesh=replace(mesh, nodes=nodes))
+
+
+def test_a_surface_without_area_sees_nothing():
+    flat = spoiled(lambda nodes: nodes * [0.0, 1.0, 1.0])
+    assert declared(flat, ANY).meshes == "non-matching"
+    with pytest.raises(ModelError):
+        joint_of(flat, declared(flat, ANY))
+
+
+def test_surfaces_too_far_apart_to_be_looked_through():
+    """As a slip of the pen in one coordinate puts them: 1e9 facets would fit between them."""
+    corner = [*(SIZE[:2] / 2), 0.0]
+    far = spoiled(lambda x: np.where((x == corner).all(axis=1)[:, None], [*SIZE[:2], 1e10], x))
+    with pytest.raises(ModelError, match=r"facets of \S+ and lie up to 1e\+10 apart"):
+        declared(far, ANY)
+
+
+def test_coordinates_that_cannot_be_computed_with():
+    with pytest.raises(ModelError, match=r"node 7 is at \(0, 1e\+308, nan\); coordinates are at"):
+        Mesh(nodes=[[0.0, 1e308, np.nan]], node_ids=[7])

@@ -29,7 +29,7 @@ def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
     ndarray (n_facet,) [length]
     """
     index = facets.corners
-    mean = np.zeros((int(index.max()) + 1, 3))
+    mean = np.zeros((int(index.max(initial=-1)) + 1, 3))
     np.add.at(mean, index, np.repeat(normals[:, None], index.shape[1], axis=1))
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     mean /= np.where(length > 0, length, 1.0)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.exceptions import ModelError
 from faying.interface.cells import Cells
 from faying.interface.clipping import areas
 from faying.interface.mismatch import FACING
@@ -15,6 +16,9 @@ from faying.model.surface import Facets, facet_centres, facet_normals
 
 _AT_ONCE = 200_000
 """Places on rays in memory at a time."""
+
+_MOST_PLACES = 100_000_000
+"""Places on all rays: ten thousand facets that look through ten thousand layers of others."""
 
 _SAME_LAYER = 1e-2
 """Difference in distance over the size of a facet from which one facet may hide another."""
@@ -69,7 +73,14 @@ def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Ind
     Rays from the centres of the lower cells are followed through a k-d tree of the upper ones, as
     far as the upper side extends. Time grows with the number of cells times the length of the rays
     over the size of the upper cells.
+
+    Raises
+    ------
+    ModelError
+        If that length is out of all proportion to that size.
     """
+    if not below.corners.size or not above.corners.size:
+        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
     found = [np.empty((0, 2), dtype=np.int64)]
     for one, other in _along_rays(below, above, reach):
         normals = below.normals[one]
@@ -95,7 +106,15 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
     last = np.minimum(last, reach.gap) + slack
     for members, largest in _by_size(_radii(above)):
         tree = cKDTree(above.centres[members])
-        count = np.ceil(np.maximum(last - first, 0.0) / (2 * largest)).astype(np.int64)
+        steps = np.ceil(np.maximum(last - first, 0.0) / (2 * largest))
+        if not steps.sum() <= _MOST_PLACES:
+            message = (
+                f"surfaces declared to be in contact have facets of {largest:.3g} and lie up to "
+                f"{np.max(last - first):.3g} apart, too far for their size to look for those that "
+                "see each other; correct the coordinates, or give a search distance"
+            )
+            raise ModelError(message)
+        count = steps.astype(np.int64)
         for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // _AT_ONCE):
             own, number = np.repeat(rows, count[rows]), _numbered(count[rows])
             step = (last[own] - first[own]) / count[own]

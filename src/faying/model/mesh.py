@@ -8,6 +8,9 @@ import numpy as np
 from faying._typing import Indices, Matrix, frozen
 from faying.exceptions import ModelError
 
+FARTHEST = 1e30
+"""Largest coordinate: products of several measures must stay within double precision."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CellBlock:
@@ -65,6 +68,14 @@ class Mesh:
         object.__setattr__(self, "node_ids", frozen(self.node_ids, np.int64))
         if self.nodes.shape != (len(self.node_ids), 3):
             message = f"{len(self.node_ids)} node ids but coordinates of shape {self.nodes.shape}"
+            raise ModelError(message)
+        far = np.flatnonzero(~(np.abs(self.nodes) <= FARTHEST).all(axis=1))
+        if len(far):
+            place = ", ".join(f"{x:g}" for x in self.nodes[far[0]])
+            message = (
+                f"node {self.node_ids[far[0]]} is at ({place}); coordinates are at most "
+                f"{FARTHEST:g}, for volumes must stay within double precision; correct it"
+            )
             raise ModelError(message)
 
     @property
