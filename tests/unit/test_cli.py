@@ -25,7 +25,8 @@ def call(monkeypatch, capsys, *arguments):
 def runner(monkeypatch):
     """A stand-in for the runner that records its calls and reports convergence as told."""
     calls = []
-    result = SimpleNamespace(converged=True, summary={"load_cases": {}, "warnings": []})
+    summary = {"load_cases": {}, "warnings": [], "reference": {"kind": "full", "reason": ""}}
+    result = SimpleNamespace(converged=True, summary=summary)
 
     def run(study, out, *, resume, progress, executor, since):
         calls.append((study, out, resume))

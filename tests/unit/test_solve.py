@@ -309,6 +309,12 @@ def test_bad_load_cases_are_refused_with_their_place(tmp_path, text, expected):
         read_load_cases(path)
 
 
+def test_paths_are_left_to_studies(rom, tmp_path):
+    (tmp_path / "loads.toml").write_text(LOADS.replace('"static"', '"cycle"'))
+    with pytest.raises(StudyError, match="'bend' is a cycle, which only a run"):
+        read_loads(tmp_path / "loads.toml", rom)
+
+
 def test_time_in_periods_needs_the_period_of_the_full_model(rom, tmp_path):
     (tmp_path / "loads.toml").write_text(LOADS)
     with pytest.raises(StudyError, match="'jump' measures time by the longest period"):

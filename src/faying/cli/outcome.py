@@ -7,11 +7,15 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from faying.study.results import FULL_MODEL
+
 
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
     """Print one row per method with its largest basis, one column per load case."""
     cases = summary["load_cases"]
-    table = Table(title="Largest pressure error over the largest pressure of the full model")
+    full = all(case["reference"]["model"] == FULL_MODEL for case in cases.values())
+    of = FULL_MODEL if full else "reference"
+    table = Table(title=f"Largest pressure error over the largest pressure of the {of}")
     table.add_column("method")
     table.add_column("joint modes", justify="right")
     for name in cases:
@@ -20,6 +24,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     for method in methods:
         table.add_row(method, *_row(method, list(cases.values())))
     console.print(table)
+    if summary["reference"]["reason"]:
+        console.print(f"Reference: {summary['reference']['reason']}", highlight=False)
     report = out / "report.html"
     console.print(f"Results are in {out}", highlight=False, soft_wrap=True)
     if report.exists():

@@ -16,6 +16,7 @@ from faying.report.friction_table import friction_table
 from faying.report.limits import limits
 from faying.report.meanings import meanings
 from faying.report.quantities import percent, quantity
+from faying.report.reference import against
 from faying.report.tables import (
     Table,
     bolt_table,
@@ -107,6 +108,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         timings=timing_table(results),
         stages=stage_table(results),
         limits=limits(results),
+        reference=against(results.cases.values()).removeprefix("the "),
         sharpness=sharpness(results),
         figures={
             section: [entry for entry in figures if entry.section == section]
@@ -145,13 +147,13 @@ def _step_check(case: CaseResult, units: Units) -> str:
     check = step_check(case)
     if check is None:
         return "No run with half the time step was made: convergence in time is open."
-    return f"{_numbers(check, units)} {_judgement(check.largest)}"
+    return f"{_numbers(check, case.reference_model, units)} {_judgement(check.largest)}"
 
 
-def _numbers(check: StepCheck, units: Units) -> str:
+def _numbers(check: StepCheck, model: str, units: Units) -> str:
     change = check.change
     return (
-        "The full model was run with the study's step of "
+        f"The {model} was run with the study's step of "
         f"{quantity(check.step, units.time)} and with half of it, and their pressure fields "
         "compared at every contact point and common instant: they differ by up to "
         f"{percent(check.largest)} of the peak (at {quantity(check.instant, units.time)}), "

@@ -8,6 +8,7 @@ import numpy as np
 
 from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
+from faying.report.reference import against, reference_note
 from faying.report.slip import slip_sentence
 from faying.report.style import label
 from faying.study.declared import missing_contacts
@@ -112,8 +113,9 @@ def _sentence(
     if error == float("inf"):
         return f"{label(method, count)}: no solution in {case}; not to be trusted."
     ratios = [result.accuracy.max_pressure_ratio for result in _all(cases, method, count)]
-    span = f"largest pressure {_span(ratios)} × the full model's"
-    size = f"max relative pressure error against the full model {percent(error)} ({case}), {span}"
+    other = against(cases.values())
+    span = f"largest pressure {_span(ratios)} × {other}'s"
+    size = f"max relative pressure error against {other} {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
     these = "these load cases" if _is_transient(method) else "these static load cases"
     if error <= GOOD:
@@ -162,13 +164,17 @@ def _pressures(found: list[MethodVerdict], results: Results) -> str:
     if not coarse:
         return _answer(found)
     return (
-        f"{_answer(found)} The full model's own pressures are not converged in time in "
+        f"{_answer(found)} {_own(results)} own pressures are not converged in time in "
         f"{', '.join(coarse)}: see below before using them."
     )
 
 
+def _own(results: Results) -> str:
+    return f"{against(results.cases.values()).capitalize()}'s"
+
+
 def _changes(case: CaseResult) -> float:
-    """Return how far half the time step moves a pressure of the full model, over the peak."""
+    """Return how far half the time step moves a pressure of the reference, over the peak."""
     check = step_check(case)
     return check.largest if check else 0.0
 
@@ -195,7 +201,7 @@ def _answer(found: list[MethodVerdict]) -> str:
 
 def reservations(results: Results) -> list[str]:
     """Return what the errors do not say, the pressing ones first."""
-    said = missing_contacts(results)
+    said = [*filter(None, [reference_note(results)]), *missing_contacts(results)]
     if results.warnings:
         said.append(
             f"{len(results.warnings)} solution(s) did not converge or deserve notice; "
@@ -211,7 +217,8 @@ def reservations(results: Results) -> list[str]:
         if check is not None and _changes(case) > STEP_MATTERS:
             said.append(
                 f"{name}: the time step is not fine enough for the pressure: with half of it "
-                f"pressures of the full model change by up to {percent(check.largest)} of the peak "
+                f"pressures of the {case.reference_model} change by up to "
+                f"{percent(check.largest)} of the peak "
                 f"({percent(check.change.rms_relative_error)} root mean square), the peak itself "
                 f"by {percent(check.peak_change)}. This is not part of the errors."
             )
@@ -221,7 +228,8 @@ def reservations(results: Results) -> list[str]:
     said.extend(_unseen(results))
     said.extend(_fewer_modes(results))
     said.append(
-        "Errors compare each reduced model with the full model on the same mesh, contact law, "
+        f"Errors compare each reduced model with {against(results.cases.values())} on the same "
+        "mesh, contact law, "
         "quadrature and time step, for these load cases only. They say nothing of the full "
         "model's own discretization error, nor of other loads."
     )

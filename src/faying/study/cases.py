@@ -37,12 +37,16 @@ from faying.study.path_cases import (
     rest_state,
 )
 from faying.study.progress import Stages
+from faying.study.reference import Reference
 from faying.study.responses import FAILED, packed, respond, unpacked
-from faying.study.results import CaseResult, MethodResult, Response
+from faying.study.results import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.tables import LoadCaseSection
 from faying.study.timing import instants, time_span, time_step
 
 Models = Mapping[str, Mapping[int, System]]
+
+REDUCED = "reference"
+"""Label of a reduced model that the methods are compared with."""
 
 
 @dataclass(frozen=True)
@@ -63,30 +67,41 @@ class CaseRunner:
     extras: Extras
     checkpoint: Checkpoint
     groups: Sequence[Mapping[str, FullTransient]]
+    reference: Reference
+    half_step: bool = True
 
-    def solve(self, case: LoadCaseSection) -> tuple[CaseResult, list[str]]:
+    def solve(
+        self, case: LoadCaseSection, *, confirmed: bool = False
+    ) -> tuple[CaseResult, list[str]]:
         """Solve one load case with every model; also say what did not converge.
+
+        Parameters
+        ----------
+        confirmed
+            Compare a static case with the full model, whatever the reference is.
 
         Raises
         ------
         ConvergenceError
-            If the full model finds no solution: there is then nothing to compare with.
+            If the reference finds no solution: there is then nothing to compare with.
         """
         model = self.joint.model
-        reference = self._reference(case)
+        full = confirmed or self.reference.kind == "full" or goes_in_increments(case, model)
+        name = FULL_MODEL if full else self.reference.name
+        reference = self._reference(case, full=full)
         methods: dict[str, dict[int, MethodResult]] = {}
-        failures = _gained(f"{case.name}, full model", reference)
-        for name, sizes in self.models.items():
-            methods[name] = {}
-            if case.transient and not METHODS[name].transient:
+        failures = _gained(f"{case.name}, {name}", reference)
+        for method, sizes in self.models.items():
+            methods[method] = {}
+            if case.transient and not METHODS[method].transient:
                 continue
             for count, rom in sizes.items():
+                label = f"{case.name}, {method} with {count} joint modes"
                 try:
-                    response = self._response(case, rom, f"{name}/{count}", reference)
+                    response = self._response(case, rom, f"{method}/{count}", reference)
                 except ConvergenceError as error:
-                    failures.append(f"{case.name}, {name} with {count} joint modes: {error}")
+                    failures.append(f"{label}: {error}")
                     continue
-                label = f"{case.name}, {name} with {count} joint modes"
                 failures += _gained(label, response)
                 found = recovered = slips = None
                 with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
@@ -96,7 +111,7 @@ class CaseRunner:
                 if found is None or slips is None:
                     continue
                 certificate = self._certified(case, response)
-                methods[name][count] = MethodResult(
+                methods[method][count] = MethodResult(
                     joint_modes=count,
                     n_modes=int(rom.K.shape[0]),
                     response=response,
@@ -127,6 +142,7 @@ class CaseRunner:
             half_step=half_step,
             half_step_times=None if half_step is None else self._times(case, 2),
             reserve=reserve,
+            reference_model=name,
         )
         return result, failures
 
@@ -175,14 +191,20 @@ class CaseRunner:
                 return self._judge.certify_inputs(inputs, response.pressure)
         return None
 
-    def _reference(self, case: LoadCaseSection) -> Response:
-        """Solve with the full model; a transient with those that are stepped beside it."""
+    def _reference(self, case: LoadCaseSection, *, full: bool) -> Response:
+        """Solve with the reference; a full transient with those that are stepped beside it."""
+        if not full:
+            return self._response(case, self.reference.system, REDUCED)
         if not case.transient:
             return self._response(case, self.joint.model, "full")
         return self._full_transient(response_key(case))
 
     def _half_step(self, case: LoadCaseSection) -> Response | None:
-        """Repeat a transient of the full model with half the time step, where the study does."""
+        """Repeat a transient of the reference with half the time step, where the study does."""
+        if self.reference.kind != "full":
+            if not (case.transient and self.half_step):
+                return None
+            return self._response(case, self.reference.system, REDUCED, refinement=2)
         key = response_key(case, refinement=2)
         return self._full_transient(key) if any(key in group for group in self.groups) else None
 
@@ -203,10 +225,16 @@ class CaseRunner:
             return unpacked(self.checkpoint.get(key))
 
     def _response(
-        self, case: LoadCaseSection, system: System, label: str, like: Response | None = None
+        self,
+        case: LoadCaseSection,
+        system: System,
+        label: str,
+        like: Response | None = None,
+        *,
+        refinement: int = 1,
     ) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
-        total = self._steps(case) if case.transient else 1
+        total = self._steps(case, refinement) if case.transient else 1
         known = len(self.extras.failed)
 
         def compute() -> Mapping[str, Matrix]:
@@ -215,9 +243,10 @@ class CaseRunner:
                     rest = self._rest(system, label)
                     response = path_response(self.joint.model, case, system, rest, like)
                 else:
-                    solution, seconds = solve_case(self.joint, case, system, advance)
+                    solution, seconds = solve_case(self.joint, case, system, advance, refinement)
                     response = respond(solution, self.joint.model, seconds)
-            if case.transient and isinstance(system, ReducedModel):
+            wanted = case.transient and label != REDUCED
+            if wanted and isinstance(system, ReducedModel):
                 name = f"{case.name}, {label}, recovered pressures"
                 with self.stages.stage("recovery"), self.extras.attempt(name):
                     recovered = recover_pressure(self.joint.model, solution).pressure
@@ -226,7 +255,7 @@ class CaseRunner:
             return packed(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
 
         with self.stages.timed("checkpoint"):
-            arrays = self.checkpoint.bundle(response_key(case, label), compute)
+            arrays = self.checkpoint.bundle(response_key(case, label, refinement), compute)
         self.extras.repeat(arrays.get(FAILED, ()))
         return unpacked(arrays)
 
@@ -241,6 +270,7 @@ def solve_case(
     case: LoadCaseSection,
     system: System,
     progress: Callable[[int], object] | None = None,
+    refinement: int = 1,
 ) -> tuple[Solution, float]:
     """Solve a load case with one model; return how many seconds that took as well."""
     start = time.perf_counter()
@@ -250,7 +280,7 @@ def solve_case(
         solution = solve_transient(
             system,
             case_load(case),
-            step=time_step(case, joint.period),
+            step=time_step(case, joint.period) / refinement,
             duration=time_span(case, joint.period),
             integrator=integrator_of(case),
             progress=progress,

@@ -105,6 +105,13 @@ def read_loads(
 
 
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
+    other = [case for case in cases if not (case.kind == "static" or case.transient)]
+    if other:
+        message = (
+            f"load case '{other[0].name}' is a {other[0].kind}, which only a run of a study "
+            "follows; leave it out, or follow it in Python with faying.solve_path"
+        )
+        raise StudyError(message)
     static = [case_load(case) for case in cases if case.kind == "static"]
     start = np.zeros(1)
     rows = [load.inputs(rom, start) for load in static]

@@ -15,6 +15,7 @@ from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.extras import Extras
 from faying.study.offline import PreparedJoint, TrainedBases
+from faying.study.reference import Reference
 from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
 from faying.study.tables import Study
 
@@ -28,6 +29,7 @@ def record(
     validation: ValidationRecord,
     extras: Extras,
     warnings: Sequence[str],
+    reference: Reference,
 ) -> Results:
     """Collect the results of a run, all but its timings."""
     model, mesh = joint.model, joint.model.assembly.mesh
@@ -66,6 +68,8 @@ def record(
         omissions=tuple(extras.failed),
         validation=validation,
         reduced=kept,
+        reference=reference.kind,
+        reference_reason=reference.reason,
     )
 
 

@@ -15,6 +15,9 @@ from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.path_record import CycleRecord, PathRecord
 
+FULL_MODEL = "full model"
+"""What people call the reference that is no reduced model."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
@@ -97,7 +100,7 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CaseResult:
-    """One load case solved by the full model and by every method.
+    """One load case solved by the reference, usually the full model, and by every method.
 
     Attributes
     ----------
@@ -109,9 +112,11 @@ class CaseResult:
     methods
         Method name to joint mode count to result.
     half_step : Response or None
-        The full model with half the time step: the time-step check of transients.
+        The reference with half the time step: the time-step check of transients.
     reserve
         How far the load may grow until the joint slips, of static loads and cycles with friction.
+    reference_model
+        Which model the reference is of.
     """
 
     name: str
@@ -123,6 +128,12 @@ class CaseResult:
     half_step: Response | None = None
     half_step_times: Vector | None = None
     reserve: SlipReserve | None = None
+    reference_model: str = FULL_MODEL
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the reference is the full model's."""
+        return self.reference_model == FULL_MODEL
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -285,6 +296,9 @@ class Results:
         Of the model.
     factor_bytes
         Memory of the factors of the full model, boundary held.
+    reference, reference_reason
+        What the study's load cases were compared with: ``"full"``, ``"worst"`` or ``"none"``; and
+        why, where the study leaves it open.
     normal_modes
         Count of the fixed-interface normal modes; None where there are none, or no gap to count in.
     tightening_stages
@@ -326,3 +340,5 @@ class Results:
     reduced: Mapping[str, Mapping[int, ReducedModel]] = field(default_factory=dict)
     normal_modes: ModeCount | None = None
     factor_bytes: int = 0
+    reference: str = "full"
+    reference_reason: str = ""

@@ -53,6 +53,7 @@ def summarize(results: Results) -> dict[str, Any]:
             name: {"preload": bolt.preload, "initial_force": bolt.initial_force}
             for name, bolt in results.bolts.items()
         },
+        "reference": {"kind": results.reference, "reason": results.reference_reason},
         "load_cases": {name: _case(results, case) for name, case in results.cases.items()},
         "validation": _validation(results.validation),
         "timings": timings(results),
@@ -98,7 +99,8 @@ def timings(results: Results) -> dict[str, Any]:
         )
         if stage in seconds
     }
-    table["full"] = _per_solution([(case, case.reference) for case in results.cases.values()])
+    full = [(case, case.reference) for case in results.cases.values() if case.is_full]
+    table["full"] = _per_solution(full)
     names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
     methods: dict[str, Any] = {}
     for name in names:
@@ -157,7 +159,11 @@ def _interface(face: InterfaceRecord) -> dict[str, Any]:
 def _case(results: Results, case: CaseResult) -> dict[str, Any]:
     summary: dict[str, Any] = {
         "kind": case.kind,
-        "reference": {**_reference(case.reference), "opening": _openings(results, case)},
+        "reference": {
+            "model": case.reference_model,
+            **_reference(case.reference),
+            "opening": _openings(results, case),
+        },
         "methods": {
             name: {str(count): _method(result) for count, result in sizes.items()}
             for name, sizes in case.methods.items()

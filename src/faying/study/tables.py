@@ -259,6 +259,9 @@ class ValidationSection(Section):
         Whether the static load cases are repeated over the contact stiffness.
     half_step
         Whether the full model repeats transient load cases with half the time step.
+    reference
+        What load cases are compared with: the full model; the reduced one with the full one for
+        the worst static cases; or the reduced one alone. None decides by the size of the model.
     """
 
     box: tuple[BoxSide, ...] = ()
@@ -266,6 +269,7 @@ class ValidationSection(Section):
     unseen_loads: CountOrNone = 100
     penalty_sweep: Switch = True
     half_step: Switch = True
+    reference: Literal["full", "worst", "none"] | None = None
 
 
 def _units(label: str) -> str:

@@ -17,9 +17,11 @@ from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
 from faying.study.cases import FullTransient, case_groups, full_transients
+from faying.study.load_model import build_loaded, load_model
 from faying.study.loads import is_trained
 from faying.study.offline import PreparedJoint, prepare_joint, step_training
 from faying.study.progress import Stages
+from faying.study.reference import reference_kind
 from faying.study.responses import packed
 from faying.study.schema import parse_study
 from faying.study.tables import Study
@@ -29,9 +31,15 @@ Piece = int | FullTransient
 """A training step by its number, or a transient of a load case."""
 
 
-def pieces(study: Study) -> list[dict[str, Piece]]:
-    """Return the pieces that are worth a worker, in groups, by the keys the run knows them by."""
-    groups = case_groups(study.load_cases, half_step=study.validation.half_step)
+def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
+    """Return the pieces that are worth a worker, in groups, by the keys the run knows them by.
+
+    Parameters
+    ----------
+    full
+        Whether load cases are compared with the full model.
+    """
+    groups = case_groups(study.load_cases, half_step=study.validation.half_step) if full else []
     found: list[dict[str, Piece]] = [{**group} for group in groups]
     training = study.reduction.training
     if is_trained(study) and training.system == "full":
@@ -51,7 +59,9 @@ def compute_pieces(
     FayingError
         As the run would raise, or if workers fail; what is finished is kept to resume from.
     """
-    groups = pieces(study)
+    asked = study.validation.reference == "full"
+    full = asked or reference_kind(study, build_loaded(load_model(study)))[0] == "full"
+    groups = pieces(study, full=full)
     total = sum(map(len, groups))
     with stages.stage("workers", total) as advance, suppress(ConvergenceError):
         prepare = partial(prepare_pieces, study.source.text, study.source.path, __version__)

@@ -17,12 +17,19 @@ from faying.study.kept_models import Kept, kept_models, with_kept
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
-from faying.study.results import Results
+from faying.study.reference import reference_of
+from faying.study.results import CaseResult, Results
 from faying.study.store import write_results
 from faying.study.summary import summarize
 from faying.study.tables import Study
 from faying.study.validation import validate
 from faying.study.worker_tasks import compute_pieces
+
+CONFIRMED = 3
+"""Static cases that the full model confirms where it is not the reference of all."""
+
+Solved = dict[str, tuple[CaseResult, list[str]]]
+"""Load case name to its result, and what did not converge."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -98,21 +105,52 @@ def _computed(
         title = study.title or study.path.stem
         kept = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
     models = with_kept(bare, kept)
+    reference = reference_of(study, joint, stages)
+    full = reference.kind == "full"
     runner = CaseRunner(
         joint=joint,
         models=models,
         stages=stages,
         extras=extras,
         checkpoint=checkpoint,
-        groups=case_groups(study.load_cases, half_step=study.validation.half_step),
+        groups=case_groups(study.load_cases, half_step=study.validation.half_step) if full else [],
+        reference=reference,
+        half_step=study.validation.half_step,
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
+    if reference.kind == "worst":
+        solved |= _confirmed(study, runner, solved)
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages, extras)
     with stages.stage("records"):
-        found = record(study, joint, kept, trained, cases, validation, extras, failures)
+        found = record(study, joint, kept, trained, cases, validation, extras, failures, reference)
     return replace(found, timings=stages.account()), not failures
+
+
+def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:
+    """Compare the static cases of the largest certified errors with the full model."""
+    bounds = {
+        case.name: _largest_bound(solved[case.name][0])
+        for case in study.load_cases
+        if case.kind == "static"
+    }
+    worst = sorted(bounds, key=lambda name: -bounds[name])[:CONFIRMED]
+    return {
+        case.name: runner.solve(case, confirmed=True)
+        for case in study.load_cases
+        if case.name in worst
+    }
+
+
+def _largest_bound(case: CaseResult) -> float:
+    """Return the largest certified energy error of all methods; infinite where there is none."""
+    bounds = [
+        result.certified_energy_error
+        for sizes in case.methods.values()
+        for result in sizes.values()
+    ]
+    return max((float("inf") if bound is None else bound for bound in bounds), default=float("inf"))
 
 
 def _write_files(study: Study, results: Results, out: Path, stages: Stages) -> None:

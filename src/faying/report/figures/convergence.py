@@ -4,6 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from faying.report.figures.entry import Drawn
+from faying.report.reference import against
 from faying.report.style import colour, marker, new_figure, plain
 from faying.study.results import CaseResult, Results
 
@@ -67,7 +68,7 @@ def convergence_figure(results: Results) -> Drawn | None:
         for handle, text in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=3)
-    figure.suptitle("Largest relative pressure error against the full model")
+    figure.suptitle(f"Largest relative pressure error against {against(results.cases.values())}")
     caption = (
         "Largest relative pressure error, Eq. (15.31), over all contact points and instants "
         "against the number of joint modes, one panel per load case. Dashed: methods without "

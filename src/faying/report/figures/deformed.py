@@ -60,7 +60,7 @@ def deformed_figure(results: Results, case: CaseResult) -> Drawn | None:
     where = place(results.nodes[worst], units.length, size)
     note = f"largest displacement {quantity(distance.max(), units.length)} at {where}"
     times = f"{number(factor, 1)} ×"
-    title = f"{case.name}: deformed shape, full model, displacements {times}\n{note}"
+    title = f"{case.name}: deformed shape, {case.reference_model}, displacements {times}\n{note}"
     title_above(axes, heading(title))
     caption = (
         f"Bodies deformed by preload and {case.name} (as Fig. 15.4), displacements exaggerated "

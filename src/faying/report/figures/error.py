@@ -101,7 +101,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
             prefix = f"{interface}: " if len(records) > 1 else ""
             axes.set_title(plain(f"{title}\n{prefix}{note}"), loc="left")
             notes.append(f"{title}: {prefix}{note}")
-    figure.suptitle(heading(f"{case.name}: relative pressure error against the full model"))
+    compared = f"relative pressure error against the {case.reference_model}"
+    figure.suptitle(heading(f"{case.name}: {compared}"))
     caption = (
         f"Relative pressure error (p − p_ref) / max p_ref, Eq. (15.31), in {case.name} (as "
         "Fig. 15.6). Colours are values at the contact points, not averages; red is too high, "

@@ -122,7 +122,7 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
         ncols=len(STATES),
     )
     when = _when(case, widest, units)
-    figure.suptitle(heading(f"{case.name}: what the load opens, full model{when}"))
+    figure.suptitle(heading(f"{case.name}: what the load opens, {case.reference_model}{when}"))
     over_time = "" if case.times is None else " Shares of area are the largest over time."
     caption = (
         f"Left: where {case.name} opened or closed contact since the bolts were tightened. Right: "

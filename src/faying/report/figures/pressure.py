@@ -133,15 +133,16 @@ def pressure_figure(results: Results, case: CaseResult) -> Drawn:
         left.set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
         right.set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
         notes.append(summary(name, record, own, units))
-    figure.suptitle(heading(f"{case.name}: contact pressure, full model"))
+    figure.suptitle(heading(f"{case.name}: contact pressure, {case.reference_model}"))
     caption = (
-        f"Contact pressure of the full model in {case.name} (as Fig. 15.5). Left: {POINTS}. "
+        f"Contact pressure of the {case.reference_model} in {case.name} (as Fig. 15.5). "
+        f"Left: {POINTS}. "
         f"Right: {AVERAGES}. Grey carries no pressure. {'. '.join(notes)}."
     )
     return Drawn(
         figure=figure,
         stem="pressure",
-        title=f"{case.name}: contact pressure of the full model",
+        title=f"{case.name}: contact pressure of the {case.reference_model}",
         caption=caption,
         section=case.name,
     )

@@ -62,7 +62,7 @@ def plot_displacement(case: CaseResult, boundary: str, axes: Axes, units: Units)
     if component is None or case.times is None:
         return axes
     exact = case.reference.displacements[boundary][:, component]
-    axes.plot(case.times, exact, color=REFERENCE, lw=2.6, label="full model")
+    axes.plot(case.times, exact, color=REFERENCE, lw=2.6, label=case.reference_model)
     for name, result in shown_results(case):
         curve = result.response.displacements[boundary][:, component]
         axes.plot(case.times, curve, **_line(name, result))
@@ -84,7 +84,7 @@ def plot_peak_pressure(case: CaseResult, axes: Axes, units: Units) -> Axes:
     if case.times is None:
         return axes
     exact = peak_pressure(case.reference)
-    axes.plot(case.times, exact, color=REFERENCE, lw=2.6, label="full model")
+    axes.plot(case.times, exact, color=REFERENCE, lw=2.6, label=case.reference_model)
     for name, result in shown_results(case):
         axes.plot(case.times, peak_pressure(result.response), **_line(name, result))
     top = float(exact.max(initial=0.0))
@@ -161,7 +161,8 @@ def _caption(case: CaseResult, units: Units) -> str:
         f"Response to {case.name} from the preloaded state (as Fig. 15.7): the largest moving "
         "translation of each boundary, the largest pressure of all contact points, and the "
         "largest pressure error at each instant over the largest reference pressure of the run, "
-        f"all at the same time step. Full model: max {quantity(top, units.pressure)} at "
+        f"all at the same time step. {case.reference_model.capitalize()}: "
+        f"max {quantity(top, units.pressure)} at "
         f"{quantity(float(times[instant]), units.time)}.{left}{half} Dashed: few joint modes; "
         f"errors below {percent(FLOOR)} lie on the lower edge."
     )

@@ -41,9 +41,9 @@ def time_step_figure(results: Results, case: CaseResult) -> Drawn | None:
     plot_step_check(case, figure.add_subplot(), units)
     largest, peak_change = percent(check.largest), percent(check.peak_change)
     verdict = f"pressures change by up to {largest} of the peak, the peak itself by {peak_change}"
-    figure.suptitle(heading(f"{case.name}, full model, half the time step: {verdict}"))
+    figure.suptitle(heading(f"{case.name}, {case.reference_model}, half the time step: {verdict}"))
     caption = (
-        f"Time-step check of {case.name}, full model with both steps: largest pressure "
+        f"Time-step check of {case.name}, {case.reference_model} with both steps: largest pressure "
         f"{quantity(check.peak, units.pressure)} at a step of {quantity(check.step, units.time)}, "
         f"{quantity(check.half_peak, units.pressure)} at half of it ({peak_change}). Dotted: the "
         f"largest change of pressure at any contact point, at instants of both runs; it reaches "
