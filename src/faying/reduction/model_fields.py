@@ -108,6 +108,7 @@ GEOMETRY: dict[type, Table] = {
         ),
         "ids": Meaning("element ids", "1", "(n_cell,)"),
         "properties": Meaning("property ids", "1", "(n_cell,)"),
+        "formulation": Meaning("of these elements, as reduced; empty for that of the model"),
     },
     FacePairs: {
         "kind": Meaning("tri3, tri6, quad4 or quad8"),
