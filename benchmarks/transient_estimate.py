@@ -1,0 +1,66 @@
+"""How near the estimate of the transient pressure error is to the true error.
+
+``python benchmarks/transient_estimate.py`` prints the table of docs/theory/transient_accuracy.md:
+three joints, a quarter of the longest period. Needs gmsh.
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+from method_ranges import STEPS, joints, rising
+
+import faying as fy
+from faying.assessment.transient_error import transient_error
+
+MODES = (20, 80)
+SCHEMES = {
+    "implicit Euler": fy.ImplicitEuler(),
+    "generalized-α 0.8": fy.GeneralizedAlpha(0.8),
+    "energy-decaying": fy.EnergyDecaying(),
+}
+
+
+def main() -> None:
+    """Print true and estimated errors, largest and root mean square."""
+    write = sys.stdout.write
+    write("| joint | load and scheme | 20 modes | estimated | 80 modes | estimated |\n")
+    write("|---" * 6 + "|\n")
+    with tempfile.TemporaryDirectory() as folder:
+        for joint in joints(Path(folder)):
+            counts = {count for n in MODES for count in (n, 2 * n)}
+            models = {
+                n: fy.reduce(
+                    joint.model, fy.craig_bampton(joint.model, normal_modes=n), compliance=True
+                )
+                for n in counts
+            }
+            period = 1.0 / fy.preloaded_frequencies(joint.model, 1)[0]
+            loads = {
+                "jump": fy.Load(joint.bending),
+                "rise over T/10": rising(joint.bending, period, 0.1),
+                "rise over T/4": rising(joint.bending, period, 0.25),
+            }
+            for label, load in loads.items():
+                for scheme, integrator in SCHEMES.items():
+                    options = {
+                        "step": period / STEPS,
+                        "duration": period / 4,
+                        "integrator": integrator,
+                    }
+                    full = fy.solve_transient(joint.model, load, **options)
+                    cells = [joint.name, f"{label}, {scheme}"]
+                    for n in MODES:
+                        motion = fy.solve_transient(models[n], load, **options)
+                        found = transient_error(models[2 * n], motion, load, integrator=integrator)
+                        cells += [_shown(fy.compare(motion, full)), _shown(found)]
+                    write(f"| {' | '.join(cells)} |\n")
+                    sys.stdout.flush()
+
+
+def _shown(error: fy.Accuracy) -> str:
+    return f"{error.max_relative_error:.2%} / {error.rms_relative_error:.3%}"
+
+
+if __name__ == "__main__":
+    main()
