@@ -329,7 +329,7 @@ def test_corner_intensities_follow_the_right_hand_rule_from_g1(tmp_path: Path) -
         ("PLOAD4,1,2,5.,,,,5,7", "element 2 is no solid"),
         ("PLOAD4,1,1,5.,,,,5,6", "name no face of element 1"),
         ("PLOAD4,1,1,5.,,,,5", "name no face of element 1"),
-        ("PLOAD4,1,1,5.,,,,THRU,3", "THRU is for shells"),
+        ("PLOAD4,1,1,5.,,,,THRU,3", "no shell that takes a pressure is among elements 1 to 3"),
         ("PLOAD4,1,1,5.,,,,5,7\n,4,1.", "coordinate system 4 is not"),
         ("PLOAD4,1,1,5.,,,,5,7\n,0", "has no length"),
         ("PLOAD4,1,1,,,,,5,7", "field 4 holds nothing"),

@@ -281,3 +281,88 @@ def test_decks_are_not_written_without_their_shells(read: Read, tmp_path: Path) 
     assembly = read("PSHELL,1,9,.5", "CQUAD4,1,1,1,2,3,4")
     with pytest.raises(FormatError, match="has shells, which faying reads but does not write"):
         write_deck(assembly, tmp_path / "b.bdf")
+
+
+MIDDLES = (
+    "GRID,11,,2.,0.,0.\nGRID,12,,4.,1.,0.\nGRID,13,,2.,2.,0.\nGRID,14,,0.,1.,0.\nGRID,15,,2.,1.,0."
+)
+
+
+def test_shells_with_mid_side_nodes(read: Read) -> None:
+    assembly = read(
+        MIDDLES,
+        "PSHELL,1,9,.5,9,,9",
+        "CQUAD8,1,1,1,2,3,4,11,12\n,13,14,,,,,30.,.25",
+        "CTRIA6,2,1,1,2,3,11,12,15\n,,-.1",
+        "CSHEAR,3,2,1,2,3,4\nPSHEAR,2,9,.5",
+    )
+    six, eight, panel = assembly.shells
+    assert (six.kind, six.nodes.tolist()) == ("tri6", [[0, 1, 2, 5, 6, 9]])
+    assert (eight.kind, eight.nodes.tolist()) == ("quad8", [[0, 1, 2, 3, 5, 6, 7, 8]])
+    assert (six.offsets[0], eight.offsets[0]) == (-0.1, 0.25)
+    np.testing.assert_allclose(eight.directions[0] / 4, [np.cos(np.pi / 6), 0.5, 0], atol=1e-15)
+    assert panel.kind == "panel4"
+    assert assembly.shell_sections[2].stiffness[2, 2] == pytest.approx(0.5 * 210000 / 2.6)
+    assemble_matrices(assembly)
+
+
+def test_blank_mid_side_nodes_leave_sides_straight(read: Read) -> None:
+    """A node stands in the middle that moves as the mean of the ends: the same stiffness."""
+    whole, blank = (
+        read(MIDDLES, "PSHELL,1,9,.5,9,,9", card)
+        for card in (
+            "CQUAD8,1,1,1,2,3,4,11,12\n,13,14",
+            "CQUAD8,1,1,1,2,3,4,11\n,13,14",
+        )
+    )
+    assert blank.mesh.node_ids.tolist() == [*whole.mesh.node_ids.tolist(), 16]
+    np.testing.assert_allclose(blank.mesh.nodes[-1], [4, 1, 0])
+    mean = np.eye(60)
+    mean[36:42] = 0.0
+    mean[36:42, 6:12] = mean[36:42, 12:18] = np.eye(6) / 2
+    K = mean.T @ assemble_matrices(whole).K.toarray() @ mean
+    T = constrain(blank, used_components(blank)).transformation
+    free = np.flatnonzero(np.isin(np.arange(66), T.indices))
+    found = (T.T @ assemble_matrices(blank).K @ T).toarray()
+    kept = constrain(blank, used_components(blank)).free
+    assert len(free) == len(kept)
+    np.testing.assert_allclose(found, K[np.ix_(kept, kept)], atol=1e-9 * np.abs(K).max())
+
+
+def test_pressure_on_shells_acts_along_their_normals(read: Read) -> None:
+    assembly = read(
+        "PSHELL,1,9,.5",
+        "CQUAD4,1,1,1,2,3,4\nCTRIA3,2,1,1,3,2\nCTRIA3,9,1,1,2,3",
+        "PLOAD4,5,1,3.",
+        "PLOAD4,6,1,2.,,,,THRU,8",
+        "PLOAD4,7,1,2.\n,0,1.,0.,0.",
+    )
+    total = {name: load.forces[:, :3].sum(axis=0) for name, load in assembly.loads.items()}
+    np.testing.assert_allclose(total["5"], [0, 0, 3 * 8], atol=1e-12)
+    np.testing.assert_allclose(total["6"], [0, 0, 2 * (8 - 4)], atol=1e-12)
+    np.testing.assert_allclose(total["7"], [2 * 8, 0, 0], atol=1e-12)
+
+
+def test_prescribed_displacements_leave_their_load_set_out(read: Read) -> None:
+    assembly = read("SPCD,7,1,1,.5\nFORCE,7,1,,1.,1.,0.,0.\nFORCE,8,1,,1.,1.,0.,0.\nSPC1,1,1,1")
+    assert list(assembly.loads) == ["8"]
+    assert any(note.startswith("load set 7") for note in assembly.ignored)
+
+
+def test_lines_have_the_shear_modulus_they_are_given(read: Read) -> None:
+    """E and G of a beam need not be those of an isotropic material; those of a solid must."""
+    steel = "MAT1,8,1000.,100.,,2."
+    beam, rod = read(
+        steel, "PBAR,1,8,3.,4.,5.,6.\n\n,.5", "CBAR,1,1,1,2,0.,1.,0.", "CONROD,2,1,3,8,1.,2."
+    ).beams
+    for line, torsion in ((beam, 6.0), (rod, 2.0)):
+        stiffness = line.material.shear_modulus * line.section.torsion
+        assert stiffness == pytest.approx(100 * torsion)
+        assert line.material.youngs_modulus == 1000.0
+    with pytest.raises(FormatError, match="Poisson's ratio is 4"):
+        read(steel, "PSHELL,1,8,1.", "CQUAD4,1,1,1,2,3,4")
+
+
+def test_areas_of_zero_at_the_far_end_are_blanks(read: Read) -> None:
+    card = "PBEAM,1,9,3.,4.,5.,,6.\n,0.,0.\n,YESA,1.,0.,0.,0."
+    assert read(card, "CBEAM,1,1,1,2,0.,1.,0.").beams[0].section.area == 3.0

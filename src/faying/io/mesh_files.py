@@ -15,6 +15,7 @@ from faying.exceptions import FormatError
 from faying.io.mesh_groups import FACE_KINDS, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.elements import SOLIDS
+from faying.model.elements.orientation import right_side_out
 from faying.model.mesh import CellBlock, Mesh
 from faying.model.separate import separated
 from faying.model.surface import N_NODES, Facets, exterior_facets, padded, unique_rows
@@ -84,7 +85,7 @@ def read_mesh_file(
     found = _read(path)
     points = _points(path, found)
     groups = groups_of(found)
-    blocks = _blocks(path, found, points, volume_groups(found, groups))
+    blocks, turned = _blocks(path, found, points, volume_groups(found, groups))
     element_sets, node_sets = _sets(found, groups, blocks)
     used = sorted({int(number) for block in blocks for number in np.unique(block.properties)})
     names = {group.number: group.name for group in volume_groups(found, groups)}
@@ -104,7 +105,7 @@ def read_mesh_file(
         materials={number: _material(path, names[number], materials) for number in used},
         face_sets=face_sets,
         name=path.stem,
-        ignored=tuple(notes),
+        ignored=(*turned, *notes),
     )
 
 
@@ -169,8 +170,11 @@ def _points(path: Path, found: Any) -> Matrix:
     return points
 
 
-def _blocks(path: Path, found: Any, points: Matrix, groups: list[Group]) -> tuple[CellBlock, ...]:
-    blocks, first = [], 1
+def _blocks(
+    path: Path, found: Any, points: Matrix, groups: list[Group]
+) -> tuple[tuple[CellBlock, ...], list[str]]:
+    """Blocks of solids, and what was changed."""
+    blocks, first, turned = [], 1, 0
     for number, block in enumerate(found.cells):
         if dimension(block.type) != 3:
             continue
@@ -178,11 +182,14 @@ def _blocks(path: Path, found: Any, points: Matrix, groups: list[Group]) -> tupl
             remedy = _REMEDIES.get(block.type, f"mesh with {', '.join(SOLID_KINDS)}")
             message = f"mesh file '{path}' has solids of kind '{block.type}'; {remedy}"
             raise FormatError(message)
-        nodes = _connectivity(path, block, len(points))
+        element = SOLID_KINDS[block.type]
+        given = element.elsewhere.ours(_connectivity(path, block, len(points)))
+        nodes, inside_out = right_side_out(element.kind, given, points[given])
+        turned += int(inside_out.sum())
         blocks.append(
             CellBlock(
-                kind=SOLID_KINDS[block.type].kind,
-                nodes=SOLID_KINDS[block.type].elsewhere.ours(nodes),
+                kind=element.kind,
+                nodes=nodes,
                 ids=np.arange(first, first + len(nodes)),
                 properties=_properties(path, groups, number, len(nodes)),
             )
@@ -194,7 +201,8 @@ def _blocks(path: Path, found: Any, points: Matrix, groups: list[Group]) -> tupl
             "into physical groups"
         )
         raise FormatError(message)
-    return tuple(blocks)
+    notes = [f"node order of {turned} solids inside out"] if turned else []
+    return tuple(blocks), notes
 
 
 def _connectivity(path: Path, block: Any, n_points: int) -> Indices:

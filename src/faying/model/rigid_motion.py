@@ -12,6 +12,8 @@ from faying.model.assembly import Assembly
 from faying.model.bodies import bodies
 from faying.model.dofs import DofMap
 from faying.model.matrices import rigid_body_motions
+from faying.model.shell_matrices import PANEL
+from faying.model.shells import ShellBlock
 
 LARGEST = 2000
 """Unknowns of the dense eigenvalue problem above which it costs more than a minute."""
@@ -90,13 +92,20 @@ def rigid_parts(assembly: Assembly) -> Indices:
     return labels
 
 
+def _surfaces(assembly: Assembly) -> list[ShellBlock]:
+    """Return the shells that hold rotations; shear panels move in more than rigid ways."""
+    return [block for block in assembly.shells if block.kind != PANEL]
+
+
 def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
     """Label the shells that share nodes with one another, where no solid has them."""
-    if not assembly.shells:
+    if not _surfaces(assembly):
         return labels
     n_node = len(labels)
-    first = np.concatenate([np.roll(block.nodes, 1, axis=1).ravel() for block in assembly.shells])
-    other = np.concatenate([block.nodes.ravel() for block in assembly.shells])
+    first = np.concatenate(
+        [np.roll(block.nodes, 1, axis=1).ravel() for block in _surfaces(assembly)]
+    )
+    other = np.concatenate([block.nodes.ravel() for block in _surfaces(assembly)])
     # Shells that meet at a solid only may turn there one by one.
     apart = (labels[first] < 0) & (labels[other] < 0)
     ends = (first[apart], other[apart])
@@ -113,7 +122,7 @@ def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
     node, component = np.divmod(dofs.free, 6)
     # Solids do not resist rotations of their nodes, shells do, given matrices may.
     turning = np.full(len(labels), assembly.matrices is not None)
-    for shells in assembly.shells:
+    for shells in _surfaces(assembly):
         turning[shells.nodes] |= bodies(assembly.mesh)[shells.nodes] < 0
     rigid = (labels[node] >= 0) & ((component < 3) | turning[node])
     single = np.flatnonzero(~rigid)

@@ -45,8 +45,8 @@ class ShellBlock:
     Attributes
     ----------
     kind
-        ``"tri3"``, ``"quad4"``, ``"tri6"`` or ``"quad8"``: corners, then mid-sides, in a cycle;
-        the normal is that of the right-hand rule.
+        ``"tri3"``, ``"quad4"``, ``"tri6"``, ``"quad8"``: corners, then mid-sides, in a cycle; the
+        normal is that of the right-hand rule. ``"panel4"`` carries shear along its sides alone.
     nodes : (n_shell, n_node_per_shell)
     ids, properties : (n_shell,)
         Property ids name the section through ``Assembly.shell_sections``.

@@ -1,4 +1,4 @@
-"""PSHELL, PCOMP, PCOMPG as lists of what they name: materials, layers, where they are."""
+"""PSHELL, PSHEAR, PCOMP, PCOMPG as lists of what they name: materials, layers, where they are."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
 
-SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG")
+SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG", "PSHEAR")
 
 _PLATE_MATERIALS = (1, 3, 5, 10)
 """MID1 to MID4 of PSHELL."""
@@ -61,6 +61,7 @@ def _places(card: Card) -> list[int]:
 def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
     """Return the ids of the materials that properties of shells name."""
     texts = [card.text(field) for card in cards.get("PSHELL", ()) for field in _PLATE_MATERIALS]
+    texts += [card.text(1) for card in cards.get("PSHEAR", ())]
     for name in ("PCOMP", "PCOMPG"):
         texts += [card.text(first) for card in cards.get(name, ()) for first in _places(card)]
     found = (numbers.integer(text) for text in texts)

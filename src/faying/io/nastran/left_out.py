@@ -63,7 +63,6 @@ _REMEDIES = {
 
 USERS: Mapping[str, tuple[str, ...]] = {
     "PBEND": ("CBEND",),
-    "PSHEAR": ("CSHEAR",),
     "PLPLANE": ("CQUAD", "CQUAD4", "CQUAD8", "CQUADX", "CTRIA3", "CTRIA6", "CTRIAX"),
     "PCOMPS": ("CHEXA", "CPENTA"),
     "PGAP": ("CGAP",),

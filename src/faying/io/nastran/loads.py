@@ -9,11 +9,13 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.pressures import read_pressures
 from faying.model.assembly import NodalLoads
-from faying.model.mesh import CellBlock
+from faying.model.mesh import Mesh
+from faying.model.shells import ShellBlock
 
 UNSUPPORTED = (
     *("ACCEL", "ACCEL1", "DEFORM", "FORCE1", "FORCE2", "GRAV", "GMLOAD", "LSEQ", "MOMENT1"),
     *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "QVOL", "RFORCE", "SLOAD", "TEMPRB"),
+    *("SPCD", "SPCR"),
 )
 """Static loads that are not read; sets that use them are left out."""
 
@@ -23,7 +25,8 @@ _Part = tuple[Indices, Matrix]
 def read_loads(
     cards: Mapping[str, Cards],
     grids: Grids,
-    blocks: Sequence[CellBlock],
+    mesh: Mesh,
+    shells: Sequence[ShellBlock],
     chosen: int | None,
     ignored: list[str],
 ) -> dict[str, NodalLoads]:
@@ -41,7 +44,7 @@ def read_loads(
         if name in cards:
             _add(cards[name], grids, first, parts)
     if "PLOAD4" in cards:
-        _add_pressures(cards["PLOAD4"], grids, blocks, parts)
+        _add_pressures(cards["PLOAD4"], grids, mesh, shells, parts)
     spoiled = _unsupported(cards)
     for card in cards.get("LOAD", ()):
         number = card.integer(0)
@@ -94,9 +97,13 @@ def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) 
 
 
 def _add_pressures(
-    cards: Cards, grids: Grids, blocks: Sequence[CellBlock], parts: dict[int, list[_Part]]
+    cards: Cards,
+    grids: Grids,
+    mesh: Mesh,
+    shells: Sequence[ShellBlock],
+    parts: dict[int, list[_Part]],
 ) -> None:
-    sets, nodes, vectors = read_pressures(cards, grids, blocks)
+    sets, nodes, vectors = read_pressures(cards, grids, mesh.nodes, mesh.blocks, shells)
     forces = np.hstack([vectors, np.zeros_like(vectors)])
     if not np.isfinite(forces).all():
         text = "a pressure load is too large for a number"

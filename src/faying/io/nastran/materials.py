@@ -11,6 +11,7 @@ from faying.model.assembly import Material
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
 _CONTRADICTION = 0.01
+_INCOMPRESSIBLE = 0.5
 
 PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE")
 """Cards that name a material in their second field."""
@@ -30,6 +31,7 @@ def read_materials(
     """Return the materials that are used, by id; densities are multiplied by PARAM,WTMASS.
 
     Two of E, G, NU must be given. All three may be, within one per cent of G = E / (2 (1 + NU)).
+    E and G of materials that only beams and rods name may be any: see :func:`shear_factors`.
 
     Raises
     ------
@@ -40,6 +42,7 @@ def read_materials(
     origin: dict[int, str] = {}
     damped = 0
     named = materials_named(cards)
+    only_lines = named - _named_by_bodies(cards)
     for card in cards.get("MAT1", ()):
         number = card.integer(0)
         if number not in named:
@@ -47,7 +50,8 @@ def read_materials(
         if number in found:
             text = f"material {number} is already defined at {origin[number]}; renumber one"
             raise card.error(text)
-        youngs, poisson = _constants(card, number)
+        lines = _line_constants(card) if number in only_lines else None
+        youngs, poisson = _constants(card, number) if lines is None else (lines[0], 0.0)
         if not math.isfinite(youngs + poisson):
             text = f"material {number}: E, G and NU are too large for a number; check the units"
             raise card.error(text)
@@ -65,6 +69,38 @@ def read_materials(
     if damped:
         ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
     return found
+
+
+def shear_factors(cards: Mapping[str, Cards]) -> dict[int, float]:
+    """Return G over E/2 of materials that only lines name and that no Poisson's ratio explains.
+
+    Beams and rods use E and G each on its own; such a material is read with NU = 0, and the torsion
+    and shear of its sections are multiplied by this.
+    """
+    only_lines = materials_named(cards) - _named_by_bodies(cards)
+    factors = {}
+    for card in cards.get("MAT1", ()):
+        lines = _line_constants(card) if card.integer(0) in only_lines else None
+        if lines is not None:
+            factors[card.integer(0)] = 2 * lines[1] / lines[0]
+    return factors
+
+
+def _line_constants(card: Card) -> tuple[float, float] | None:
+    """E and G that contradict each other as those of an isotropic material; None if they do not."""
+    youngs, shear = card.real(1, 0.0), card.real(2, 0.0)
+    if not (youngs > 0 and shear > 0):
+        return None
+    ratio = card.real(3, youngs / (2 * shear) - 1)
+    consistent = youngs / (2 * (1 + ratio)) if ratio > -1 else 0.0
+    contradict = abs(shear - consistent) > _CONTRADICTION * consistent
+    return (youngs, shear) if contradict or not -1 < ratio < _INCOMPRESSIBLE else None
+
+
+def _named_by_bodies(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Ids of the materials that solids and shells name."""
+    solids = (numbers.integer(card.text(1)) for card in cards.get("PSOLID", ()))
+    return materials_of_shells(cards) | frozenset(n for n in solids if n is not None)
 
 
 def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:

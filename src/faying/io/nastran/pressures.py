@@ -7,6 +7,7 @@ a load per unit of (not projected) area.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
 from faying.model.mesh import CellBlock
+from faying.model.shells import ShellBlock
 from faying.model.surface import LINEAR, N_NODES
 
 # N times p times the area vector: degree 3 per direction on quad4 (two points), 6 on quad8 (four);
@@ -24,38 +26,80 @@ _ORDERS = {"tri3": 2, "tri6": 6, "quad4": 2, "quad8": 4}
 
 
 def read_pressures(
-    cards: Cards, grids: Grids, blocks: Sequence[CellBlock]
+    cards: Cards,
+    grids: Grids,
+    nodes: Matrix,
+    blocks: Sequence[CellBlock],
+    shells: Sequence[ShellBlock],
 ) -> tuple[Indices, Indices, Matrix]:
     """Return load set (m,), node index (m,) and force (m, 3) of all PLOAD4.
+
+    On shells pressure acts along the normal of the element, and THRU names a range of them.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+        Of the deck, and those of sides of shells without one.
 
     Raises
     ------
     FormatError
-        If an element is no solid, the grids name no face of it, or a direction has no length.
+        If an element is no solid or shell, the grids name no face of a solid, or a direction has
+        no length.
     """
-    for card in np.flatnonzero(np.array(cards.words(6)) == "THRU")[:1].tolist():
-        text = "THRU is for shells, which are not supported; write one PLOAD4 per face"
-        raise cards.error(card, text, 6)
-    faces, first_corner = _faces(cards, grids, blocks)
-    pressures = _pressures(cards)
-    direction = _directions(cards)
-    sets: list[Indices] = []
-    nodes: list[Indices] = []
-    forces: list[Matrix] = []
-    counts = (faces >= 0).sum(axis=1)
-    for kind, n in N_NODES.items():
-        here = np.flatnonzero(counts == n)
-        if not len(here):
+    of_shells = np.isin(cards.integers(1), [n for block in shells for n in block.ids.tolist()])
+    of_shells |= np.array([word == "THRU" for word in cards.words(6)])
+    solids = cards.take(~of_shells)
+    parts = _on_shells(cards.take(of_shells), grids, nodes, shells) if of_shells.any() else []
+    if len(solids):
+        faces, first_corner = _faces(solids, grids, blocks)
+        pressures, direction = _pressures(solids), _directions(solids)
+        counts = (faces >= 0).sum(axis=1)
+        for kind, n in N_NODES.items():
+            here = np.flatnonzero(counts == n)
+            if len(here):
+                table, values = faces[here, :n], _turned(kind, pressures[here], first_corner[here])
+                area = _Faces(kind, table, nodes[table], sense=-1.0)
+                forces = _forces(area, grids, values, solids, here, direction)
+                parts.append((solids.integers(0)[here], table, forces))
+    return (
+        np.concatenate([np.repeat(sets, nodes.shape[1]) for sets, nodes, _ in parts]),
+        np.concatenate([nodes.ravel() for _, nodes, _ in parts]),
+        np.concatenate([forces.reshape(-1, 3) for _, _, forces in parts]),
+    )
+
+
+def _on_shells(
+    cards: Cards, grids: Grids, nodes: Matrix, shells: Sequence[ShellBlock]
+) -> list[tuple[Indices, Indices, Matrix]]:
+    """Load sets (n,), nodes (n, n_node) and forces (n, n_node, 3) on shells of each kind."""
+    first = cards.integers(1)
+    through = np.array([word == "THRU" for word in cards.words(6)])
+    last = first.copy()
+    last[through] = cards.take(through).integers(7)
+    pressures, direction = _pressures(cards), _directions(cards)
+    reached = np.zeros(len(cards), dtype=bool)
+    parts = []
+    for block in shells:
+        if block.kind not in N_NODES:
             continue
-        table = faces[here, :n]
-        parts = _forces(
-            kind, grids, table, _turned(kind, pressures[here], first_corner[here]), cards,
-            here, direction,
-        )  # fmt: skip
-        sets.append(np.repeat(cards.integers(0)[here], n))
-        nodes.append(table.ravel())
-        forces.append(parts.reshape(-1, 3))
-    return np.concatenate(sets), np.concatenate(nodes), np.concatenate(forces)
+        order = np.argsort(block.ids, kind="stable")
+        low = np.searchsorted(block.ids, first, sorter=order)
+        count = np.maximum(np.searchsorted(block.ids, last, "right", sorter=order) - low, 0)
+        here = np.repeat(np.arange(len(cards)), count)
+        within = np.arange(len(here)) - np.repeat(np.cumsum(count) - count, count)
+        table = block.nodes[order[np.repeat(low, count) + within]]
+        reached[here] = True
+        if len(table):
+            area = _Faces(block.kind, table, nodes[table], sense=1.0)
+            values = pressures[here, : 3 if block.kind.startswith("tri") else 4]
+            forces = _forces(area, grids, values, cards, here, direction)
+            parts.append((cards.integers(0)[here], table, forces))
+    if not reached.all():
+        card = int(np.flatnonzero(~reached)[0])
+        text = f"no shell that takes a pressure is among elements {first[card]} to {last[card]}"
+        raise cards.error(card, text, 1)
+    return parts
 
 
 def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Indices, Indices]:
@@ -84,7 +128,7 @@ def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Ind
     faces, known = find_faces(blocks, elements, fits)
     if not known.all():
         card = int(np.flatnonzero(~known)[0])
-        text = f"element {elements[card]} is no solid of the deck; correct the id"
+        text = f"element {elements[card]} is no solid or shell of the deck; correct the id"
         raise cards.error(card, text, 1)
     missing = np.flatnonzero(faces[:, 0] < 0)
     if missing.size:
@@ -126,22 +170,30 @@ def _directions(cards: Cards) -> Matrix:
     return unit
 
 
+class _Faces(NamedTuple):
+    """Faces of one kind: node indices and coordinates, and the sense of pressure: 1 outward."""
+
+    kind: str
+    nodes: Indices
+    coordinates: Matrix
+    sense: float
+
+
 def _forces(
-    kind: str,
+    faces: _Faces,
     grids: Grids,
-    table: Indices,
     pressures: Matrix,
     cards: Cards,
     here: Indices,
     direction: Matrix,
 ) -> Matrix:
     """Consistent forces (n_face, n_node, 3)."""
+    kind, _, coordinates, sense = faces
     rule = gauss_rule(kind, _ORDERS[kind])
-    coordinates = grids.nodes[table]
     shape = shape_functions(kind, rule.points)
     intensity = pressures @ shape_functions(LINEAR[kind], rule.points).T
     area = area_vectors(kind, coordinates, rule.points)
-    traction = -area * intensity[:, :, None]
+    traction = sense * area * intensity[:, :, None]
     vector = direction[here]
     fixed = np.flatnonzero(vector.any(axis=1))
     if len(fixed):

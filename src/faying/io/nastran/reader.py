@@ -20,7 +20,12 @@ from faying.io.nastran.layers import SHELL_PROPERTIES
 from faying.io.nastran.left_out import CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses
-from faying.io.nastran.materials import MATERIALS, materials_named, read_materials
+from faying.io.nastran.materials import (
+    MATERIALS,
+    materials_named,
+    read_materials,
+    shear_factors,
+)
 from faying.io.nastran.parameters import mass_factor
 from faying.io.nastran.plane_materials import read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
@@ -59,7 +64,7 @@ _READ = frozenset(
         *(*SHELL_PROPERTIES, "MAT2", "MAT8"),
         *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PMASS", "SPOINT"),
         *("GRID", "GRDSET", "PSOLID", "MAT1", "PBAR", "PBARL", "PBEAM", "PBEAML", "PELAS"),
-        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "SPCR", "FORCE", "MOMENT", "LOAD"),
+        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "FORCE", "MOMENT", "LOAD"),
         *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD4"),
         # contact and bolts, read behind the structure
         *("BSURF", "BSURFS", "BCPROP", "BCPROPS", "BCTSET", "BCTADD", "BCTPARM", "BCTPARA"),
@@ -119,6 +124,7 @@ def read_parts(
             message = f"{path}: coordinates are too large for a number; check the units"
             raise FormatError(message)
         materials = read_materials(cards, factor, ignored)
+        factors = shear_factors(cards)
         solids = read_solids(cards, grids, materials, ignored)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])
@@ -126,33 +132,38 @@ def read_parts(
         node_sets, more_sets = read_sets(cards, grids, by_property, ignored)
         plane = read_plane_materials(cards, materials, factor, ignored)
         laminates = read_shell_properties(cards, plane, factor, ignored)
-        shells, sections = read_shells(cards, grids, laminates, ignored)
+        shells = read_shells(cards, grids, laminates, ignored)
         rigid, rigid_equations = read_rigid_elements(cards, grids)
+        mesh = Mesh(
+            nodes=np.vstack([grids.nodes, shells.nodes]),
+            node_ids=np.concatenate([grids.ids, shells.node_ids]),
+            blocks=solids.blocks,
+            node_sets=node_sets,
+            element_sets={**by_property, **more_sets},
+        )
         assembly = Assembly(
-            mesh=Mesh(
-                nodes=grids.nodes,
-                node_ids=grids.ids,
-                blocks=solids.blocks,
-                node_sets=node_sets,
-                element_sets={**by_property, **more_sets},
-            ),
+            mesh=mesh,
             materials=solids.materials,
             element=solids.element,
             beams=(
-                *read_beams(cards, grids, read_sections(cards, materials)),
-                *read_rods(cards, grids, materials, factor),
+                *read_beams(cards, grids, read_sections(cards, materials, factors)),
+                *read_rods(cards, grids, materials, factors, factor),
             ),
-            shells=shells,
-            shell_sections=sections,
+            shells=shells.blocks,
+            shell_sections=shells.sections,
             springs=tuple(read_springs(cards, grids, ignored)),
             bushes=tuple(read_bushes(cards, grids, factor, ignored)),
             masses=tuple(read_masses(cards, grids, factor)),
             scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
             rigid_couplings=tuple(rigid),
             average_couplings=tuple(read_average_couplings(cards, grids)),
-            equations=(*rigid_equations, *read_equations(cards, grids, control.mpc)),
+            equations=(
+                *shells.equations,
+                *rigid_equations,
+                *read_equations(cards, grids, control.mpc),
+            ),
             supports=tuple(read_supports(cards, grids, control.spc)),
-            loads=read_loads(cards, grids, solids.blocks, control.load, ignored),
+            loads=read_loads(cards, grids, mesh, shells.blocks, control.load, ignored),
             name=path.stem,
         )
     return Deck(

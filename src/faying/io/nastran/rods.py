@@ -7,6 +7,7 @@ import numpy as np
 
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.sections import with_shear
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Beam, BeamSection, Material
 
@@ -17,6 +18,7 @@ def read_rods(
     cards: Mapping[str, Cards],
     grids: Grids,
     materials: Mapping[int, Material],
+    factors: Mapping[int, float],
     mass_factor: float,
 ) -> list[Beam]:
     """Read rods as beams without bending stiffness, whose mass lies along a straight line.
@@ -36,8 +38,9 @@ def read_rods(
                 before = found[name, number][1].where()
                 text = f"property {number} is already defined at {before}; renumber one"
                 raise card.error(text)
-            material = material_of(card, 1, materials)
-            found[name, number] = (read(card, material, mass_factor), card)
+            section, heavy = read(card, material_of(card, 1, materials), mass_factor)
+            factor = factors.get(card.integer(1), 1.0)
+            found[name, number] = ((with_shear(section, factor), heavy), card)
     rods: list[Beam] = []
     for name, family in (("CROD", "PROD"), ("CTUBE", "PTUBE")):
         for card in cards.get(name, ()):
@@ -48,7 +51,8 @@ def read_rods(
             rods.append(_rod(card, grids, (2, 3), found[family, number][0], number))
     for card in cards.get("CONROD", ()):
         material = material_of(card, 3, materials)
-        member = _member(card, 4, material, mass_factor)
+        section, heavy = _member(card, 4, material, mass_factor)
+        member = (with_shear(section, factors.get(card.integer(3), 1.0)), heavy)
         rods.append(_rod(card, grids, (1, 2), member, 0))
     return rods
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.solids import material_of
@@ -17,12 +18,17 @@ _STATIONS = ("YES", "YESA", "NO")
 
 
 def read_sections(
-    cards: Mapping[str, Cards], materials: Mapping[int, Material]
+    cards: Mapping[str, Cards], materials: Mapping[int, Material], factors: Mapping[int, float]
 ) -> dict[str, dict[int, Property]]:
     """Return sections by element card (CBAR, CBEAM) and property id.
 
     K1, K2 left blank are rigid in shear on PBAR and 1.0 on PBEAM; 0.0 is rigid on both. PBARL and
     PBEAML take shear factors from :func:`dimensioned_section`.
+
+    Parameters
+    ----------
+    factors
+        As :func:`faying.io.nastran.materials.shear_factors`.
 
     Raises
     ------
@@ -46,8 +52,22 @@ def read_sections(
                 raise card.error(text)
             origin[element, number] = card
             material = material_of(card, 1, materials)
-            result[element][number] = (_checked(card, read(card, material)), material)
+            section = _checked(card, read(card, material))
+            factor = factors.get(card.integer(1), 1.0)
+            result[element][number] = (with_shear(section, factor), material)
     return result
+
+
+def with_shear(section: BeamSection, factor: float) -> BeamSection:
+    """Multiply what the shear modulus does by a factor."""
+    if factor == 1.0:
+        return section
+    return replace(
+        section,
+        torsion=factor * section.torsion,
+        shear_factor_y=factor * section.shear_factor_y,
+        shear_factor_z=factor * section.shear_factor_z,
+    )
 
 
 def _checked(card: Card, section: BeamSection) -> BeamSection:
@@ -105,8 +125,10 @@ def _pbeam(card: Card, _: Material) -> BeamSection:
 
 
 def _check_station(card: Card, row: int) -> None:
+    # Areas and moments of inertia are positive: 0.0 is a blank that was written out.
+    blank = [j for j in (2, 3, 4) if card.text(row + j) and card.real(row + j) == 0.0]
     for j in range(2, 8):
-        if card.text(row + j) and _differ(card.real(row + j), card.real(j, 0.0)):
+        if j not in blank and card.text(row + j) and _differ(card.real(row + j), card.real(j, 0.0)):
             text = (
                 f"the section changes along the beam (field {j + 2}); tapered beams are not "
                 "supported, split the beam into constant pieces"

@@ -1,4 +1,4 @@
-"""PSHELL, PCOMP, PCOMPG: sections of shells."""
+"""PSHELL, PCOMP, PCOMPG, PSHEAR: sections of shells."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -51,9 +51,8 @@ def read_shell_properties(
                 before = found[number].card.where()
                 text = f"property {number} is already defined at {before}; renumber one"
                 raise card.error(text)
-            read = _plate if name == "PSHELL" else _laminate
-            found[number] = read(card, materials, mass_factor)
-        if name != "PSHELL" and name in cards:
+            found[number] = _READERS[name](card, materials, mass_factor)
+        if name.startswith("PCOMP") and name in cards:
             ignored.append(LAMINATE)
     return found
 
@@ -98,6 +97,23 @@ def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
 
     _check(card, section(thickness))
     return ShellProperty(thickness=thickness, section=section, card=card)
+
+
+def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
+    """PSHEAR: MID, T, NSM, F1, F2."""
+    material, thickness = _material(card, 1, materials), card.real(2)
+    extra = card.real(3, 0.0) * mass_factor
+    remedy = "put CROD there, and leave F1 and F2 blank"
+    card.refuse_non_zero([4, 5], "stiffness along the sides", remedy)
+    if material is None or not thickness > 0 or not extra >= 0:
+        text = f"T = {thickness:g}, NSM = {extra:g}; it needs a material and a positive thickness"
+        raise card.error(text)
+    law = np.zeros((6, 6))
+    law[:3, :3] = thickness * material.law
+    mass = material.density * thickness + extra
+    section = ShellSection(stiffness=law, shear=None, mass=mass, name=card.text(1))
+    _check(card, section)
+    return ShellProperty(thickness=thickness, section=lambda _: section, card=card)
 
 
 def _material(
@@ -217,3 +233,6 @@ def _shear(
         work = (stress**2 @ _WEIGHTS) * t / 2 @ flexible[:, axis]
         stiffness[axis, axis] = rigidity**2 / work
     return stiffness
+
+
+_READERS = {"PSHELL": _plate, "PCOMP": _laminate, "PCOMPG": _laminate, "PSHEAR": _panel}

@@ -1,6 +1,6 @@
-"""CTRIA3, CQUAD4, CTRIA6, CQUAD8, CTRIAR, CQUADR: shell elements."""
+"""CTRIA3, CQUAD4, CTRIA6, CQUAD8, CTRIAR, CQUADR, CSHEAR: shells and shear panels."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +11,15 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.shell_sections import ShellProperty
 from faying.io.nastran.solids import check_distinct, property_ids
+from faying.model.assembly import Equation
 from faying.model.shells import ShellBlock, ShellSection
 
 _DIFFERENT = 1e-6
 """Relative difference of a thickness of its own that is more than rounding of eight columns."""
+
+
+_NONE = 1000
+"""A field no card reaches."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,17 +28,20 @@ class _Layout:
 
     kind: str
     n_nodes: int
-    theta: int
-    offset: int
-    flag: int
-    own: int
+    theta: int = _NONE
+    offset: int = _NONE
+    flag: int = _NONE
+    own: int = _NONE
 
 
 _LAYOUTS = {
     "CTRIA3": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, own=10),
     "CQUAD4": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, own=10),
+    "CTRIA6": _Layout(kind="tri6", n_nodes=6, theta=8, offset=9, flag=13, own=10),
+    "CQUAD8": _Layout(kind="quad8", n_nodes=8, theta=14, offset=15, flag=16, own=10),
     "CTRIAR": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, own=10),
     "CQUADR": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, own=10),
+    "CSHEAR": _Layout(kind="panel4", n_nodes=4),
 }
 SHELL_CARDS = tuple(_LAYOUTS)
 
@@ -41,16 +49,31 @@ ROTATING = "CTRIAR and CQUADR are read as CTRIA3 and CQUAD4, whose membranes kno
 """What is said of elements that are stiffer in Nastran against rotations about the normal."""
 
 
+_N_CORNERS = {"tri3": 3, "quad4": 4, "tri6": 3, "quad8": 4, "panel4": 4}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Shells:
+    """Shells of a deck; nodes on sides without one follow those of the deck by equations."""
+
+    blocks: tuple[ShellBlock, ...]
+    sections: Mapping[int, ShellSection]
+    nodes: Matrix
+    node_ids: Indices
+    equations: tuple[Equation, ...]
+
+
 def read_shells(
     cards: Mapping[str, Cards],
     grids: Grids,
     properties: Mapping[int, ShellProperty],
     ignored: list[str],
-) -> tuple[tuple[ShellBlock, ...], dict[int, ShellSection]]:
+) -> Shells:
     """Read shells and the sections they use.
 
-    Shells with thicknesses of their own have their mean; their sections are numbered behind the
-    properties of the deck.
+    Where a mid-side node is blank, the side has a node of its own that moves as the mean of its
+    ends. Shells with thicknesses of their own have their mean; their sections are numbered behind
+    the properties of the deck.
 
     Raises
     ------
@@ -58,13 +81,14 @@ def read_shells(
         If a node, property or coordinate system is missing, or a node occurs twice.
     """
     blocks: list[ShellBlock] = []
+    straight = _Straight(len(grids.ids), {})
     sections: dict[int, ShellSection] = {}
     own: dict[tuple[int, float], int] = {}
     for name, layout in _LAYOUTS.items():
         if name not in cards:
             continue
         found = cards[name]
-        nodes = np.stack([grids.of_column(found, 2 + j) for j in range(layout.n_nodes)], axis=1)
+        nodes = _nodes(found, layout, grids, straight)
         check_distinct(found, nodes)
         numbers_of = property_ids(found)
         first = dict(
@@ -72,7 +96,7 @@ def read_shells(
         )
         for number, card in first.items():
             if number not in properties:
-                text = f"property {number} is not a PSHELL, PCOMP or PCOMPG of the deck; define it"
+                text = f"property {number} is not a PSHELL, PCOMP, PCOMPG or PSHEAR of the deck"
                 raise found.error(card, text, 1)
             sections[number] = properties[number].section(properties[number].thickness)
         numbers_of = _thick(found, layout, numbers_of, properties, sections, own)
@@ -86,9 +110,54 @@ def read_shells(
                 directions=_directions(found, layout, nodes, grids),
             )
         )
+    if straight.ends:
+        ignored.append(f"{len(straight.ends)} blank mid-side nodes of shells: straight sides")
     if "CTRIAR" in cards or "CQUADR" in cards:
         ignored.append(ROTATING)
-    return tuple(blocks), sections
+    ends = np.array(list(straight.ends), dtype=np.int64).reshape(-1, 2)
+    return Shells(
+        blocks=tuple(blocks),
+        sections=sections,
+        nodes=grids.nodes[ends].mean(axis=1),
+        node_ids=int(grids.ids.max()) + 1 + np.arange(len(ends)),
+        equations=tuple(straight.equations()),
+    )
+
+
+@dataclass
+class _Straight:
+    """Sides without a node of their own: their ends, and the index of the first new node."""
+
+    first: int
+    ends: dict[tuple[int, int], int]
+
+    def node(self, start: int, end: int) -> int:
+        """Return the index of the new node between two."""
+        pair = (min(start, end), max(start, end))
+        return self.ends.setdefault(pair, self.first + len(self.ends))
+
+    def equations(self) -> Iterator[Equation]:
+        """Yield the six means of each new node."""
+        for (start, end), node in self.ends.items():
+            for c in range(6):
+                terms = ((node, c, 1.0), (start, c, -0.5), (end, c, -0.5))
+                yield Equation(id=0, terms=terms)
+
+
+def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: _Straight) -> Indices:
+    """Node indices (n, n_node); new ones where a mid-side node is blank."""
+    n_corner = _N_CORNERS[layout.kind]
+    corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
+    columns = list(corners)
+    for j in range(n_corner, layout.n_nodes):
+        given = cards.given(2 + j)
+        column = np.zeros(len(cards), dtype=np.int64)
+        column[given] = grids.of_column(cards.take(given), 2 + j)
+        ends = corners[j - n_corner], corners[(j - n_corner + 1) % n_corner]
+        for card in np.flatnonzero(~given).tolist():
+            column[card] = straight.node(int(ends[0][card]), int(ends[1][card]))
+        columns.append(column)
+    return np.stack(columns, axis=1)
 
 
 def _thick(
@@ -100,7 +169,7 @@ def _thick(
     own: dict[tuple[int, float], int],
 ) -> Indices:
     """Property numbers of shells; those with a thickness of their own get new ones."""
-    n_corner = 3 if layout.kind.startswith("tri") else 4
+    n_corner = _N_CORNERS[layout.kind]
     columns = range(layout.own, layout.own + n_corner)
     given = np.flatnonzero(np.any([cards.given(field) for field in columns], axis=0))
     result = numbers_of.copy()
@@ -129,7 +198,7 @@ def _directions(cards: Cards, layout: _Layout, nodes: Indices, grids: Grids) -> 
     raw = cards.column(layout.theta)
     system, not_integer = numbers.integers(raw)
     angle = np.radians(cards.reals(layout.theta, 0.0))
-    places = grids.nodes[nodes]
+    places = grids.nodes[nodes[:, : _N_CORNERS[layout.kind]]]
     result = _at_angle(places, np.where(not_integer, angle, 0.0))
     for number in np.unique(system[~not_integer]).tolist():
         here = np.flatnonzero(~not_integer & (system == number))

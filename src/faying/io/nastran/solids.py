@@ -11,6 +11,7 @@ from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Material
 from faying.model.elements import SOLIDS
+from faying.model.elements.orientation import right_side_out
 from faying.model.mesh import CellBlock
 
 _FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
@@ -50,7 +51,7 @@ def read_solids(
     users: dict[int, tuple[Cards, int]] = {}
     for name in SOLID_CARDS:
         if name in cards:
-            blocks += _blocks(cards[name], name, grids)
+            blocks += _blocks(cards[name], name, grids, ignored)
             _note_properties(cards[name], users)
     properties = _properties(cards)
     used: dict[int, Material] = {}
@@ -79,7 +80,7 @@ def _note_schemes(
             ignored.append(note)
 
 
-def _blocks(cards: Cards, name: str, grids: Grids) -> list[CellBlock]:
+def _blocks(cards: Cards, name: str, grids: Grids, ignored: list[str]) -> list[CellBlock]:
     kinds = {e.n_nodes: e.kind for e in SOLIDS.values() if e.elsewhere.nastran == name}
     sizes = sorted(kinds)
     given = np.stack([cards.given(2 + j) for j in range(sizes[-1])], axis=1)
@@ -96,6 +97,10 @@ def _blocks(cards: Cards, name: str, grids: Grids) -> list[CellBlock]:
         if len(these):
             nodes = np.stack([grids.of_column(these, 2 + j) for j in range(size)], axis=1)
             check_distinct(these, nodes)
+            nodes, turned = right_side_out(kinds[size], nodes, grids.nodes[nodes])
+            if turned.any():
+                first = these.words(0)[int(turned.argmax())]
+                ignored.append(f"node order of {turned.sum()} {name} inside out, the first {first}")
             result.append(
                 CellBlock(
                     kind=kinds[size],

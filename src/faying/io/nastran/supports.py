@@ -34,10 +34,6 @@ def read_supports(cards: Mapping[str, Cards], grids: Grids, chosen: int | None) 
     for name in ("SPC", "SPC1"):
         if name in cards:
             members |= set(cards[name].integers(0).tolist())
-    for name in ("SPCD", "SPCR"):
-        for card in cards.get(name, ()):
-            text = "prescribed displacements are not supported; remove it or use a force"
-            raise card.error(text)
     sets = selected_sets(cards, "SPCADD", members, chosen)
     for digits, nodes in grids.permanent.items():
         held.setdefault((0, components(digits, _permanent_error)), []).append(nodes)

@@ -144,10 +144,11 @@ def flat_matrices(kind: str, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
     strains = np.concatenate(
         [_strains(table, gradient, inverse, sides), _bubble_strains(table, xy, area)], axis=3
     )
-    stiffness = _condensed(_integrated(strains, laws.stiffness, area), n_dof)
-    stiffness += _integrated(inverse @ (table.side_fields @ shears[:, None]), laws.shear, area)
-    drilling = DRILLING * laws.stiffness[:, 2:3, 2:3]
-    stiffness += _integrated(_drilling(table, gradient), drilling, area)
+    stiffness = _condensed(integrated(strains, laws.stiffness[:, None], area), n_dof)
+    sheared = inverse @ (table.side_fields @ shears[:, None])
+    stiffness += integrated(sheared, laws.shear[:, None], area)
+    drilling = DRILLING * laws.stiffness[:, None, 2:3, 2:3]
+    stiffness += integrated(_drilling(table, gradient), drilling, area)
     products = np.einsum("eq,qi,qj->eij", area, table.values, table.values)
     moved = np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     turned = np.diag([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
@@ -156,9 +157,9 @@ def flat_matrices(kind: str, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
     return mass, 0.5 * (stiffness + stiffness.swapaxes(1, 2))
 
 
-def _integrated(strains: Matrix, law: Matrix, area: Matrix) -> Matrix:
-    """∫ Bᵀ C B dA of strains (n, n_q, n_strain, n_dof) and laws (n, n_strain, n_strain)."""
-    weighted = (law[:, None] @ strains) * area[:, :, None, None]
+def integrated(strains: Matrix, law: Matrix, area: Matrix) -> Matrix:
+    """∫ Bᵀ C B dA of strains (n, n_q, k, n_dof) and laws (n, 1 or n_q, k, k)."""
+    weighted = (law @ strains) * area[:, :, None, None]
     flat = (len(strains), -1, strains.shape[3])
     return np.asarray(strains.reshape(flat).swapaxes(1, 2) @ weighted.reshape(flat))
 

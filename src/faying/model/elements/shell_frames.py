@@ -52,23 +52,30 @@ def flat_frames(coordinates: Matrix, ids: Indices) -> tuple[Matrix, Matrix]:
     normal = np.cross(coordinates[:, first] - coordinates[:, 0], coordinates[:, second] - start)
     extent = np.ptp(coordinates, axis=1).max(axis=1)
     size = np.linalg.norm(normal, axis=1)
-    _check(size > _COLLAPSED * extent**2, ids)
+    check_area(size > _COLLAPSED * extent**2, ids)
     z = normal / size[:, None]
     side = coordinates[:, 1] - coordinates[:, 0]
     side = side - np.einsum("ei,ei->e", side, z)[:, None] * z
     length = np.linalg.norm(side, axis=1)
-    _check(length > _COLLAPSED * extent, ids)
+    check_area(length > _COLLAPSED * extent, ids)
     x = side / length[:, None]
     frames = np.stack([x, np.cross(z, x), z], axis=1)
     centred = coordinates - coordinates.mean(axis=1, keepdims=True)
     local = np.einsum("eci,eni->enc", frames, centred)
     before, after = np.roll(local, 1, axis=1) - local, np.roll(local, -1, axis=1) - local
     corner = after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0]
-    _check(corner.min(axis=1) > _COLLAPSED * extent**2, ids)
+    check_area(corner.min(axis=1) > _COLLAPSED * extent**2, ids)
     return frames, local
 
 
-def _check(good: Mask, ids: Indices) -> None:
+def check_area(good: Mask, ids: Indices) -> None:
+    """Refuse shells that are not ``good`` (n,).
+
+    Raises
+    ------
+    ModelError
+        Naming the first.
+    """
     if not good.all():
         bad = ids[~good]
         others = f" (and {len(bad) - 1} more)" if len(bad) > 1 else ""
@@ -110,13 +117,20 @@ def on_nodes(matrix: Matrix, motion: Matrix) -> Matrix:
 def laws_in(
     block: ShellBlock, part: slice, frames: Matrix, sections: Mapping[int, ShellSection]
 ) -> ElementLaws:
-    """Turn the sections of some shells of a block into the axes of each.
+    """Turn the sections of some shells of a block into axes of their own.
+
+    Parameters
+    ----------
+    frames : (n, 3, 3) or (n, n_q, 3, 3)
+        At one place of each shell, or several; the laws then follow in one list (n · n_q).
 
     Raises
     ------
     ModelError
         If a property has no section, or the direction of a material is normal to its shell.
     """
+    repeat = 1 if frames.ndim == 3 else frames.shape[1]
+    frames = frames.reshape(-1, 3, 3)
     numbers, which = np.unique(block.properties[part], return_inverse=True)
     for position, number in enumerate(numbers.tolist()):
         if number not in sections:
@@ -124,15 +138,17 @@ def laws_in(
             message = f"property {number} (of shell {culprit}) has no section; define it"
             raise ModelError(message)
     own = [sections[number] for number in numbers.tolist()]
-    direction = block.directions[part]
+    which = np.repeat(which, repeat)
+    direction = np.repeat(block.directions[part], repeat, axis=0)
     given = direction.any(axis=1)
     along = np.einsum("eci,ei->ec", frames[:, :2], direction)
     upright = given & ~(
         np.linalg.norm(along, axis=1) > _UPRIGHT * np.linalg.norm(direction, axis=1)
     )
     if upright.any():
+        culprit = np.repeat(block.ids[part], repeat)[upright][0]
         message = (
-            f"shell {block.ids[part][upright][0]}: the direction of its material's x axis is "
+            f"shell {culprit}: the direction of its material's x axis is "
             "normal to it; give one that lies in the surface"
         )
         raise ModelError(message)

@@ -1,0 +1,41 @@
+"""Solids that are inside out: the same nodes in the order of the mirror image."""
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix
+from faying.model.elements import SOLIDS
+from faying.model.elements.geometry import cofactors, determinants, jacobians
+from faying.model.elements.solid_element import SolidElement, corner_gradients
+
+
+def right_side_out(kind: str, nodes: Indices, coordinates: Matrix) -> tuple[Indices, Mask]:
+    """Turn elements whose every corner is inside out.
+
+    Some programs number the other way round (MED), others accept either.
+
+    Parameters
+    ----------
+    nodes : (n_cell, n_node)
+    coordinates : (n_cell, n_node, 3) [length]
+
+    Returns
+    -------
+    nodes : (n_cell, n_node)
+    turned : (n_cell,)
+        Elements that were inside out. Those that are at some corners only are left as they are.
+    """
+    element = SOLIDS[kind]
+    with np.errstate(over="ignore", invalid="ignore"):
+        jacobian = jacobians(corner_gradients(element), coordinates)
+        determinant = determinants(jacobian, cofactors(jacobian))
+    turned: Mask = (determinant < 0).all(axis=1)
+    if not turned.any():
+        return nodes, turned
+    return np.where(turned[:, None], nodes[:, _mirrored(element)], nodes), turned
+
+
+def _mirrored(element: SolidElement) -> Indices:
+    """Place of each node's image where the first two reference coordinates change places."""
+    image = element.reference_nodes[:, [1, 0, 2]]
+    distance = np.abs(element.reference_nodes[None] - image[:, None]).max(axis=2)
+    return np.asarray(distance.argmin(axis=1), dtype=np.int64)
