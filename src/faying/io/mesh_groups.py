@@ -45,9 +45,9 @@ def _tagged(found: Any) -> dict[str, list[Any]]:
     if key is None:
         return {}
     names = {
-        (int(tag), int(size)): name
-        for name, (tag, size) in found.field_data.items()
-        if np.size(tag) == 1
+        (int(given[0]), int(given[1])): name
+        for name, given in found.field_data.items()
+        if np.shape(given) == (2,)
     }
     tags = [np.asarray(values) for values in found.cell_data[key]]
     kinds = [dimension(block.type) for block in found.cells]
