@@ -70,7 +70,7 @@ def _curved(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix,
     coordinates = assembly.mesh.nodes[block.nodes[part]]
     ids = block.ids[part]
     director = directors(block.kind, coordinates)
-    check_area(np.isfinite(director).all(axis=(1, 2)), ids)
+    check_area(np.asarray(np.isfinite(director).all(axis=(1, 2))), ids)
     arms = block.offsets[part, None, None] * director
     at = {}
     for name, rule in CURVED_SHELLS[block.kind].rules.items():

@@ -162,7 +162,7 @@ def _quad8() -> CurvedShell:
     directions = np.repeat(np.eye(2), 6, axis=0)
     one = np.zeros((5, 6))
     one[[0, 1, 2, 2, 3, 4], range(6)] = [1, 1, 0.5, 0.5, 1, 1]
-    samples = (places, directions, np.kron(np.eye(2), one))
+    samples = (places, directions, np.asarray(np.kron(np.eye(2), one), float))
     return CurvedShell(
         rules=rules,
         shares={"reduced": 1 - HELD, "full": HELD},

@@ -28,7 +28,7 @@ def right_side_out(kind: str, nodes: Indices, coordinates: Matrix) -> tuple[Indi
     with np.errstate(over="ignore", invalid="ignore"):
         jacobian = jacobians(corner_gradients(element), coordinates)
         determinant = determinants(jacobian, cofactors(jacobian))
-    turned: Mask = (determinant < 0).all(axis=1)
+    turned: Mask = np.asarray((determinant < 0).all(axis=1))
     if not turned.any():
         return nodes, turned
     return np.where(turned[:, None], nodes[:, _mirrored(element)], nodes), turned
