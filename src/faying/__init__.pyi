@@ -6,6 +6,7 @@ from faying.assessment.accuracy import relative_error as relative_error
 from faying.assessment.best_possible import best_possible_errors as best_possible_errors
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes
+from faying.assessment.decay import free_decay as free_decay
 from faying.assessment.energy import energy_balance as energy_balance
 from faying.assessment.frequencies import count_frequencies_below as count_frequencies_below
 from faying.assessment.frequencies import preloaded_frequencies as preloaded_frequencies

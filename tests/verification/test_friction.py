@@ -11,6 +11,8 @@ from faying.contact.frictional import ROUND_OFF, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError
+from faying.export.formats import export
+from faying.export.linearized import linearize
 
 FRICTION, TANGENTIAL = 0.2, 8e5
 LOADS = {
@@ -114,8 +116,10 @@ def test_paths_of_reduced_models_are_those_of_the_full_one(friction, penalty):
         mine, exact = getattr(reduced, name), getattr(full, name)
         np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-8 * full.max_pressure.max())
     np.testing.assert_allclose(reduced.dissipation.sum(), full.dissipation.sum(), rtol=1e-7)
-    with pytest.raises(ModelError, match="not friction yet; take displacements at boundaries"):
+    with pytest.raises(ModelError, match="take displacements with the full model"):
         reduced.full_displacement()
+    moved, exact = fy.full_displacement(model, reduced), full.states
+    np.testing.assert_allclose(moved, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
     check_law(full, friction)
 
 
@@ -210,10 +214,30 @@ def test_laws_say_what_is_wrong():
     assert automatic_tangential_penalty(1.0, 0.3) == pytest.approx(1.4 / 1.7, rel=1e-15)
 
 
+def test_the_preloaded_joint_vibrates_with_its_closed_points_stuck(gauss):
+    found = fy.preloaded_frequencies(gauss, 5)
+    # As the reference prints them, to 1e-3 Hz.
+    expected = [648.665, 1217.276, 3769.198, 4333.889, 6197.799]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-3)
+
+
+def rom_of(model):
+    return fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
+
+
+@pytest.mark.parametrize("to", ["nastran", "mat", "fmu", "exudyn", "vtk", "npz"])
+def test_no_hand_over_forgets_friction(coarse, to, tmp_path):
+    with pytest.raises(ModelError, match=r"model without friction for .* hand-overs"):
+        export(rom_of(coarse), to, out=tmp_path / "joint")
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_knows_no_friction_refuses_it(coarse):
     for attempt in (
         lambda: fy.solve_static(coarse),
         lambda: fy.preload(coarse, {"bolt": 8e3}),
+        lambda: fy.solve_static_newton(coarse),
+        lambda: linearize(fy.solve_path(rom_of(coarse), [fy.Load()])),
         lambda: fy.certify(coarse, LOADS["LC1"], np.zeros(coarse.contact.n_points)),
     ):
         with pytest.raises(

@@ -12,12 +12,13 @@ derives it and says what limits it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import final
+from dataclasses import dataclass, replace
+from typing import Any, final
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
+from faying.assessment.recovered_path import solve_increments
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.joint.system import (
@@ -64,6 +65,10 @@ class Recovered(ContactFields):
     iterations : (...)
         Linear systems each contact problem took.
     times : (n_time,) or None
+    shear_forces : (..., 2, n_point) or None [force]
+        Tangential components of the contact forces of a joint with friction.
+    shear_slip : (..., 2, n_point) or None [length]
+        Tangential components of the slip.
     """
 
     name: str
@@ -74,6 +79,8 @@ class Recovered(ContactFields):
     inputs: Matrix
     iterations: Indices
     times: Vector | None = None
+    shear_forces: Matrix | None = None
+    shear_slip: Matrix | None = None
 
     def __post_init__(self) -> None:
         for name in ("contact_forces", "gap", "port_displacements", "inputs"):
@@ -136,10 +143,16 @@ def recover_pressure(
     first instant is the state before the load, at rest: static balance.
 
     Cost: one small matrix product for all instants and one warm contact problem each.
+
+    With friction the contact problems are increments of a path, from instant to instant: pressures
+    and tractions at one depend on all before it, so all of them are solved whichever are wanted.
+    The first takes its slip from the solution. What a poor trajectory says of the way to an
+    instant stays in the slip there; recovery corrects forces, not the past.
     """
     at = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
-    chosen = _selected(solution, at)
     joint = model.joint if isinstance(model, ReducedModel) else model
+    rubs = joint.contact.components > 1
+    chosen = solution if rubs else _selected(solution, at)
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
@@ -147,7 +160,10 @@ def recover_pressure(
         raise ModelError(message)
     else:
         free = _free_from_full(model, chosen)
-    return solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times)
+    if not rubs:
+        return solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times)
+    path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
+    return path if instants is None or free.ndim == 1 else _taken(path, at)
 
 
 def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
@@ -225,7 +241,9 @@ def _free_from_full(model: Model, solution: Solution) -> Matrix:
         )
         raise ModelError(message)
     displacements = at_ports(model, solution.states.T).T
-    return displacements - _contact_displacements(model, solution.contact_forces)
+    return displacements - _contact_displacements(
+        model, solution.contact_forces, solution.shear_forces
+    )
 
 
 def balanced_accelerations(system: System, solution: Solution) -> Matrix:
@@ -235,7 +253,8 @@ def balanced_accelerations(system: System, solution: Solution) -> Matrix:
     """
     known = solution.velocities
     velocities = np.zeros_like(solution.states) if known is None else known
-    force = input_forces(system, solution.inputs) + relative_forces(system, solution.contact_forces)
+    contact = relative_forces(system, solution.contact_forces, solution.shear_forces)
+    force = input_forces(system, solution.inputs) + contact
     elastic, damping, mass = (np.asarray(matrix) for matrix in (system.K, system.C, system.M))
     unbalanced = force - solution.states @ elastic - velocities @ damping
     # Masses of coordinates differ by many orders; unscaled, the pseudoinverse mixes their errors.
@@ -246,35 +265,67 @@ def balanced_accelerations(system: System, solution: Solution) -> Matrix:
 
 
 def solve_instants(
-    model: Joint, name: str, inputs: Matrix, free: Matrix, times: Vector | None
+    model: Joint,
+    name: str,
+    inputs: Matrix,
+    free: Matrix,
+    times: Vector | None,
+    begin: Solution | None = None,
 ) -> Recovered:
-    """Solve the static contact problem of every row, each started from the one before."""
+    """Solve the static contact problem of every row, each started from the one before.
+
+    Parameters
+    ----------
+    begin
+        Whose first state has slipped already what the first row begins with, in a joint with
+        friction; by default nothing has.
+    """
     condensed, n_relative = model.static_contact, model.port_compliance.n_relative
-    rows = np.atleast_2d(free)
+    rows = np.atleast_2d(free)[:, :n_relative]
     shape = (len(rows), model.contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations = np.empty(len(rows), dtype=np.int64)
+    one = 0 if free.ndim == 1 else slice(None)
+    if model.contact.components > 1:
+        path = solve_increments(model, rows, begin)
+        return Recovered(
+            name=name,
+            system=model,
+            contact_forces=path.forces[one],
+            gap=path.gap[one],
+            port_displacements=free
+            + _contact_displacements(model, path.forces[one], path.shear_forces[one]),
+            inputs=inputs,
+            iterations=path.iterations[one],
+            times=times,
+            shear_forces=path.shear_forces[one],
+            shear_slip=path.slip[one],
+        )
     state = None
-    for row, gap in enumerate(condensed.free_gap(rows[:, :n_relative])):
+    for row, gap in enumerate(condensed.free_gap(rows)):
         solution, state = condensed.solve(gap, state)
         forces[row], gaps[row] = solution.forces, condensed.gap(solution)
         iterations[row] = solution.iterations
-    one = free.ndim == 1
-    lambdas = forces[0] if one else forces
     return Recovered(
         name=name,
         system=model,
-        contact_forces=lambdas,
-        gap=gaps[0] if one else gaps,
-        port_displacements=free + _contact_displacements(model, lambdas),
+        contact_forces=forces[one],
+        gap=gaps[one],
+        port_displacements=free + _contact_displacements(model, forces[one], None),
         inputs=inputs,
-        iterations=iterations[0] if one else iterations,
+        iterations=iterations[one],
         times=times,
     )
 
 
-def _contact_displacements(model: Joint, forces: Matrix) -> Matrix:
+def _taken(recovered: Recovered, at: slice | Indices) -> Recovered:
+    """Take some instants."""
+    taken: dict[str, Any] = {
+        name: value[at] for name, value in vars(recovered).items() if isinstance(value, np.ndarray)
+    }
+    return replace(recovered, **taken)
+
+
+def _contact_displacements(model: Joint, forces: Matrix, shear: Matrix | None) -> Matrix:
     """Q K⁻¹ Gᵀ λ (..., n_port)."""
-    ports = model.port_compliance
-    at_pairs = (model.contact.interpolation.T @ np.asarray(forces).T).T
-    return ports.per_contact(at_pairs)
+    return model.port_compliance.per_contact(model.contact.at_pairs(forces, shear).T)

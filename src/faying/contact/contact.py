@@ -113,6 +113,19 @@ class Contact:
             moved[1:, self.rubbing] = (self.shear @ relative).reshape(2, -1)
         return moved
 
+    def free_slack(self, relative: Vector, slip: Matrix) -> Matrix:
+        """Return z_free of (F1) (3, n_point) for what pairs (n_relative,) move without forces.
+
+        Parameters
+        ----------
+        slip : (2, n_point) [length]
+            So far.
+        """
+        z_free = self.moved(relative)
+        z_free[0] += self.initial_gap
+        z_free[1:] -= slip
+        return z_free
+
     def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
         """Return forces between the pairs (n_relative, ...) of forces at the contact points.
 

@@ -27,7 +27,7 @@ class ContactState:
     slip : (2, n_point) or None [length]
         Tangential components of what has slipped in a joint with friction.
     forces : (3, n_point) or None [force]
-        Forces expected there in the next problem.
+        Of the increment before, from which the next one starts there.
     """
 
     active: Mask

@@ -206,7 +206,7 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
     """
     rom = solution.system
     residual = rom.contact.residual_compliance
-    if not isinstance(rom, ReducedModel) or residual is None or solution.shear_forces is not None:
+    if not isinstance(rom, ReducedModel) or residual is None:
         return solution.full_displacement()
     vectors = rom.trial_vectors
     if len(vectors) != model.structure.n_dof:
@@ -216,7 +216,7 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
         )
         raise ModelError(message)
     moved: Matrix = solution.states @ vectors.T
-    pairs = solution.contact_forces @ rom.contact.interpolation
+    pairs = rom.contact.at_pairs(solution.contact_forces, solution.shear_forces).T
     return moved + residual_displacement(model, rom.basis, pairs)
 
 

@@ -8,17 +8,39 @@ from faying.joint.system import Joint
 
 
 class ContactFields:
-    """Pressures and resultants of contact forces (..., n_point) and gaps (..., n_point)."""
+    """Pressures, tractions and resultants of contact forces and gaps (..., n_point)."""
 
     system: Joint
     contact_forces: Matrix
     gap: Matrix
+    shear_forces: Matrix | None
+    shear_slip: Matrix | None
 
     @property
     def pressure(self) -> Matrix:
         """Contact pressure p (..., n_point) [force/length²], compression positive."""
         pressure: Matrix = self.contact_forces / self.system.contact.weights
         return pressure
+
+    @property
+    def traction(self) -> Matrix:
+        """Traction on the plus side in the tangent plane (..., n_point, 3) [force/length²]."""
+        weights = self.system.contact.weights[:, None]
+        traction: Matrix = self._along_tangents(self.shear_forces) / weights
+        return traction
+
+    @property
+    def slip(self) -> Matrix:
+        """Slip of the plus side over the minus side (..., n_point, 3) [length]."""
+        return self._along_tangents(self.shear_slip)
+
+    def _along_tangents(self, components: Matrix | None) -> Matrix:
+        """Return vectors (..., n_point, 3) of tangential components (..., 2, n_point)."""
+        tangents = self.system.contact.tangents
+        if components is None or tangents is None:
+            return np.zeros((*self.contact_forces.shape, 3))
+        vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
+        return vectors
 
     @property
     def max_pressure(self) -> Matrix:

@@ -33,17 +33,16 @@ class FrictionalEnd:
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
-        """Solve one increment for each case, from forces that go on as they did."""
+        """Solve one increment for each case."""
         solver = self.condensed.frictional
         acting, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            found = solver.solve(_slack(solver.contact, relative, slip), state.forces)
+            found = solver.solve(solver.contact.free_slack(relative, slip), state.forces)
             slip = slip + found.slack[1:]
             ends.append(_contact_forces(found, found.dissipation, slip))
             acting.append(found.forces.ravel())
-            ahead = 2 * found.forces - before
-            after.append(ContactState(active=ends[-1].active, slip=slip, forces=ahead))
+            after.append(ContactState(active=ends[-1].active, slip=slip, forces=found.forces))
         return np.array(acting), ends, after
 
 
@@ -82,7 +81,7 @@ class FrictionalMean:
         means, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            z_free = _slack(solver.contact, relative, slip) - self._given_way(before)
+            z_free = solver.contact.free_slack(relative, slip) - self._given_way(before)
             mean = solver.solve(z_free, state.forces)
             end = self._at_end(mean, mean.forces - before)
             slip = slip + mean.slack[1:] + end.slack[1:]
@@ -147,14 +146,6 @@ def _components(forces: Matrix) -> Matrix:
 
 def _slip(state: ContactState, forces: Matrix) -> Matrix:
     return np.zeros_like(forces[1:]) if state.slip is None else state.slip
-
-
-def _slack(contact: Contact, relative: Vector, slip: Matrix) -> Matrix:
-    """Return z_free (3, n_point) of relative displacements (n_relative,) without the new forces."""
-    z_free = contact.moved(relative)
-    z_free[0] += contact.initial_gap
-    z_free[1:] -= slip
-    return z_free
 
 
 def _contact_forces(found: Increment, dissipation: float, slip: Matrix) -> ContactForces:

@@ -27,7 +27,7 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     Raises
     ------
     ModelError
-        If something moves freely.
+        If something moves freely, or the joint has friction.
     ConvergenceError
         If the points in contact do not settle, or hard contact has more of them than gaps that
         can be closed singly.
@@ -38,6 +38,7 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     are shortened until it falls and Newton cannot fail; hard contact takes full steps on the
     saddle-point equations.
     """
+    model.contact.check_frictionless()
     inputs = load.inputs(model, np.zeros(1))[0]
     external = input_forces(model, inputs)
     hard = np.isinf(model.contact.penalty)

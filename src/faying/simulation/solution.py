@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.exceptions import ModelError
 from faying.joint.system import System, bolt_input
@@ -69,26 +67,6 @@ class Solution(ContactFields):
         for name in ("states", "contact_forces", "gap", "inputs"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
-    @property
-    def traction(self) -> Matrix:
-        """Traction on the plus side in the tangent plane (..., n_point, 3) [force/length²]."""
-        weights = self.system.contact.weights[:, None]
-        traction: Matrix = self._along_tangents(self.shear_forces) / weights
-        return traction
-
-    @property
-    def slip(self) -> Matrix:
-        """Slip of the plus side over the minus side (..., n_point, 3) [length]."""
-        return self._along_tangents(self.shear_slip)
-
-    def _along_tangents(self, components: Matrix | None) -> Matrix:
-        """Return vectors (..., n_point, 3) of tangential components (..., 2, n_point)."""
-        tangents = self.system.contact.tangents
-        if components is None or tangents is None:
-            return np.zeros((*self.contact_forces.shape, 3))
-        vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
-        return vectors
-
     def displacement(self, boundary: str) -> Matrix:
         """Return the displacements at a boundary (..., n) in the order of its components.
 
@@ -123,10 +101,4 @@ class Solution(ContactFields):
             If the model came without its trial vectors, or keeps a residual compliance, whose
             displacements take the full model: :func:`faying.full_displacement`.
         """
-        if self.shear_forces is not None and self.system.contact.residual_compliance is not None:
-            message = (
-                "a reduced model expands what normal contact forces move, not friction yet; take "
-                "displacements at boundaries, gaps and slips, or the path of the full model"
-            )
-            raise ModelError(message)
         return self.system.expand(self.states)
