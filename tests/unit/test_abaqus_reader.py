@@ -1,11 +1,15 @@
 """What each keyword family of an input deck becomes, and what is refused with its place."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.exceptions import FormatError
 from faying.io.abaqus import read_deck, read_joint
+from faying.io.abaqus.written_contact import contact_lines
+from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices
 from small_abaqus_deck import DECK, PARTS, SHANK
@@ -514,8 +518,13 @@ REFUSED = [
     (edited(("LOWER, S2", "LOWER, S7")), r"found 'S7', expected a face S1"),
     (edited(("LOWER, S2", "BOLT, S2")), r"3 is no solid element"),
     (edited(("=LINEAR\n1.E6", "=EXPONENTIAL\n1.E-3, 5.")), r"EXPONENTIAL is not supported"),
-    (edited(("*CONTACT PAIR", "*FRICTION\n0.2, 1.E5\n*CONTACT PAIR")),
-     r"\*FRICTION: friction is not"),
+    (edited(("*CONTACT PAIR", "*FRICTION, ROUGH\n*CONTACT PAIR")),
+     r"\*FRICTION: friction by ROUGH is not supported"),
+    (edited(("*CONTACT PAIR", "*FRICTION\n0.2, 0., 10.\n0.1, 0., 50.\n*CONTACT PAIR")),
+     r"friction by a table of 2 lines is not supported"),
+    (edited(("*CONTACT PAIR", "*FRICTION\n-0.2\n*CONTACT PAIR")),
+     r"coefficient of friction is -0\.2; give a number from 0 to 10"),
+    (edited(("*CONTACT PAIR", "*FRICTION\n0.2, -1.\n*CONTACT PAIR")), r"stick slope is -1; give"),
     (edited(("SLAVE, MASTER", "SLAVE, MISTER")), r"no surface 'MISTER'; known are SLAVE, MASTER"),
     (edited(("BEAM, 100", "PLANE, 100")), r"type PLANE is not supported"),
     (edited(("1, 1., 15, 1, -1.", "1, 1., 15, 1")), r"\*EQUATION: expected node, degree"),
@@ -587,3 +596,43 @@ def test_surfaces_of_nothing(read):
     assert "NONE" not in described.assembly.face_sets
     with pytest.raises(FormatError, match="there is no surface 'MASTER'; known are SLAVE"):
         read(edited(("*SURFACE, NAME=MASTER\n2, S1\n", "*SURFACE, NAME=MASTER\n")))
+
+
+@pytest.mark.parametrize(
+    ("lines", "expected", "note"),
+    [
+        ("*FRICTION\n0.2, 1.E5\n", (0.2, 1e5), "the stick slope 100000 is the tangential penalty"),
+        ("*FRICTION, SHEAR TRACTION SLOPE=2.E4\n0.3\n", (0.3, 2e4), "stick slope 20000"),
+        ("*FRICTION\n0.2\n", (0.2, "auto"), "elastic slip of its program (SLIP TOLERANCE)"),
+        ("*FRICTION, ELASTIC SLIP=1.E-3\n0.2\n", (0.2, "auto"), "program (ELASTIC SLIP)"),
+        ("*FRICTION, LAGRANGE\n0.2\n", (0.2, float("inf")), "nothing moves that sticks"),
+        ("*FRICTION\n0.0\n", (0.0, "auto"), ""),
+    ],
+)
+def test_friction_becomes_the_law_of_its_interfaces(tmp_path, lines, expected, note):
+    joint = read_joint(_written(tmp_path, lines))
+    (spec,) = joint.interfaces
+    assert (spec.friction, spec.tangential_penalty) == expected
+    said = [text for text in joint.assembly.ignored if text.startswith("*FRICTION")]
+    assert len(said) == bool(note)
+    assert all(note in text for text in said)
+
+
+def test_friction_is_written():
+    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    spec = fy.InterfaceSpec(name="joint", penalty=1e6, friction=0.2, tangential_penalty=8e5)
+    for change, expected in (
+        ({}, "0.2,800000."),
+        ({"penalty": "hard", "tangential_penalty": "auto"}, "0.2"),
+        ({"friction": 0.0}, None),
+    ):
+        one = replace(spec, **change)
+        lines = list(contact_lines(JointDescription(assembly=smooth.assembly, interfaces=(one,))))
+        found = lines[lines.index("*FRICTION") + 1] if "*FRICTION" in lines else None
+        assert found == expected
+
+
+def _written(folder, lines):
+    path = folder / "deck.inp"
+    path.write_text(edited(("*CONTACT PAIR", f"{lines}*CONTACT PAIR")))
+    return path

@@ -112,9 +112,34 @@ def test_msc_tables(read: Read) -> None:
     assert any("selects none by BCONTACT" in note for note in unused.assembly.ignored)
 
 
-FRICTION = "faying's contact is frictionless"
+def friction(joint: JointDescription) -> float:
+    (spec,) = joint.interfaces
+    noted = any(note.startswith("stick stiffness of friction") for note in joint.assembly.ignored)
+    assert noted == (spec.friction > 0)
+    assert spec.tangential_penalty == "auto"
+    return spec.friction
+
+
+def test_coefficients_of_friction_become_those_of_the_interfaces(read: Read) -> None:
+    assert friction(read(FACES, "BCTSET,4,5,6,.15")) == 0.15
+    table = "BCTABLE,2,,,1\n,SLAVE,7,,,.2\n,MASTERS,8"
+    assert friction(read(BODIES, table, control="BCONTACT = 2")) == 0.2
+    pair = (BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,.3")
+    assert friction(read(*pair, control="BCONTACT = 3")) == 0.3
+    assert friction(read(*pair, "BCPARA,0,FTYPE,6", control="BCONTACT = 3")) == 0.3
+    off = read(*pair, "BCPARA,0,FTYPE,0", control="BCONTACT = 3")
+    assert friction(off) == 0.0
+    assert any("FTYPE = 0 on BCPARA" in note for note in off.assembly.ignored)
+    both = MSC.replace("BCBODY1,7,,", "BCBODY1,7,5,").replace("DEFORM,32", "DEFORM,32,,.25")
+    assert friction(read(both, "BCBDPRP,5,FRIC,.25")) == 0.25
+    everything = both.replace("BCTABL1,9,3\nBCONECT,3,,,7,8\n", "BCBDPRP,5,FRIC,.25")
+    assert friction(read(everything, control="BCONTACT = ALLBODY")) == 0.25
+
+
+FRICTION = "only Coulomb's friction with one coefficient for a pair is read"
 REFUSED = [
-    ((FACES, "BCTSET,4,5,6,.15"), f"BCTSET: FRIC = .15: {FRICTION}"),
+    ((FACES, "BCTSET,4,5,6,3"), f"FRIC = 3 is the id of a table; {FRICTION}"),
+    ((FACES, "BCTSET,4,5,6,-.1"), "FRIC = -.1 is no coefficient from 0 to 10"),
     ((FACES, "BCTSET,4,5,6,,.1"), "MIND"),
     ((FACES, "BCTSET,4,5,7"), "contact region 7 is not in the deck"),
     ((FACES, "BCTSET,4,5,5"), "in contact with itself"),
@@ -135,19 +160,23 @@ REFUSED = [
     (("BSURFS,5,,,,3,5,6,7",), "element 3 is no solid"),
     (("BSURFS,5,,,,1,5,6,99",), "GRID 99 is not in the deck"),
     (("BCONP,5,1,2",), "BCONP: the card is not supported"),
-    ((BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,.3"), f"BCONPRP: FRIC = .3: {FRICTION}"),
+    ((BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,30."), "FRIC = 30. is no coefficient"),
+    (
+        (BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,.3", "BCPARA,0,FTYPE,7"),
+        f"FTYPE = 7: {FRICTION}",
+    ),
     ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,IGLUE,1"), "BCONPRG: IGLUE = 1: glued"),
     ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,CINTERF,.1"), "give 'initial_gap' in the study"),
     ((BODIES, "BCONECT,3,5,,7,8"), "BCONPRG 5 is not in the deck"),
     ((BODIES, "BCONECT,3,,,7,9"), "contact body 9 is not a BCBODY"),
     ((BODIES, "BCONECT,3,,,7"), "no touched"),
     ((BODIES, "BCTABL1,9,3"), "BCONECT 3 is not in the deck"),
-    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,.2\n,MASTERS,8"), FRICTION),
+    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,77.\n,MASTERS,8"), "FRIC = 77. is no coefficient"),
     ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,,,1\n,MASTERS,8"), "glued contact"),
     ((BODIES, "BCTABLE,2,,,2\n,SLAVE,7\n,MASTERS,8"), "NGROUP = 2, but it has 1"),
     ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7\n,NONSENSE,8"), "stands where SECNDRY"),
     ((MSC.replace("DEFORM,31", "RIGID,31"),), "BEHAV = RIGID"),
-    ((MSC.replace("DEFORM,32", "DEFORM,32,,.3"),), FRICTION),
+    ((MSC.replace("DEFORM,32", "DEFORM,32,,.3"),), "bodies 7 and 8 have coefficients of friction"),
     ((MSC.replace("3D", "2D"),), "DIM = 2D"),
     ((MSC.replace("BCTABL1,9,3", "BCTABL1,9,3,4"), "BCONECT,4,,,7,8"), "count twice"),
     (("BOLT,1,2,0,3,5,6",), "ETYPE = 2: a bolt of solid elements"),

@@ -1,7 +1,7 @@
 """``*CONTACT PAIR`` with its ``*SURFACE INTERACTION``: interfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +11,7 @@ from faying._typing import Matrix
 from faying.interface.across import declared
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
@@ -36,6 +37,7 @@ class Pair:
     penalty: float | Literal["hard"]
     adjusted: GapRule | None
     interaction: str
+    friction: DeckFriction = FRICTIONLESS
 
 
 def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[str]) -> list[Pair]:
@@ -44,20 +46,25 @@ def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[st
     Raises
     ------
     FormatError
-        Naming the line of friction, tied contact, or a pressure-overclosure curve that is not
-        linear.
+        Naming the line of friction that is not Coulomb's, tied contact, or a pressure-overclosure
+        curve that is not linear.
     """
     behaviours = {}
+    frictions: dict[str, DeckFriction] = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
         name = head.required("NAME")
         if "friction" in deck.ignore:
             members = _frictionless(members, ignored)
         behaviours[name.upper()] = name, _behaviour(head, members, ignored)
+        frictions[name.upper()] = read_friction(members, ignored)
     pairs = []
     for keyword in deck.of("CONTACT PAIR"):
         pairs += _pairs(keyword, surfaces, _adjust(keyword, sets), behaviours, ignored)
-    return pairs
+    return [
+        replace(pair, friction=frictions.get(pair.interaction.upper(), pair.friction))
+        for pair in pairs
+    ]
 
 
 def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
@@ -134,8 +141,6 @@ def _behaviour(
     for member in members:
         if member.name == "SURFACE BEHAVIOR":
             penalty = _surface_behavior(member, ignored)
-        elif member.name == "FRICTION":
-            _check_frictionless(member)
         elif member.name == "GAP CONDUCTANCE":
             ignored.append(f"*{member.name} of {head.value('NAME')}")
     return penalty
@@ -170,18 +175,6 @@ def _surface_behavior(keyword: Keyword, ignored: list[str]) -> float | Literal["
         optional_real(keyword, 0, rows[0], column, 0.0, "a number")
         ignored.append("tension and range behind the slope of *SURFACE BEHAVIOR")
     return slope
-
-
-def _check_frictionless(keyword: Keyword) -> None:
-    rows = keyword.rows()
-    rough = keyword.has("ROUGH") or keyword.has("USER")
-    values = [real(keyword, 0, text, "a coefficient") for text in rows[0][:1]] if rows else []
-    if rough or any(values) or len(rows) > 1:
-        message = (
-            "friction is not supported; remove it (coefficient 0), and let faying hold the "
-            "sticking area by springs ([sticking] in the study)"
-        )
-        raise keyword.error(message)
 
 
 def interface_names(pairs: list[Pair]) -> list[str]:
@@ -240,6 +233,8 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
                 minus=pair.slave.name,
                 plus=pair.master.name,
                 penalty=pair.penalty,
+                friction=pair.friction.coefficient,
+                tangential_penalty=pair.friction.tangential_penalty,
                 search_distance=np.inf,
             ),
         )

@@ -5,7 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from faying._typing import Indices
+from faying.contact.laws import Coulomb, normal_law
 from faying.exceptions import FormatError
+from faying.interface.friction import with_friction
 from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces
 from faying.interface.penalty import automatic_penalty
@@ -73,10 +75,16 @@ def _behaviour(
 ) -> Iterator[str]:
     if spec.penalty == "hard":
         yield "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=HARD"
-        return
-    automatic = spec.penalty == "auto"
-    slope = automatic_penalty(assembly, faces) if automatic else float(spec.penalty)
-    yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", real_text(slope))
+        slope = np.inf
+    else:
+        automatic = spec.penalty == "auto"
+        slope = automatic_penalty(assembly, faces) if automatic else float(spec.penalty)
+        yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", real_text(slope))
+    law = with_friction(normal_law(slope), spec.friction, spec.tangential_penalty, assembly)
+    if isinstance(law, Coulomb):
+        stick = law.tangential_penalty
+        numbers = [law.friction] if np.isinf(stick) else [law.friction, stick]
+        yield from ("*FRICTION", ",".join(map(real_text, numbers)))
 
 
 def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:

@@ -13,8 +13,15 @@ from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.contact_pairs import Pair, refuse_friction, refuse_glue, region_of, rows
-from faying.io.nastran.contact_parameters import ICOORD, Parameters, by_id, read_parameters
+from faying.io.nastran.contact_pairs import Pair, refuse_glue, region_of, rows
+from faying.io.nastran.contact_parameters import (
+    ICOORD,
+    Parameters,
+    by_id,
+    friction_coefficient,
+    note_friction,
+    read_parameters,
+)
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
 
@@ -46,16 +53,17 @@ def read_msc_pairs(
     Raises
     ------
     FormatError
-        If a table, body or region is missing, or the contact has friction, glue, interference,
-        rigid bodies or another feature that is not represented.
+        If a table, body or region is missing, or the contact has glue, interference, rigid
+        bodies, friction that is not Coulomb's, or another feature that is not represented.
     """
     groups = _selected_groups(cards, control, ignored)
     if not groups:
         return []
-    error = 0.0
+    error, slides = 0.0, False
     for card in cards.get("BCPARA", ()):
         card.integer(0, 0)
-        error = read_parameters(card, 1, ignored).error or error
+        common = read_parameters(card, 1, ignored)
+        error, slides = common.error or error, slides or common.slides
     bodies = _bodies(cards)
     pairs: dict[tuple[int, int], Pair] = {}
     for group in groups:
@@ -76,18 +84,22 @@ def read_msc_pairs(
                     plus=_region(cards, bodies, regions, group.card, plus, ignored),
                     where=group.card.where(),
                     parameters=replace(group.parameters, error=group.parameters.error or error),
+                    friction=_friction(cards, bodies, group, (minus, plus), ignored),
                 )
+    if slides and any(pair.friction > 0 for pair in pairs.values()):
+        ignored["coefficients of friction (FTYPE = 0 on BCPARA switches friction off)"] = None
+        return [replace(pair, friction=0.0) for pair in pairs.values()]
     return list(pairs.values())
 
 
-def all_bodies_touch(
+def friction_of_all_bodies(
     cards: Mapping[str, Cards],
     control: CaseControl,
     regions: dict[int, Region],
     elements: Indices,
     ignored: dict[str, None],
-) -> bool:
-    """Whether case control asks for contact of everything with everything (BCONTACT = ALLBODY).
+) -> float | None:
+    """Return the friction where everything touches everything (BCONTACT = ALLBODY), else None.
 
     Parameters
     ----------
@@ -97,13 +109,14 @@ def all_bodies_touch(
     Raises
     ------
     FormatError
-        If they do not, or a body is not deformable or has friction.
+        If they do not, a body is not deformable, or their coefficients of friction differ.
     """
     if control.bcontact != "ALLBODY":
-        return False
+        return None
+    slides = False
     for card in cards.get("BCPARA", ()):
         card.integer(0, 0)
-        read_parameters(card, 1, ignored)
+        slides = read_parameters(card, 1, ignored).slides or slides
     bodies = _bodies(cards)
     found = [
         _region(cards, bodies, regions, card, number, ignored) for number, card in bodies.items()
@@ -116,7 +129,17 @@ def all_bodies_touch(
             "contact body; add it to a BCPROP or BSURF, or name the pairs by BCTABL1 and BCONECT"
         )
         raise FormatError(message)
-    return True
+    friction = {_body_friction(cards, card, ignored) for card in bodies.values()} or {0.0}
+    if len(friction) > 1:
+        message = (
+            "case control asks for BCONTACT = ALLBODY, but the bodies have different coefficients "
+            "of friction; name the pairs by BCTABL1 and BCONECT with a BCONPRP of each"
+        )
+        raise FormatError(message)
+    coefficient = 0.0 if slides else friction.pop()
+    if coefficient > 0:
+        note_friction(ignored)
+    return coefficient
 
 
 def _selected_groups(
@@ -175,7 +198,9 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
             tolerance = Parameters(error=card.real(first + 2, 0.0))
             own = [card.integer(first + 1)]
             groups.append(_Group(card=card, secondary=own, parameters=tolerance))
-            refuse_friction(card, first + 4)
+            if card.text(first + 4):
+                friction = friction_coefficient(card, first + 4)
+                groups[-1].parameters = replace(groups[-1].parameters, friction=friction)
             if card.real(first + 5, 0.0):
                 text = "CINTERF (interference) is not supported; give 'initial_gap' in the study"
                 raise card.error(text, first + 5)
@@ -223,6 +248,7 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
         group.parameters = Parameters(
             within_error=read.within_error or group.parameters.within_error,
             error=read.error or group.parameters.error,
+            friction=group.parameters.friction if read.friction is None else read.friction,
         )
     members = {"secondary": group.secondary, "primary": group.primary}
     for name, at in (("secondary", 3), ("primary", 4)):
@@ -245,6 +271,35 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
     return group
 
 
+def _friction(
+    cards: Mapping[str, Cards],
+    bodies: dict[int, Card],
+    group: _Group,
+    pair: tuple[int, int],
+    ignored: dict[str, None],
+) -> float:
+    """Return the coefficient of a pair: its own, or that of both its bodies."""
+    if group.parameters.friction is not None:
+        return group.parameters.friction
+    first, second = (_body_friction(cards, bodies[number], ignored) for number in pair)
+    if first != second:
+        text = (
+            f"bodies {pair[0]} and {pair[1]} have coefficients of friction {first:g} and "
+            f"{second:g}; give the pair its own (FRIC of BCONPRP or BCTABLE)"
+        )
+        raise group.card.error(text)
+    return first
+
+
+def _body_friction(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]) -> float:
+    """Return the coefficient of friction that a body gives."""
+    if card.cards.name != "BCBODY1":
+        return friction_coefficient(card, 5)
+    properties = by_id(cards, "BCBDPRP").get(card.integer(1, 0))
+    found = None if properties is None else read_parameters(properties, 1, ignored).friction
+    return found or 0.0
+
+
 def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
     found: dict[int, Card] = {}
     for name in ("BCBODY", "BCBODY1"):
@@ -264,7 +319,7 @@ def _region(
     number: int,
     ignored: dict[str, None],
 ) -> Region:
-    """Region of a contact body, which must be deformable and without friction."""
+    """Region of a contact body, which must be deformable."""
     if number not in bodies:
         text = f"contact body {number} is not a BCBODY or BCBODY1 of the deck; define it"
         raise user.error(text)
@@ -280,9 +335,7 @@ def _region(
             "(DEFORM): mesh the rigid one with solids"
         )
         raise card.error(text, behaviour)
-    if not new:
-        refuse_friction(card, 5)
-    elif card.integer(1, 0):
+    if new and card.integer(1, 0):
         found = by_id(cards, "BCBDPRP").get(card.integer(1))
         if found is None:
             text = f"BCBDPRP {card.integer(1)} is not in the deck; define it"

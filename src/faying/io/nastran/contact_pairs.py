@@ -10,7 +10,7 @@ from faying.exceptions import FormatError
 from faying.interface.across import declared
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card
-from faying.io.nastran.contact_parameters import FRICTION_REMEDY, GLUE_REMEDY, Parameters
+from faying.io.nastran.contact_parameters import GLUE_REMEDY, Parameters, note_friction
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
@@ -34,6 +34,8 @@ class Pair:
         Those of its contact set, table or pair.
     search_distance : [length]
         Largest gap across which its faces are paired.
+    friction
+        Coefficient of friction.
     """
 
     name: str
@@ -42,14 +44,7 @@ class Pair:
     where: str
     parameters: Parameters = field(default_factory=Parameters)
     search_distance: float = np.inf
-
-
-def refuse_friction(card: Card, field: int, name: str = "FRIC") -> None:
-    """Raise if a field holds a friction coefficient (or table) other than zero."""
-    text = card.text(field)
-    if text and numbers.real(text) != 0.0:
-        message = f"{name} = {text}: {FRICTION_REMEDY}"
-        raise card.error(message, field)
+    friction: float = 0.0
 
 
 def refuse_glue(card: Card, field: int) -> None:
@@ -120,8 +115,14 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
             f"faces of {pair.name} that lie farther apart than the size of a face, {distance:.3g}"
         ] = None
     spec = InterfaceSpec(
-        name=pair.name, minus=pair.minus.name, plus=pair.plus.name, search_distance=distance
+        name=pair.name,
+        minus=pair.minus.name,
+        plus=pair.plus.name,
+        friction=pair.friction,
+        search_distance=distance,
     )
+    if pair.friction > 0:
+        note_friction(ignored)
     spec = declared(assembly, spec)
     if spec.meshes == "non-matching":
         ignored[f"meshes of {pair.name} do not match: coupled by projection"] = None

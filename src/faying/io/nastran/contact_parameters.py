@@ -6,13 +6,16 @@ from typing import TypeVar
 
 import numpy as np
 
+from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
 
 FRICTION_REMEDY = (
-    "faying's contact is frictionless; set it to zero if friction does not matter, or model "
-    "sticking by [sticking] in the study"
+    "only Coulomb's friction with one coefficient for a pair is read; remove it, or set friction = "
+    "0 in the study"
 )
+COULOMB = ("2", "6")
+"""MSC's FTYPE of friction by Coulomb's law, smoothed or bilinear."""
 GLUE_REMEDY = "join the bodies at common nodes or by RBE2, or let them touch (no glue)"
 
 HARMLESS = frozenset(
@@ -25,13 +28,13 @@ HARMLESS = frozenset(
         *("BIAS", "COPTS", "COPTM", "COPTS1", "COPTM1", "ISEARCH", "FNTOL", "IBSEP"),
         *("ISPLIT", "PENALT", "AUGDIST", "TPENALT", "STKSLP", "SLIDE", "HARDS", "METHOD"),
         *("MAXENT", "MAXNOD", "NBODIES", "NLGLUE", "TAUGMNT", "LINCNT", "LINQUAD", "RVCNST"),
-        *("BEAMB", "ERRBAS", "FTYPE", "DDULMT", "RVCNST", "FRLIM", "JGLUE", "BKGL", "BGM", "BGN"),
+        *("BEAMB", "ERRBAS", "DDULMT", "RVCNST", "FRLIM", "JGLUE", "BKGL", "BGM", "BGN"),
         *("BGSN", "BGST", "DQNEAR", "EMISS", "HBL", "HCT", "HCV", "HGLUE", "HNC", "HNL", "BNC"),
         *("BNL", "IDSPL", "ISTYP", "SANGLE", "MIDNOD", "COPTB", "CMB", "CMS", "CFILM", "CHEAT"),
         *("TBODY", "TSINK"),
     )
 )
-"""Parameters that leave frictionless contact without glue as it is (the study's penalty counts)."""
+"""Parameters that leave contact without glue as it is (the study's penalties count)."""
 
 INIPENE = {"": None, "0": None, "1": None, "2": 0.0, "3": np.inf}
 """Largest gap that Simcenter's INIPENE resets to zero; None leaves gaps and penetrations."""
@@ -40,7 +43,7 @@ ICOORD = {"": False, "0": False, "1": True, "2": False, "3": True}
 """Whether MSC's ICOORD moves nodes onto the other body, as far as they are within ERROR of it."""
 
 _WORDS = frozenset(("METHOD",))
-_FRICTION = frozenset(("FRIC", "MU", "FRICMOD"))
+_OTHER_FRICTION = frozenset(("MU", "FRICMOD"))
 _OFFSETS = frozenset(("CINTERF", "OFFSET", "PDEPTH"))
 _GLUE = frozenset(("IGLUE", "TIED"))
 
@@ -57,11 +60,43 @@ class Parameters:
         Whether gaps within the contact tolerance are closed (ICOORD).
     error : [length]
         The contact tolerance ERROR; zero leaves it to the program.
+    friction
+        Coefficient FRIC; None leaves it to the bodies.
+    slides
+        Whether MSC's FTYPE = 0 switches friction off, whatever the coefficients.
     """
 
     closed_up_to: float | None = None
     within_error: bool = False
     error: float = 0.0
+    friction: float | None = None
+    slides: bool = False
+
+
+def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
+    """Return the coefficient of friction in a field; zero where it is blank.
+
+    Raises
+    ------
+    FormatError
+        If it is the id of a table, or absurd.
+    """
+    text = card.text(field)
+    value = numbers.real(text) if text else 0.0
+    table = text.isdigit() and value != 0.0
+    if value is None or table or not 0 <= value <= LARGEST_FRICTION:
+        what = f"no coefficient from 0 to {LARGEST_FRICTION:g}"
+        message = f"{name} = {text} is {'the id of a table' if table else what}; {FRICTION_REMEDY}"
+        raise card.error(message, field)
+    return value
+
+
+def note_friction(ignored: dict[str, None]) -> None:
+    """Note how friction sticks elsewhere."""
+    ignored[
+        "stick stiffness of friction (PENT, RVCNST, FRLIM and the like): the tangential penalty "
+        "is automatic unless the study gives tangential_penalty"
+    ] = None
 
 
 def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Parameters:
@@ -72,12 +107,13 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
     Raises
     ------
     FormatError
-        If a parameter brings friction, glue or anything else that is not represented.
+        If a parameter brings other friction than Coulomb's, glue or anything else that is not
+        represented.
     """
     found = Parameters()
     for name, value, at in _pairs(card, first):
         zero = numbers.real(value) == 0.0 if value else True
-        if name in _FRICTION and not zero:
+        if name in _OTHER_FRICTION and not zero:
             text = f"{name} = {value}: {FRICTION_REMEDY}"
             raise card.error(text, at)
         if name in _GLUE and not zero:
@@ -89,7 +125,11 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
             found = replace(found, within_error=_chosen(card, at, ICOORD))
         elif name == "ERROR":
             found = replace(found, error=card.real(at + 1, 0.0))
-        elif name in _FRICTION or name in _GLUE:
+        elif name == "FRIC":
+            found = replace(found, friction=friction_coefficient(card, at + 1))
+        elif name == "FTYPE":
+            found = replace(found, slides=_slides(card, at))
+        elif name in _OTHER_FRICTION or name in _GLUE:
             pass
         elif name in _OFFSETS:
             if not zero:
@@ -101,6 +141,15 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
         else:
             ignored[f"{card.cards.name} {name}"] = None
     return found
+
+
+def _slides(card: Card, at: int) -> bool:
+    """Return whether FTYPE switches friction off."""
+    value = card.text(at + 1)
+    if value not in ("", "0", *COULOMB):
+        text = f"FTYPE = {value}: {FRICTION_REMEDY}"
+        raise card.error(text, at)
+    return value == "0"
 
 
 _Choice = TypeVar("_Choice")

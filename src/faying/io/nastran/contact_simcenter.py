@@ -11,11 +11,12 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.contact_pairs import Pair, refuse_friction, region_of, rows
+from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
     GLUE_REMEDY,
     Parameters,
     by_id,
+    friction_coefficient,
     read_parameters,
 )
 from faying.io.nastran.id_lists import id_list
@@ -35,8 +36,8 @@ def read_simcenter_pairs(
     Raises
     ------
     FormatError
-        If a set or region is missing, or the contact has friction, glue, offsets or another
-        feature that is not represented.
+        If a set or region is missing, or the contact has glue, offsets, friction that is not
+        Coulomb's, or another feature that is not represented.
     """
     _refuse_glue(cards, control, ignored)
     sets: dict[int, list[Card]] = {}
@@ -112,7 +113,7 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
         if first and texts[0]:
             text = f"'{texts[0]}' stands in front of a source region; leave that field blank"
             raise card.error(text, first)
-        refuse_friction(card, first + 3)
+        friction = friction_coefficient(card, first + 3)
         if card.real(first + 4, 0.0) > 0:
             text = (
                 f"MIND = {texts[4]}: contact that spares the closest faces is not supported; "
@@ -131,6 +132,7 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
                 where=card.where(),
                 parameters=parameters,
                 search_distance=card.real(first + 5, 0.0) or np.inf,
+                friction=friction,
             )
         )
     return found

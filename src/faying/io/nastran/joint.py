@@ -10,7 +10,7 @@ from faying._typing import Indices
 from faying.io.deck_lines import naming
 from faying.io.left_out import checked_ignore
 from faying.io.nastran.bolts import read_bolts
-from faying.io.nastran.contact_msc import all_bodies_touch, read_msc_pairs
+from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.reader import Deck, read_parts
@@ -46,7 +46,7 @@ def read_joint(
     ------
     FormatError
         With file and line: as :func:`faying.io.nastran.read_deck`, or if the contact or a bolt has
-        features that are not represented (friction, glue, interference, cuts through solids).
+        features that are not represented (glue, interference, cuts through solids).
 
     Notes
     -----
@@ -66,12 +66,12 @@ def _described(deck: Deck) -> JointDescription:
     ]
     check_distinct(pairs)
     ids = deck.assembly.mesh.element_ids
-    everything = all_bodies_touch(deck.cards, deck.control, regions, ids, notes)
+    everything = friction_of_all_bodies(deck.cards, deck.control, regions, ids, notes)
     bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
     assembly = _with_regions(deck, regions, pairs)
     interfaces = [spec_of(pair, assembly, notes) for pair in pairs]
-    if everything:
-        interfaces.append(InterfaceSpec(name="contact"))
+    if everything is not None:
+        interfaces.append(InterfaceSpec(name="contact", friction=everything))
         notes["contact of all bodies across gaps: name the pairs (BCTABL1, BCONECT) for it"] = None
     rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))

@@ -1,0 +1,96 @@
+"""``*FRICTION`` of a surface interaction: the law of Coulomb, and what its stick stiffness is."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from faying.contact.laws.coulomb import LARGEST_FRICTION
+from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.keyword import Keyword
+
+_OTHER_LAWS = (
+    "ROUGH", "USER", "TAUMAX", "EXPONENTIAL DECAY", "ANISOTROPIC", "DEPENDENCIES", "TEST DATA",
+)  # fmt: skip
+_ELASTIC_SLIPS = ("SLIP TOLERANCE", "ELASTIC SLIP")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeckFriction:
+    """Coefficient and stick stiffness of an interaction.
+
+    Attributes
+    ----------
+    coefficient
+        μ; zero without friction.
+    tangential_penalty : [force/length³]
+        c_t; ``inf`` by Lagrange multipliers.
+    """
+
+    coefficient: float = 0.0
+    tangential_penalty: float | Literal["auto"] = "auto"
+
+
+FRICTIONLESS = DeckFriction()
+
+
+def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
+    """Return the friction of an interaction; what its program defines otherwise is noted.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a law that is not Coulomb's with one coefficient, or an absurd number.
+    """
+    found = FRICTIONLESS
+    for keyword in members:
+        if keyword.name == "FRICTION":
+            found = _read(keyword, ignored)
+    return found
+
+
+def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
+    keyword.allow("LAGRANGE", "SHEAR TRACTION SLOPE", *_ELASTIC_SLIPS, *_OTHER_LAWS)
+    other = [name for name in _OTHER_LAWS if keyword.has(name)]
+    rows = keyword.rows()
+    if other or len(rows) > 1:
+        what = other[0] if other else f"a table of {len(rows)} lines"
+        message = (
+            f"friction by {what} is not supported; give one line with one coefficient, or leave "
+            'friction out by ignore = ["friction"]'
+        )
+        raise keyword.error(message)
+    coefficient = real(keyword, 0, rows[0][0], "a coefficient") if rows else 0.0
+    if not 0 <= coefficient <= LARGEST_FRICTION:
+        message = (
+            f"the coefficient of friction is {coefficient:g}; give a number from 0 to "
+            f"{LARGEST_FRICTION:g}"
+        )
+        raise keyword.error(message, 0)
+    if coefficient == 0:
+        return FRICTIONLESS
+    return DeckFriction(
+        coefficient=coefficient, tangential_penalty=_stiffness(keyword, rows[0], ignored)
+    )
+
+
+def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | Literal["auto"]:
+    """Return the stick stiffness: a slope is the same thing here, an elastic slip is not."""
+    slope = optional_real(keyword, 0, row, 1, 0.0, "the stick slope") if len(row) > 1 else 0.0
+    if keyword.has("SHEAR TRACTION SLOPE"):
+        slope = real(keyword, None, keyword.required("SHEAR TRACTION SLOPE"), "the slope")
+    if slope < 0:
+        message = f"the stick slope is {slope:g}; give a positive one, or none"
+        raise keyword.error(message)
+    if slope > 0:
+        note = f"*FRICTION: the stick slope {slope:g} is the tangential penalty"
+        ignored.append(note)
+        return slope
+    if keyword.has("LAGRANGE"):
+        ignored.append("*FRICTION, LAGRANGE: nothing moves that sticks (tangential penalty inf)")
+        return float("inf")
+    given = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
+    ignored.append(
+        f"*FRICTION: the elastic slip of its program ({given}) makes sticking points softer where "
+        "pressure is low; here the tangential penalty is the same everywhere, automatic unless "
+        "the study gives tangential_penalty"
+    )
+    return "auto"
