@@ -14,9 +14,12 @@ from faying.assessment.imported_recovery import (
     recover_from_boundary_loads as recover_from_boundary_loads,
 )
 from faying.assessment.imported_recovery import recover_from_modal as recover_from_modal
+from faying.assessment.joint_assessment import assess as assess
+from faying.assessment.load_path import load_path as load_path
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.recovery import recover_pressure as recover_pressure
+from faying.assessment.requirements import Requirements as Requirements
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve
 from faying.assessment.transient_error import transient_error as transient_error

@@ -1,0 +1,37 @@
+"""Which contact points are around which bolt."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Vector
+from faying.interface.surface import ContactSurface
+from faying.model.bolt import Bolt
+
+
+def nearest_bolts(surface: ContactSurface, bolts: Mapping[str, Bolt]) -> Indices:
+    """Return the number of the bolt whose axis is nearest to each point; bolt 0 where unknown."""
+    distances = np.array([axis_distances(surface, bolt) for bolt in bolts.values()])
+    return np.where(np.isfinite(distances).any(axis=0), distances.argmin(axis=0), 0)
+
+
+def axis_distances(surface: ContactSurface, bolt: Bolt) -> Vector:
+    """Return the distances (n_point,) of points from the axis of a bolt; infinite if unknown."""
+    if bolt.ends is None:
+        return np.full(len(surface.points), np.inf)
+    start, end = bolt.ends
+    arms, along = surface.points - start, end - start
+    length = float(along @ along)
+    if length > 0:
+        arms = arms - np.outer(arms @ along / length, along)
+    return np.asarray(np.linalg.norm(arms, axis=1))
+
+
+def pressed_near(
+    surfaces: Mapping[str, ContactSurface], bolt: Bolt, radius: float, rest: Vector
+) -> Mask:
+    """Return the points within a radius of a bolt that pressures (n_point,) at rest press."""
+    near = np.zeros(len(rest), dtype=bool)
+    for surface in surfaces.values():
+        near[slice(*surface.slice)] = axis_distances(surface, bolt) <= radius
+    return near & (rest > 0)

@@ -1,0 +1,201 @@
+"""The joint judged over its load cases: bolts, interfaces, and what it must hold."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from faying.assessment.bolt_surroundings import nearest_bolts
+from faying.assessment.certificate import certifier
+from faying.assessment.joint_record import (
+    Assessment,
+    BoltAssessment,
+    CaseState,
+    InterfaceAssessment,
+)
+from faying.assessment.load_path import LoadPath, load_path
+from faying.assessment.requirements import Requirements
+from faying.assessment.verdicts import verdicts
+from faying.exceptions import ModelError
+from faying.interface.surface import ContactSurface
+from faying.joint.model import Model
+from faying.model.bolt import Bolt
+from faying.reduction.projection import contact_surfaces
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import Load
+from faying.simulation.static import solve_static, solve_static_cases
+
+FEEBLE = 1e-3
+"""Axial load over the preload of a bolt below which a load factor means nothing."""
+
+
+def assess(
+    system: Model | ReducedModel,
+    loads: Sequence[Load],
+    requirements: Requirements | None = None,
+    *,
+    paths: bool = True,
+) -> Assessment:
+    """Judge a joint without friction over static load cases.
+
+    Parameters
+    ----------
+    system
+        Preloaded full or reduced model.
+    loads
+        Histories are taken at time zero.
+    requirements
+        What must hold.
+    paths
+        Whether each load is followed to its openings, (:func:`faying.load_path`).
+
+    Raises
+    ------
+    ModelError
+        If a load does not fit, or there is none.
+
+    Notes
+    -----
+    Some milliseconds a load and, for its path, a factorization of the closed points at each of
+    some hundred kinks. Clamp forces are certified where the system knows the full model's
+    compliance.
+    """
+    if not loads:
+        message = "there is no load to assess the joint under; give one or more"
+        raise ModelError(message)
+    names = [load.name for load in loads]
+    if len(set(names)) < len(names):
+        message = "two loads have the same name; give each a name of its own, Load(…, name=…)"
+        raise ModelError(message)
+    rest, cases = solve_static(system), solve_static_cases(system, loads)
+    full = system.joint if isinstance(system, ReducedModel) else system
+    certificate = certifier(full).certify_inputs(cases.inputs, cases.pressure)
+    bolt_forces = {name: np.asarray(cases.bolt_force(name)) for name in system.bolts}
+    states = {
+        name: CaseState(
+            pressure=cases.pressure[row : row + 1],
+            bolt_forces={bolt: force[row : row + 1] for bolt, force in bolt_forces.items()},
+            certified={one: ends[row] for one, ends in certificate.contact_force.items()},
+        )
+        for row, name in enumerate(names)
+    }
+    at_rest = CaseState(
+        pressure=rest.pressure[None],
+        bolt_forces={name: np.atleast_1d(rest.bolt_force(name)) for name in system.bolts},
+    )
+    surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
+    followed = {load.name: load_path(full, load) for load in loads} if paths else {}
+    return judged(surfaces, system.bolts, at_rest, states, requirements, followed)
+
+
+def judged(
+    surfaces: Mapping[str, ContactSurface],
+    bolts: Mapping[str, Bolt],
+    rest: CaseState,
+    cases: Mapping[str, CaseState],
+    requirements: Requirements | None = None,
+    paths: Mapping[str, LoadPath] | None = None,
+    slip: Mapping[str, float] | None = None,
+) -> Assessment:
+    """Judge a joint whose load cases are solved already, static ones and those over time.
+
+    Parameters
+    ----------
+    surfaces
+        Geometry of the interfaces.
+    rest
+        The preloaded state.
+    paths
+        Of static load cases, where they were followed.
+    slip
+        Load case to the factor at which an interface slips as a whole; infinite if it does not.
+    """
+    known, wanted = paths or {}, requirements or Requirements()
+    interfaces = {
+        name: _interface(name, surface, rest, cases, known) for name, surface in surfaces.items()
+    }
+    return Assessment(
+        bolts={name: _bolt(name, bolts, surfaces, rest, cases) for name in bolts},
+        interfaces=interfaces,
+        verdicts=tuple(verdicts(wanted, surfaces, bolts, rest, cases, interfaces, slip or {})),
+    )
+
+
+def _interface(
+    name: str,
+    surface: ContactSurface,
+    rest: CaseState,
+    cases: Mapping[str, CaseState],
+    paths: Mapping[str, LoadPath],
+) -> InterfaceAssessment:
+    own, weights = slice(*surface.slice), surface.weights
+    clamps = {case: (one.pressure[:, own] @ weights).min() for case, one in cases.items()}
+    areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
+    peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
+    least, highest = min(clamps, key=clamps.__getitem__), max(peaks, key=peaks.__getitem__)
+    smallest = min(areas, key=areas.__getitem__)
+    peak = cases[highest].pressure[:, own].max(axis=0).argmax()
+    certified = cases[least].certified
+    points = np.zeros(rest.pressure.shape[1], dtype=bool)
+    points[own] = True
+    return InterfaceAssessment(
+        preload=float(rest.pressure[0, own] @ weights),
+        least_clamp=float(clamps[least]),
+        least_clamp_case=least,
+        certified=None if certified is None else np.asarray(certified[name]),
+        max_pressure=float(peaks[highest]),
+        max_pressure_case=highest,
+        max_pressure_point=surface.points[peak],
+        closed_area=float(areas[smallest]),
+        closed_area_case=smallest,
+        first_opening={case: path.first_opening(points) for case, path in paths.items()},
+        loss_of_clamp={case: path.loss_of_clamp(name) for case, path in paths.items()},
+    )
+
+
+def _bolt(
+    name: str,
+    bolts: Mapping[str, Bolt],
+    surfaces: Mapping[str, ContactSurface],
+    rest: CaseState,
+    cases: Mapping[str, CaseState],
+) -> BoltAssessment:
+    preload = float(rest.bolt_forces[name][0])
+    lows = {case: float(one.bolt_forces[name].min()) for case, one in cases.items()}
+    highs = {case: float(one.bolt_forces[name].max()) for case, one in cases.items()}
+    least, most = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    axial: dict[str, float] = {}
+    factors: dict[str, float] = {}
+    for case, one in cases.items():
+        load, gain = _axial_load(name, bolts, surfaces, rest, one)
+        axial[case] = load
+        if abs(load) > FEEBLE * abs(preload):
+            factors[case] = gain / load
+    return BoltAssessment(
+        preload=preload,
+        least=lows[least],
+        least_case=least,
+        most=highs[most],
+        most_case=most,
+        axial_loads=axial,
+        load_factors=factors,
+    )
+
+
+def _axial_load(
+    name: str,
+    bolts: Mapping[str, Bolt],
+    surfaces: Mapping[str, ContactSurface],
+    rest: CaseState,
+    case: CaseState,
+) -> tuple[float, float]:
+    """Return F_A = ΔF_S − ΔF_K and ΔF_S where F_A is largest."""
+    gains = case.bolt_forces[name] - rest.bolt_forces[name]
+    found = [(0.0, 0.0)]
+    for surface in surfaces.values():
+        own = slice(*surface.slice)
+        around = nearest_bolts(surface, bolts) == list(bolts).index(name)
+        lost = (case.pressure[:, own] - rest.pressure[:, own]) @ (surface.weights * around)
+        loads = gains - lost
+        worst = int(np.abs(loads).argmax())
+        found.append((float(loads[worst]), float(gains[worst])))
+    return max(found, key=lambda pair: abs(pair[0]))

@@ -1,0 +1,122 @@
+"""What is known of a joint over its load cases, as plain values."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+from faying._typing import Matrix, Vector
+from faying.assessment.requirements import Verdict
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CaseState:
+    """One load case as the assessment sees it, one row per instant.
+
+    Attributes
+    ----------
+    pressure : (n_instant, n_point) [force/length²]
+    bolt_forces
+        Bolt to (n_instant,) [force].
+    certified
+        Interface to the interval (2,) in which the full model's clamp force lies, of static cases.
+    """
+
+    pressure: Matrix
+    bolt_forces: Mapping[str, Vector]
+    certified: Mapping[str, Vector] | None = None
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BoltAssessment:
+    """One bolt over all load cases.
+
+    Attributes
+    ----------
+    preload : [force]
+        Force at rest.
+    least, most : [force]
+        Smallest and largest force.
+    least_case, most_case
+        Load cases they belong to.
+    axial_loads : [force]
+        Load case to F_A = ΔF_S − ΔF_K, what the case takes from the bolt and the area around it
+        along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
+    load_factors
+        Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
+    """
+
+    preload: float
+    least: float
+    least_case: str
+    most: float
+    most_case: str
+    axial_loads: Mapping[str, float]
+    load_factors: Mapping[str, float]
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class InterfaceAssessment:
+    """One interface over all load cases.
+
+    Attributes
+    ----------
+    preload : [force]
+        Clamp force at rest.
+    least_clamp : [force]
+        Smallest clamp force.
+    least_clamp_case
+        Its load case.
+    certified : (2,) or None [force]
+        Interval in which the full model's lies in that case.
+    max_pressure : [force/length²]
+        Largest pressure.
+    max_pressure_case
+        Its load case.
+    max_pressure_point : (3,) [length]
+        Where it is.
+    closed_area : [length²]
+        Smallest area under pressure.
+    closed_area_case
+        Its load case.
+    first_opening
+        Load case to the factor at which a point opens that the preload presses.
+    loss_of_clamp
+        Load case to the factor from which nothing is pressed any more; infinite if never.
+    """
+
+    preload: float
+    least_clamp: float
+    least_clamp_case: str
+    certified: Vector | None
+    max_pressure: float
+    max_pressure_case: str
+    max_pressure_point: Vector
+    closed_area: float
+    closed_area_case: str
+    first_opening: Mapping[str, float]
+    loss_of_clamp: Mapping[str, float]
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Assessment:
+    """A joint judged over load cases.
+
+    Attributes
+    ----------
+    bolts, interfaces
+        By name.
+    verdicts
+        Of the requirements, where they are nearest to failing.
+    """
+
+    bolts: Mapping[str, BoltAssessment]
+    interfaces: Mapping[str, InterfaceAssessment]
+    verdicts: tuple[Verdict, ...] = ()
+
+    @property
+    def met(self) -> bool:
+        """Whether every requirement is met."""
+        return all(one.met for one in self.verdicts)

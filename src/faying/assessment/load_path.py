@@ -1,0 +1,267 @@
+"""Contact as a load grows, followed exactly from kink to kink.
+
+Without friction the contact forces of a static problem are piecewise linear in the load factor t:
+with the free gap g(t) = a + t b, as long as the same points A are closed,
+
+    λ_A(t) = −H_AA⁻¹ (a_A + t b_A),   s(t) = H λ(t) + a + t b,
+
+(M3). A kink is where a force of A or a slack outside it reaches zero. The points that go on
+together from there solve the same problem for the rates λ', s'. ``docs/theory/load_path.md``
+derives it.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.linalg import lapack
+
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.contact.active_set import solve_complementarity
+from faying.contact.dense_points import SINGULAR_PIVOT, DensePoints
+from faying.exceptions import ConvergenceError, ModelError
+from faying.joint.system import Joint, PortCompliance
+from faying.simulation.load import Load
+from faying.simulation.static import port_forces
+
+TOGETHER = 1e-10
+"""Force or slack, over the largest of the problem, below which a point is at a kink itself.
+
+Points that a symmetry makes equal reach zero together up to round-off, about 1e-13 of the largest;
+one that is counted wrongly changes forces by this much at most.
+"""
+
+
+STANDING = 1e-13
+"""Rate over the largest one below which a force or a slack does not change."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadPath:
+    """Contact forces of one load as its factor grows from zero, the bolts locked as they are.
+
+    Attributes
+    ----------
+    system
+        What was loaded.
+    factors : (n_kink,)
+        Load factors at which a point opens or closes, the first one zero, the last one where the
+        path ends if it does.
+    forces : (n_kink, n_point) [force]
+        Contact forces there; linear in between.
+    closed : (n_kink, n_point)
+        Points in contact right after.
+    rate : (n_point,) [force]
+        Contact forces per factor after the last kink.
+    ended
+        Whether no kink follows, so that the rate holds for ever.
+    """
+
+    system: Joint
+    factors: Vector
+    forces: Matrix
+    closed: Mask
+    rate: Vector
+    ended: bool
+
+    def __post_init__(self) -> None:
+        for name in ("factors", "forces", "rate"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def at(self, factor: float) -> Vector:
+        """Return the contact forces (n_point,) at a factor.
+
+        Raises
+        ------
+        ModelError
+            If the path was not followed that far.
+        """
+        if not factor >= 0 or (factor > self.factors[-1] and not self.ended):
+            message = (
+                f"the path was followed from 0 to {self.factors[-1]:g}, not to {factor:g}; "
+                "follow it further"
+            )
+            raise ModelError(message)
+        before = int(np.searchsorted(self.factors, factor, side="right")) - 1
+        if before + 1 == len(self.factors):
+            return np.asarray(self.forces[-1] + (factor - self.factors[-1]) * self.rate)
+        low, high = self.factors[before : before + 2]
+        share = (factor - low) / (high - low)
+        between: Vector = (1 - share) * self.forces[before] + share * self.forces[before + 1]
+        return between
+
+    def first_opening(self, points: Mask | None = None) -> float:
+        """Return the factor at which the first point closed at rest opens; infinite if none does.
+
+        Parameters
+        ----------
+        points : (n_point,), optional
+            Points that count, for instance those near a bolt; all unless given.
+        """
+        wanted = self.closed[0] if points is None else self.closed[0] & points
+        opened = (~self.closed & wanted).any(axis=1)
+        return float(self.factors[opened.argmax()]) if opened.any() else np.inf
+
+    def loss_of_clamp(self, interface: str) -> float:
+        """Return the factor from which an interface carries no force; infinite if always some."""
+        own = self.system.contact.slices[interface]
+        lost = ~self.closed[:, own].any(axis=1)
+        return float(self.factors[lost.argmax()]) if lost.any() else np.inf
+
+    def clamp_force(self, interface: str) -> Vector:
+        """Return the total normal force of an interface at the kinks (n_kink,) [force]."""
+        own = self.system.contact.slices[interface]
+        return np.asarray(self.forces[:, own].sum(axis=1))
+
+
+def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
+    """Follow the contact of a static load from zero, exactly from kink to kink.
+
+    Parameters
+    ----------
+    system
+        Full or reduced model, or ``rom.joint``. Its law must be frictionless.
+    load
+        What is multiplied by the factor: boundary forces and load patterns; histories are taken at
+        time zero. Initial bolt forces stay what they are.
+    most
+        Factor to stop at; by default the path is followed until nothing changes any more.
+
+    Raises
+    ------
+    ModelError
+        If the load does not fit, or contact is hard at more points than there are relative
+        displacements, whose forces are not unique.
+    ConvergenceError
+        If the kinks do not end.
+
+    Notes
+    -----
+    One factorization of the closed points, n³/3 for n of them, at each kink; a kink for each point
+    that opens or closes, some hundreds on a joint.
+    """
+    ports, condensed = system.port_compliance, system.static_contact
+    inputs = load.inputs(system, np.zeros(1))[0]
+    start, growing = inputs.copy(), inputs.copy()
+    start[: ports.n_boundary] = 0.0
+    start[ports.bolts.stop :] = 0.0
+    growing[ports.bolts] = 0.0
+    a = condensed.free_gap(_moved(ports, start))
+    b = np.asarray(system.contact.interpolation @ _moved(ports, growing))
+    walk = _Walk(H=condensed.flexibility, a=a, b=b)
+    factors, forces, closed, rate, ended = walk.followed(most)
+    return LoadPath(
+        system=system,
+        factors=np.array(factors),
+        forces=np.array(forces),
+        closed=np.array(closed),
+        rate=rate,
+        ended=ended,
+    )
+
+
+def _moved(ports: PortCompliance, inputs: Vector) -> Vector:
+    moved: Vector = port_forces(ports, inputs) @ ports.contact_columns
+    return moved
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Walk:
+    """The bare problem: H, and the free gap a + t b."""
+
+    H: Matrix
+    a: Vector
+    b: Vector
+
+    def followed(self, most: float) -> tuple[list[float], list[Vector], list[Mask], Vector, bool]:
+        """Return kinks, forces and closed points there, the last rate, and whether all ended."""
+        H, a, b = self.H, self.a, self.b
+        t, forces = 0.0, solve_complementarity(DensePoints(H=H), a).forces
+        slack = np.maximum(H @ forces + a, 0.0)
+        active = self._onward(t, forces, slack, forces > 0)
+        factors, kept, closed = [0.0], [forces], [active]
+        for _ in range(50 * len(a) + 200):
+            base, rate = self._line(active)
+            opening = _roots(base, rate, t, active)
+            gap_base, gap_rate = H @ base + a, H @ rate + b
+            closing = _roots(gap_base, gap_rate, t, ~active)
+            following = float(min(opening.min(initial=np.inf), closing.min(initial=np.inf)))
+            if following > most or not np.isfinite(following):
+                if np.isfinite(most):
+                    factors.append(most)
+                    kept.append(np.maximum(base + most * rate, 0.0))
+                    closed.append(active)
+                return factors, kept, closed, rate, not np.isfinite(following)
+            t = following
+            forces = np.where(active, np.maximum(base + t * rate, 0.0), 0.0)
+            slack = np.where(active, 0.0, np.maximum(gap_base + t * gap_rate, 0.0))
+            turned = active ^ ((opening <= t) | (closing <= t))
+            active = self._onward(t, forces, slack, turned)
+            if t > factors[-1]:
+                factors.append(t)
+                kept.append(forces)
+                closed.append(active)
+            else:
+                kept[-1], closed[-1] = forces, active
+        message = (
+            f"the contact of {len(a)} points does not settle as the load grows beyond factor "
+            f"{t:g}; check that the stiffness matrix is symmetric and the structure held"
+        )
+        raise ConvergenceError(message)
+
+    def _line(self, active: Mask) -> tuple[Vector, Vector]:
+        """Return λ at factor zero and its rate, as long as these points are closed."""
+        lines = np.zeros((len(self.a), 2))
+        points = np.flatnonzero(active)
+        if len(points):
+            right = -np.column_stack([self.a[points], self.b[points]])
+            lines[points] = self._solved(points, right)
+        return lines[:, 0].copy(), lines[:, 1].copy()
+
+    def _onward(self, t: float, forces: Vector, slack: Vector, turned: Mask) -> Mask:
+        """Return the points that are closed right after a kink.
+
+        Parameters
+        ----------
+        turned
+            Those if one point alone changes sides there.
+        """
+        gap = np.abs(self.a + t * self.b).max(initial=0.0)
+        own = np.diag(self.H)
+        small = TOGETHER * max(gap, np.abs(forces * own).max(initial=0.0))
+        at_once = (forces * own <= small) & (slack <= small)
+        if np.count_nonzero(at_once) <= 1:
+            return turned
+        pressed = np.flatnonzero((forces > 0) & ~at_once)
+        both = np.flatnonzero(at_once)
+        H, q = self.H[np.ix_(both, both)], self.b[both]
+        if len(pressed):
+            across = self.H[np.ix_(pressed, both)]
+            relieved = self._solved(pressed, np.column_stack([across, self.b[pressed]]))
+            H, q = H - across.T @ relieved[:, :-1], q - across.T @ relieved[:, -1]
+        found = np.zeros(len(forces), dtype=bool)
+        found[pressed] = True
+        found[both] = solve_complementarity(DensePoints(H=(H + H.T) / 2), q).forces > 0
+        return found
+
+    def _solved(self, points: Indices, right: Matrix) -> Matrix:
+        """Return H_AA⁻¹ B of closed points."""
+        block = self.H.take(points, axis=0)[:, points].T
+        factor, failed = lapack.dpotrf(block, lower=1, overwrite_a=1, clean=0)
+        pivots = np.diag(factor)
+        if failed or pivots.min() < SINGULAR_PIVOT * pivots.max():
+            message = (
+                "contact forces are not unique where contact is hard at more points than there are "
+                "relative displacements; take nodal quadrature or a penalty to follow a load"
+            )
+            raise ModelError(message)
+        return np.asarray(lapack.dpotrs(factor, right, lower=1)[0])
+
+
+def _roots(base: Vector, rate: Vector, t: float, chosen: Mask) -> Vector:
+    """Return where chosen values base + t rate that fall reach zero; infinite for the others."""
+    falling = chosen & (rate < -STANDING * np.abs(rate).max(initial=0.0))
+    roots = np.full(len(base), np.inf)
+    roots[falling] = np.maximum(-base[falling] / rate[falling], t)
+    return roots

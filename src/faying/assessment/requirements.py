@@ -1,0 +1,55 @@
+"""What a joint must hold under every load case, and whether it does."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Requirements:
+    """What is demanded of every load case; None is nothing.
+
+    Attributes
+    ----------
+    min_clamp_force : [force]
+        Least total normal force of an interface; or one for each interface named.
+    max_pressure : [force/length²]
+        Largest pressure of a contact point.
+    no_opening_within : [length]
+        Distance from the axis of a bolt within which all that the preload presses stays pressed.
+    min_opening_factor
+        Least factor of a static load at which an interface carries no force any more.
+    min_slip_safety
+        Least factor of a static load or cycle at which an interface slips as a whole.
+    """
+
+    min_clamp_force: float | Mapping[str, float] | None = None
+    max_pressure: float | None = None
+    no_opening_within: float | None = None
+    min_opening_factor: float | None = None
+    min_slip_safety: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """One requirement, judged where it is nearest to failing.
+
+    Attributes
+    ----------
+    requirement
+        Its name.
+    met
+    place
+        Interface or bolt.
+    case
+        Load case.
+    value, limit
+        In the units of the model; of openings the smallest pressure near a bolt, which must stay
+        above zero.
+    """
+
+    requirement: str
+    met: bool
+    place: str
+    case: str
+    value: float
+    limit: float

@@ -1,0 +1,204 @@
+"""Joints judged: load paths against separate solutions, bolts against the bolted joint."""
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.assessment.certificate import certifier
+from faying.exceptions import ModelError
+from faying.joint.build import build_model
+from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
+from faying.model.generate import brick_grid
+from faying.model.mesh import CellBlock, Mesh
+
+LOAD = fy.Load({"tip.Fx": 3e3, "tip.Fz": -400.0, "tip.Mx": 8e3}, name="pull and bend")
+E, AREA, LENGTH, PENALTY, BOLT, PRELOAD = 210e3, 54.0, 8.0, 1e5, 4e5, 5e3
+
+
+@pytest.fixture(scope="module")
+def joint():
+    return fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+
+
+def sleeve(penalty=PENALTY, quadrature="gauss"):
+    """Two blocks between rigid plates that only lift: bolt and blocks are springs side by side."""
+    grid = brick_grid(
+        np.array([0, 3.0, 5.0, 9.0]), np.array([0, 2.0, 6.0]), np.array([0, 2.5, 4.0])
+    )
+    n, cells = len(grid.nodes), grid.cells
+    lower = grid.nodes - [0, 0, 4.0]
+    nodes = np.vstack([lower, grid.nodes, [[4.5, 3.0, -4.0], [4.5, 3.0, 4.0]]])
+    both = np.vstack([cells, cells + n])
+    block = CellBlock(
+        kind="hex8",
+        nodes=both,
+        ids=np.arange(len(both)) + 1,
+        properties=np.repeat([1, 2], len(cells)),
+    )
+    base, head = 2 * n, 2 * n + 1
+    x, y, z = nodes[:base].T
+    steel = fy.Material(youngs_modulus=E, poissons_ratio=0.3, density=7.8e-9)
+    assembly = Assembly(
+        mesh=Mesh(nodes=nodes, node_ids=np.arange(len(nodes)) + 1, blocks=(block,)),
+        materials={1: steel, 2: steel},
+        supports=(
+            Support(id=1, nodes=np.flatnonzero(x == 0), components=(0,)),
+            Support(id=2, nodes=np.flatnonzero(y == 0), components=(1,)),
+            Support(id=3, nodes=np.array([base]), components=(0, 1, 2, 3, 4, 5)),
+            Support(id=4, nodes=np.array([head]), components=(0, 1, 3, 4, 5)),
+        ),
+        rigid_couplings=(
+            RigidCoupling(id=1, reference=base, nodes=np.flatnonzero(z == -4), components=(2,)),
+            RigidCoupling(id=2, reference=head, nodes=np.flatnonzero(z == 4), components=(2,)),
+        ),
+        springs=(Spring(id=99, ends=((base, 2), (head, 2)), stiffness=BOLT),),
+    )
+    model = build_model(
+        assembly,
+        interfaces=[fy.InterfaceSpec(name="joint", penalty=penalty, quadrature=quadrature)],
+        bolts=[fy.BoltSpec(name="bolt", elements=(99,))],
+        boundaries=[fy.BoundarySpec(name="head", node=head + 1)],
+    )
+    return fy.preload(model, {"bolt": PRELOAD})
+
+
+PARTS = 1 / (LENGTH / (E * AREA) + 1 / (PENALTY * AREA))
+"""Stiffness of blocks and contact in series."""
+
+
+def test_load_factor_and_opening_are_those_of_the_bolted_joint():
+    """Φ = k_S/(k_S + k_P), F_S = F_V + Φ F_A, F_K = F_V − (1 − Φ) F_A, open at F_V/(1 − Φ)."""
+    model, phi = sleeve(), BOLT / (BOLT + PARTS)
+    load = fy.Load({"head.Fz": 2e3}, name="lift")
+    found = fy.assess(model, [load])
+    bolt, face = found.bolts["bolt"], found.interfaces["joint"]
+    # The preload is found to 1e-10 of itself.
+    assert bolt.load_factors["lift"] == pytest.approx(phi, rel=1e-8)
+    assert bolt.axial_loads["lift"] == pytest.approx(2e3, rel=1e-8)
+    assert bolt.most == pytest.approx(PRELOAD + phi * 2e3, rel=1e-9)
+    assert face.least_clamp == pytest.approx(PRELOAD - (1 - phi) * 2e3, rel=1e-9)
+    opening = PRELOAD / (1 - phi) / 2e3
+    assert face.first_opening["lift"] == pytest.approx(opening, rel=1e-9)
+    assert face.loss_of_clamp["lift"] == pytest.approx(opening, rel=1e-9)
+
+
+def compared(system, path, factors):
+    worst, largest = 0.0, 0.0
+    for factor in factors:
+        load = fy.Load({key: factor * value for key, value in LOAD.forces.items()})
+        expected = fy.solve_static(system, load).contact_forces
+        worst = max(worst, float(np.abs(path.at(factor) - expected).max()))
+        largest = max(largest, float(expected.max()))
+    return worst / largest
+
+
+def test_path_is_that_of_200_separate_solutions(joint):
+    path = fy.load_path(joint, LOAD)
+    factors = np.random.default_rng(1).uniform(0, 4, 200)
+    assert len(path.factors) > 30
+    assert path.ended
+    assert compared(joint, path, factors) < 1e-9
+
+
+@pytest.mark.parametrize("kind", ["compliance", "craig-bampton", "hard"])
+def test_paths_of_other_models(joint, kind):
+    system = joint
+    if kind == "hard":
+        system = fy.preload(
+            fy.lap_joint(element_size=5.0, penalty="hard", quadrature="nodal"), {"bolt": 10e3}
+        )
+    else:
+        basis = fy.craig_bampton(joint, normal_modes=6)
+        system = fy.reduce(joint, basis, compliance=kind == "compliance")
+    path = fy.load_path(system, LOAD, most=2.0)
+    assert path.factors[-1] == 2.0
+    assert compared(system, path, np.linspace(0, 2, 20)) < 1e-9
+    with pytest.raises(ModelError, match=r"not to 2\.5"):
+        path.at(2.5)
+
+
+def test_path_without_preload_starts_from_surfaces_that_just_touch():
+    model = fy.lap_joint(element_size=5.0)
+    path = fy.load_path(model, LOAD)
+    assert compared(model, path, np.linspace(0.1, 2, 7)) < 1e-9
+
+
+def test_hard_contact_at_too_many_points_is_refused():
+    hard = fy.lap_joint(element_size=5.0, penalty="hard", quadrature="gauss")
+    model = fy.preload(hard, {"bolt": 10e3})
+    with pytest.raises(ModelError, match="not unique"):
+        fy.load_path(model, LOAD)
+
+
+def test_certified_clamp_forces_contain_the_full_models(joint):
+    """In 1000 random cases of two bases that are off; of the better one they are narrower."""
+    values = np.random.default_rng(2).uniform(-1, 1, (1000, 3)) * [2e3, 500.0, 20e3]
+    loads = [
+        fy.Load(dict(zip(("tip.Fx", "tip.Fz", "tip.Mx"), row, strict=True)), name=str(k))
+        for k, row in enumerate(values)
+    ]
+    exact = fy.solve_static_cases(joint, loads).contact_force("joint")
+    classic = fy.craig_bampton(joint, normal_modes=10)
+    widths = []
+    for basis in (classic, fy.jim_a(joint, joint_modes=40, classic=classic)):
+        rom = fy.reduce(joint, basis)
+        cases = fy.solve_static_cases(rom, loads)
+        certificate = certifier(rom.joint).certify_inputs(cases.inputs, cases.pressure)
+        low, high = certificate.contact_force["joint"].T
+        assert ((low <= exact) & (exact <= high)).all()
+        widths.append(float(np.median((high - low) / exact)))
+    assert widths[1] < widths[0]
+
+
+def test_requirements_are_judged_where_they_are_nearest_to_failing(joint):
+    loads = [
+        fy.Load({"tip.Fz": -200.0}, name="mild"),
+        fy.Load({"tip.Fx": 9e3, "tip.Fz": -700.0}, name="hard pull"),
+    ]
+    cases = fy.solve_static_cases(joint, loads)
+    wanted = fy.Requirements(
+        min_clamp_force={"joint": 8e3},
+        max_pressure=float(cases.max_pressure.max()) * 1.01,
+        no_opening_within=8.0,
+        min_opening_factor=1.0,
+    )
+    found = fy.assess(joint, loads, wanted)
+    by_name = {one.requirement: one for one in found.verdicts}
+    clamp = cases.contact_force("joint")
+    assert by_name["min_clamp_force"].case == loads[int(clamp.argmin())].name
+    assert by_name["min_clamp_force"].value == pytest.approx(clamp.min(), rel=1e-6)
+    assert by_name["min_clamp_force"].met == (clamp.min() >= 8e3)
+    assert by_name["max_pressure"].met
+    points, rest = joint.interfaces["joint"].points, fy.solve_static(joint).pressure > 0
+    ends = joint.bolts["bolt"].ends
+    near = (np.hypot(*(points - ends[0])[:, :2].T) <= 8.0) & rest
+    smallest = cases.pressure[:, near].min()
+    assert by_name["no_opening_within"].value == pytest.approx(smallest, abs=1e-9)
+    assert by_name["no_opening_within"].met == (smallest > 0)
+    factors = found.interfaces["joint"].loss_of_clamp
+    assert by_name["min_opening_factor"].value == min(factors.values())
+    assert found.met == all(one.met for one in found.verdicts)
+
+
+def test_bolts_share_the_area_around_them():
+    model = fy.lap_joint(
+        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
+    )
+    joint = fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+    found = fy.assess(joint, [fy.Load({"tip.Fz": -300.0}, name="bend")], paths=False)
+    axial = sum(one.axial_loads["bend"] for one in found.bolts.values())
+    # What the tip takes from all bolts and all areas together: no force is lost between them.
+    cases = fy.solve_static_cases(joint, [fy.Load(), fy.Load({"tip.Fz": -300.0})])
+    bolts = sum(np.diff(cases.bolt_force(name))[0] for name in joint.bolts)
+    assert axial == pytest.approx(bolts - np.diff(cases.contact_force("joint"))[0], abs=1e-6)
+
+
+def test_nothing_to_assess_is_refused(joint):
+    with pytest.raises(ModelError, match="no load"):
+        fy.assess(joint, [])
+    with pytest.raises(ModelError, match="the same name"):
+        fy.assess(joint, [LOAD, LOAD])
+    with pytest.raises(ModelError, match="within 1 of bolt 'bolt'"):
+        fy.assess(joint, [LOAD], fy.Requirements(no_opening_within=1.0), paths=False)
+    with pytest.raises(ModelError, match="no interface 'jiont'"):
+        fy.assess(joint, [LOAD], fy.Requirements(min_clamp_force={"jiont": 1.0}), paths=False)
