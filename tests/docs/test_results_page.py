@@ -8,7 +8,9 @@ from pages import DOCS
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
 from faying.files.described import SPARSE
 from faying.interface.interface import FacePairs
@@ -46,6 +48,10 @@ GROUPS = {
     "/cases/NAME/reference/cycles/AMPLITUDE": CycleRecord,
     "/cases/NAME/methods/METHOD/N": MethodResult,
     "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
+    "/assessment": Assessment,
+    "/assessment/bolts/NAME": BoltAssessment,
+    "/assessment/interfaces/NAME": InterfaceAssessment,
+    "/assessment/verdicts/0": Verdict,
     "/validation": ValidationRecord,
     "/validation/load_space": LoadSpaceRecord,
     "/validation/load_space/methods/METHOD/N": LoadSpaceResult,

@@ -29,6 +29,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[reduction.training]": tables.TrainingSection,
     "[reduction.training] box": tables.BoxSide,
     "[validation]": tables.ValidationSection,
+    "[requirement]": tables.RequirementSection,
     "[[load_case]]": tables.LoadCaseSection,
     "[[load_case]] forces": tables.ForceSection,
     "[output]": tables.OutputSection,

@@ -5,6 +5,7 @@ import pytest
 
 import faying as fy
 from faying.assessment.certificate import certifier
+from faying.assessment.load_path import Walk
 from faying.exceptions import ModelError
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
@@ -202,3 +203,16 @@ def test_nothing_to_assess_is_refused(joint):
         fy.assess(joint, [LOAD], fy.Requirements(no_opening_within=1.0), paths=False)
     with pytest.raises(ModelError, match="no interface 'jiont'"):
         fy.assess(joint, [LOAD], fy.Requirements(min_clamp_force={"jiont": 1.0}), paths=False)
+
+
+def test_path_on_which_all_points_change_at_once():
+    """From nothing, where toggling all wrong points cycles in one problem of thirty."""
+    random = np.random.default_rng(0)
+    for _ in range(500):
+        n = int(random.integers(3, 9))
+        half = random.normal(size=(n, max(2, n // 2)))
+        H, b = half @ half.T + 1e-3 * np.eye(n), random.normal(size=n)
+        _, forces, _, _, _ = Walk(H=H, a=np.zeros(n), b=b).followed(1.0)
+        expected = fy.contact_problem(H, b).solve().forces
+        # Of condition numbers up to 1e5, in double precision.
+        assert np.abs(forces[-1] - expected).max() <= 1e-8 * np.abs(expected).max()

@@ -149,7 +149,7 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
     growing[ports.bolts] = 0.0
     a = condensed.free_gap(_moved(ports, start))
     b = np.asarray(system.contact.interpolation @ _moved(ports, growing))
-    walk = _Walk(H=condensed.flexibility, a=a, b=b)
+    walk = Walk(H=condensed.flexibility, a=a, b=b)
     factors, forces, closed, rate, ended = walk.followed(most)
     return LoadPath(
         system=system,
@@ -167,7 +167,7 @@ def _moved(ports: PortCompliance, inputs: Vector) -> Vector:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Walk:
+class Walk:
     """The bare problem: H, and the free gap a + t b."""
 
     H: Matrix

@@ -113,8 +113,14 @@ def _factor_verdict(
         for name, one in interfaces.items()
         for case, factor in one.loss_of_clamp.items()
     }
-    if limit is None or not factors:
+    if limit is None:
         return
+    if not factors:
+        message = (
+            "min_opening_factor is judged by following static loads without friction, and none "
+            "was followed; add one, take a coarser interface, or leave the requirement out"
+        )
+        raise ModelError(message)
     name, case = min(factors, key=factors.__getitem__)
     value = factors[name, case]
     yield Verdict(
@@ -128,8 +134,14 @@ def _factor_verdict(
 
 
 def _slip_verdict(limit: float | None, slip: Mapping[str, float]) -> Iterator[Verdict]:
-    if limit is None or not slip:
+    if limit is None:
         return
+    if not slip:
+        message = (
+            "min_slip_safety is judged by static loads and cycles with friction, and there is "
+            "none; give an interface friction, or leave the requirement out"
+        )
+        raise ModelError(message)
     case = min(slip, key=slip.__getitem__)
     yield Verdict(
         requirement="min_slip_safety",

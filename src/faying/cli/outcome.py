@@ -26,10 +26,31 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     console.print(table)
     if summary["reference"]["reason"]:
         console.print(f"Reference: {summary['reference']['reason']}", highlight=False)
+    for verdict in _verdicts(summary):
+        console.print(_verdict_line(verdict), highlight=False, soft_wrap=True)
     report = out / "report.html"
     console.print(f"Results are in {out}", highlight=False, soft_wrap=True)
     if report.exists():
         console.print(f"Report: {report}", highlight=False, soft_wrap=True)
+
+
+def met(summary: Mapping[str, Any]) -> bool:
+    """Say whether the joint holds what the study demands; not if that could not be judged."""
+    judged = summary.get("assessment") is not None or not summary.get("requirements")
+    return judged and all(verdict["met"] for verdict in _verdicts(summary))
+
+
+def _verdicts(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    return list((summary.get("assessment") or {}).get("verdicts", []))
+
+
+def _verdict_line(verdict: Mapping[str, Any]) -> str:
+    mark = "met" if verdict["met"] else "NOT MET"
+    value = "never" if verdict["value"] is None else f"{verdict['value']:.5g}"
+    place = f"{verdict['place']}, " if verdict["place"] else ""
+    limit = f"{verdict['limit']:g}"
+    where = f"{place}{verdict['case']}"
+    return f"Requirement {verdict['requirement']} = {limit}: {mark}, {value} ({where})"
 
 
 def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:

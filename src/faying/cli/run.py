@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 NOT_CONVERGED = 1
 """Exit status of a study that ran but did not converge somewhere."""
 
+NOT_MET = 3
+"""Exit status of a joint that does not hold what its study demands."""
+
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells have it."""
 
@@ -57,7 +60,7 @@ def compute(
     usable_folder(out)
     from rich.console import Console
 
-    from faying.cli.outcome import show_outcome
+    from faying.cli.outcome import met, show_outcome
     from faying.cli.progress import progress_bar
     from faying.study.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
@@ -83,6 +86,8 @@ def compute(
         message = f"Some solutions did not converge; {out / 'summary.json'} names them"
         typer.echo(message, err=True)
         raise typer.Exit(NOT_CONVERGED)
+    if not met(result.summary):
+        raise typer.Exit(NOT_MET)
 
 
 def _executor(workers: int, scheduler: str | None, stack: ExitStack) -> "Executor | None":

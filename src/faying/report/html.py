@@ -13,6 +13,12 @@ from faying.report.certified import sharpness
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.friction_table import friction_table
+from faying.report.joint import (
+    bolt_judgement,
+    interface_judgement,
+    joint_headline,
+    requirement_table,
+)
 from faying.report.limits import limits
 from faying.report.meanings import meanings
 from faying.report.quantities import percent, quantity
@@ -90,6 +96,12 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
     found = verdicts(results)
     return environment.get_template("report.html.j2").render(
         results=results,
+        joint=joint_headline(results),
+        joint_tables=[
+            one
+            for of in (requirement_table, bolt_judgement, interface_judgement)
+            if (one := of(results)).rows
+        ],
         headline=headline(found, results),
         verdicts=found,
         methods=meanings(results),

@@ -7,6 +7,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.joint_record import Assessment
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
@@ -299,6 +300,8 @@ class Results:
     reference, reference_reason
         What the study's load cases were compared with: ``"full"``, ``"worst"`` or ``"none"``; and
         why, where the study leaves it open.
+    assessment
+        The joint judged over the load cases; None where that failed.
     normal_modes
         Count of the fixed-interface normal modes; None where there are none, or no gap to count in.
     tightening_stages
@@ -342,3 +345,4 @@ class Results:
     factor_bytes: int = 0
     reference: str = "full"
     reference_reason: str = ""
+    assessment: Assessment | None = None

@@ -3,7 +3,9 @@
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
 from faying.files.described import Meaning, Table
 from faying.reduction.mode_count import ModeCount
@@ -56,6 +58,42 @@ MEANINGS: dict[type, Table] = {
         "factor_bytes": Meaning("memory of the factors of the full model", "1"),
         "reference": Meaning("what load cases were compared with: full, worst or none"),
         "reference_reason": Meaning("why, where the study leaves it open"),
+        "assessment": Meaning("the joint judged over the load cases"),
+    },
+    Assessment: {
+        "bolts": Meaning("by name"),
+        "interfaces": Meaning("by name"),
+        "verdicts": Meaning("requirements, each where it is nearest to failing"),
+    },
+    BoltAssessment: {
+        "preload": Meaning("axial force at rest", "force"),
+        "least": Meaning("smallest axial force", "force"),
+        "least_case": Meaning("load case it belongs to"),
+        "most": Meaning("largest axial force", "force"),
+        "most_case": Meaning("load case it belongs to"),
+        "axial_loads": Meaning("axial load of bolt and area around it by load case", "force"),
+        "load_factors": Meaning("what the bolt gains over that load, by load case", "1"),
+    },
+    InterfaceAssessment: {
+        "preload": Meaning("clamp force at rest", "force"),
+        "least_clamp": Meaning("smallest clamp force", "force"),
+        "least_clamp_case": Meaning("load case it belongs to"),
+        "certified": Meaning("the full model's clamp force there lies between", "force", "(2,)"),
+        "max_pressure": Meaning("largest pressure of a contact point", "force/length²"),
+        "max_pressure_case": Meaning("load case it belongs to"),
+        "max_pressure_point": Meaning("where it is", "length", "(3,)"),
+        "closed_area": Meaning("smallest area under pressure", "length²"),
+        "closed_area_case": Meaning("load case it belongs to"),
+        "first_opening": Meaning("factor at which a pressed point opens, by load case", "1"),
+        "loss_of_clamp": Meaning("factor from which nothing is pressed, by load case", "1"),
+    },
+    Verdict: {
+        "requirement": Meaning("its key in the study"),
+        "met": Meaning("whether it is met"),
+        "place": Meaning("interface or bolt"),
+        "case": Meaning("load case"),
+        "value": Meaning("where it is nearest to failing, in the unit of the key"),
+        "limit": Meaning("of the study"),
     },
     ModeCount: {
         "below": Meaning("frequency in a gap between modes", "1/time"),

@@ -1,5 +1,6 @@
 """The figures of a run in one JSON document, keys as in ``docs/results.md``."""
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -55,9 +56,32 @@ def summarize(results: Results) -> dict[str, Any]:
         },
         "reference": {"kind": results.reference, "reason": results.reference_reason},
         "load_cases": {name: _case(results, case) for name, case in results.cases.items()},
+        "assessment": None if results.assessment is None else _plain(asdict(results.assessment)),
+        "requirements": required(results.study_text),
         "validation": _validation(results.validation),
         "timings": timings(results),
     }
+
+
+def required(study_text: str) -> list[str]:
+    """Return the requirements that a study names."""
+    try:
+        return list(tomllib.loads(study_text).get("requirement", {}))
+    except tomllib.TOMLDecodeError:
+        return []
+
+
+def _plain(value: Any) -> Any:
+    """Return values as JSON has them; what is infinite or was never reached is null."""
+    if isinstance(value, Mapping):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [_plain(one) for one in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    return value
 
 
 def _validation(found: ValidationRecord) -> dict[str, Any]:

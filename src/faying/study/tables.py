@@ -272,6 +272,30 @@ class ValidationSection(Section):
     reference: Literal["full", "worst", "none"] | None = None
 
 
+class RequirementSection(Section):
+    """[requirement]: what the joint must hold under every load case; status 3 if it does not.
+
+    Attributes
+    ----------
+    min_clamp_force : [force]
+        Total normal force of every interface, or of those named.
+    max_pressure : [force/length²]
+        Of every contact point.
+    no_opening_within : [length]
+        Distance from a bolt's axis within which what the preload presses stays pressed.
+    min_opening_factor
+        Factor of a static load case at which an interface carries nothing any more.
+    min_slip_safety
+        Factor of a static load case or cycle with friction at which an interface slips as a whole.
+    """
+
+    min_clamp_force: Positive | Mapping[Name, Positive] | None = None
+    max_pressure: Positive | None = None
+    no_opening_within: Positive | None = None
+    min_opening_factor: Positive | None = None
+    min_slip_safety: Positive | None = None
+
+
 def _units(label: str) -> str:
     parts = label.split("-")
     expected = "expected length-mass-time of a consistent set, as in 'mm-t-s'"
@@ -303,6 +327,7 @@ class Study(Section):
     reduction: ReductionSection = ReductionSection()
     load_cases: tuple[LoadCaseSection, ...] = Field(default=(), alias="load_case")
     validation: ValidationSection = ValidationSection()
+    requirement: RequirementSection = RequirementSection()
     output: OutputSection = OutputSection()
     _source: StudySource = PrivateAttr()
 

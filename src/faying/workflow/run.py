@@ -10,6 +10,7 @@ from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.files.lock import held
 from faying.reduction.method import CLASSIC
+from faying.study.assessing import assess_run
 from faying.study.cases import CaseRunner, case_groups
 from faying.study.checkpoint import Checkpoint, open_checkpoint
 from faying.study.extras import Extras
@@ -123,8 +124,10 @@ def _computed(
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages, extras)
+    assessment = assess_run(study, joint, cases, stages, extras)
     with stages.stage("records"):
         found = record(study, joint, kept, trained, cases, validation, extras, failures, reference)
+    found = replace(found, assessment=assessment)
     return replace(found, timings=stages.account()), not failures
 
 

@@ -1,0 +1,118 @@
+"""The joint itself, first on the page: requirements, bolts and interfaces over all load cases."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from faying.assessment.joint_record import BoltAssessment, InterfaceAssessment
+from faying.assessment.requirements import Verdict
+from faying.report.quantities import number, place, quantity
+from faying.report.tables import Cell, Table, table
+from faying.study.results import Results
+from faying.study.summary import required
+from faying.units import Units, units_of
+
+MEANINGS = {
+    "min_clamp_force": ("clamp force", "at least", "force"),
+    "max_pressure": ("largest pressure", "at most", "force/length²"),
+    "no_opening_within": ("smallest pressure around the bolt", "nothing open within", "length"),
+    "min_opening_factor": ("nothing is pressed any more at", "at least", "1"),
+    "min_slip_safety": ("slips as a whole at", "at least", "1"),
+}
+"""Requirement to what is judged, how it is limited, and the dimension of the limit."""
+
+
+def requirement_table(results: Results) -> Table:
+    """Return the requirements of the study and whether they are met."""
+    units = units_of(results.units)
+    verdicts = () if results.assessment is None else results.assessment.verdicts
+    rows = [_verdict(one, units) for one in verdicts]
+    return table(("requirement", "demanded", "found", "where", "load case"), rows)
+
+
+def joint_headline(results: Results) -> str:
+    """Return the verdict on the joint in a sentence."""
+    found = results.assessment
+    if found is None:
+        wanted = required(results.study_text)
+        return "The joint was not judged; see the warnings." if wanted else ""
+    if not found.verdicts:
+        return "The study demands nothing of the joint ([requirement]); this is what it sees."
+    failed = [one.requirement for one in found.verdicts if not one.met]
+    if failed:
+        return f"The joint does not hold what the study demands: {', '.join(failed)}."
+    return "The joint holds all that the study demands in these load cases."
+
+
+def bolt_judgement(results: Results) -> Table:
+    """Return what the bolts see over all load cases."""
+    units = units_of(results.units)
+    bolts = {} if results.assessment is None else results.assessment.bolts
+    columns = ("bolt", "preload", "smallest force", "largest force", "load factor Φ = ΔF_S / F_A")
+    rows = [(name, *_bolt(one, units)) for name, one in bolts.items()]
+    return table(columns, rows)
+
+
+def interface_judgement(results: Results) -> Table:
+    """Return what the interfaces see over all load cases."""
+    units = units_of(results.units)
+    found = {} if results.assessment is None else results.assessment.interfaces
+    columns = (
+        "interface", "clamp force at rest", "smallest clamp force", "certified", "largest pressure",
+        "smallest area under pressure", "first opening at", "nothing pressed from",
+    )  # fmt: skip
+    rows = [(name, *_interface(name, one, results, units)) for name, one in found.items()]
+    return table(columns, rows)
+
+
+def _verdict(one: Verdict, units: Units) -> tuple[str | Cell, ...]:
+    what, how, dimension = MEANINGS[one.requirement]
+    of_value = "force/length²" if one.requirement == "no_opening_within" else dimension
+    return (
+        Cell(text=one.requirement, grade="good" if one.met else "poor"),
+        f"{how} {_measured(one.limit, dimension, units)}",
+        f"{what} {_measured(one.value, of_value, units)}",
+        one.place,
+        one.case,
+    )
+
+
+def _measured(value: float, dimension: str, units: Units) -> str:
+    if not np.isfinite(value):
+        return "no factor"
+    if dimension == "1":
+        return f"{number(value)} times the load"
+    return quantity(value, units.of(dimension), 4)
+
+
+def _bolt(one: BoltAssessment, units: Units) -> Iterator[str]:
+    yield quantity(one.preload, units.force, 5)
+    yield f"{quantity(one.least, units.force, 5)} ({one.least_case})"
+    yield f"{quantity(one.most, units.force, 5)} ({one.most_case})"
+    factors = [f"{number(factor)} ({case})" for case, factor in one.load_factors.items()]
+    yield "; ".join(factors) or "—"
+
+
+def _interface(
+    name: str, one: InterfaceAssessment, results: Results, units: Units
+) -> Iterator[str]:
+    yield quantity(one.preload, units.force, 5)
+    yield f"{quantity(one.least_clamp, units.force, 5)} ({one.least_clamp_case})"
+    ends = () if one.certified is None else one.certified.tolist()
+    yield " … ".join(quantity(end, units.force, 5) for end in ends) or "—"
+    size = float(np.ptp(results.interfaces[name].points, axis=0).max())
+    where = place(one.max_pressure_point, units.length, size)
+    yield f"{quantity(one.max_pressure, units.pressure, 4)} at {where} ({one.max_pressure_case})"
+    yield f"{quantity(one.closed_area, units.of('length²'), 4)} ({one.closed_area_case})"
+    yield _least(one.first_opening)
+    yield _least(one.loss_of_clamp)
+
+
+def _least(factors: Mapping[str, float]) -> str:
+    """Return the smallest load factor and its case."""
+    if not factors:
+        return "—"
+    case = min(factors, key=factors.__getitem__)
+    if not np.isfinite(factors[case]):
+        return "no factor"
+    return f"{number(factors[case])} times {case}"

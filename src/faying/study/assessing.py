@@ -1,0 +1,100 @@
+"""The joint of a run judged over its load cases, whatever solved them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from faying._typing import Vector
+from faying.assessment.certificate import certifier
+from faying.assessment.joint_assessment import judged
+from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.load_path import LoadPath, load_path
+from faying.assessment.requirements import Requirements
+from faying.reduction.projection import contact_surfaces
+from faying.study.extras import Extras
+from faying.study.loads import case_load
+from faying.study.offline import PreparedJoint
+from faying.study.path_cases import has_friction
+from faying.study.progress import Stages
+from faying.study.results import CaseResult
+from faying.study.tables import LoadCaseSection, RequirementSection, Study
+
+MOST_POINTS = 2000
+"""Contact points up to which loads are followed to their openings: seconds each."""
+
+
+def assess_run(
+    study: Study,
+    joint: PreparedJoint,
+    cases: Mapping[str, CaseResult],
+    stages: Stages,
+    extras: Extras,
+) -> Assessment | None:
+    """Judge the joint over the references of all load cases; None where that failed.
+
+    Static load cases without friction are certified, and followed to their openings.
+    """
+    model = joint.model
+    with stages.stage("joint assessment"), extras.attempt("joint assessment"):
+        static = [case for case in study.load_cases if case.kind == "static"]
+        smooth = [] if has_friction(model) else static
+        intervals = _intervals(joint, smooth, cases, extras)
+        slip = {
+            name: np.inf if case.reserve.gross_slip is None else case.reserve.gross_slip
+            for name, case in cases.items()
+            if case.reserve is not None
+        }
+        return judged(
+            contact_surfaces(model),
+            model.bolts,
+            CaseState(
+                pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
+                bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
+            ),
+            {name: _state(case, intervals.get(name)) for name, case in cases.items()},
+            requirements_of(study.requirement),
+            _paths(joint, smooth),
+            slip,
+        )
+    return None
+
+
+def requirements_of(section: RequirementSection) -> Requirements:
+    """Return what a study demands."""
+    return Requirements(**{name: getattr(section, name) for name in type(section).model_fields})
+
+
+def _state(case: CaseResult, certified: Mapping[str, Vector] | None) -> CaseState:
+    pressure = np.atleast_2d(case.reference.pressure)
+    return CaseState(
+        pressure=pressure,
+        bolt_forces={name: np.atleast_1d(f) for name, f in case.reference.bolt_forces.items()},
+        certified=certified,
+    )
+
+
+def _intervals(
+    joint: PreparedJoint,
+    static: list[LoadCaseSection],
+    cases: Mapping[str, CaseResult],
+    extras: Extras,
+) -> dict[str, Mapping[str, Vector]]:
+    """Return the certified clamp forces of static load cases."""
+    if not static:
+        return {}
+    with extras.attempt("certified bounds"):
+        judge, start = certifier(joint.model), np.zeros(1)
+        inputs = np.concatenate([case_load(case).inputs(joint.model, start) for case in static])
+        pressure = np.array([cases[case.name].reference.pressure for case in static])
+        found = judge.certify_inputs(inputs, pressure).contact_force
+        return {
+            case.name: {name: ends[row] for name, ends in found.items()}
+            for row, case in enumerate(static)
+        }
+    return {}
+
+
+def _paths(joint: PreparedJoint, static: list[LoadCaseSection]) -> dict[str, LoadPath]:
+    if joint.model.contact.n_points > MOST_POINTS:
+        return {}
+    return {case.name: load_path(joint.model, case_load(case)) for case in static}

@@ -1,0 +1,99 @@
+"""Requirements of a study: judged over its load cases, kept, reported, and told by the status."""
+
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+import faying as fy
+from faying.cli import app
+from faying.report.html import write_report
+from faying.report.joint import joint_headline
+from faying.study.schema import parse_study
+from faying.study.store import read_results
+from faying.workflow.run import run
+
+STUDY = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 5.0 }
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[damping]
+beta = 1e-6
+
+[reduction]
+normal_modes = 4
+methods = ["compliance"]
+
+[validation]
+penalty_sweep = false
+half_step = false
+
+[requirement]
+REQUIREMENT
+
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+periods = 0.5
+steps_per_period = 20
+
+[output]
+report = false
+"""
+
+
+def outcome(folder, requirement):
+    study = parse_study(STUDY.replace("REQUIREMENT", requirement), folder / "joint.toml")
+    summary = run(study, folder / "out").summary
+    return summary, read_results(folder / "out" / "results.h5")
+
+
+def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
+    summary, results = outcome(tmp_path, "min_clamp_force = 4e3\nmax_pressure = 10.0")
+    found = results.assessment
+    assert json.loads((tmp_path / "out" / "summary.json").read_text()) == summary
+    peaks = {name: case.reference.pressure.max() for name, case in results.cases.items()}
+    worst = max(peaks, key=peaks.get)
+    clamp, pressure = found.verdicts
+    assert (pressure.requirement, pressure.case, pressure.met) == ("max_pressure", worst, False)
+    assert pressure.value == pytest.approx(peaks[worst], rel=1e-12)
+    forces = [case.reference.contact_forces["joint"].min() for case in results.cases.values()]
+    assert found.interfaces["joint"].least_clamp == pytest.approx(min(forces), rel=1e-12)
+    assert clamp.met
+    assert summary["assessment"]["verdicts"][1]["met"] is False
+    static = fy.assess(
+        fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 5e3}),
+        [fy.Load({"tip.Fz": -150.0}, name="bend")],
+    )
+    followed = found.interfaces["joint"].first_opening
+    assert followed == pytest.approx(static.interfaces["joint"].first_opening, rel=1e-6)
+    page = write_report(results, tmp_path / "out").read_text()
+    assert "The joint does not hold what the study demands: max_pressure." in page
+    assert page.index('id="joint"') < page.index('id="summary"')
+
+
+def test_requirement_that_cannot_be_judged_is_not_met(tmp_path):
+    summary, results = outcome(tmp_path, "min_slip_safety = 1.5")
+    assert results.assessment is None
+    assert "min_slip_safety is judged by" in " ".join(summary["warnings"])
+    assert "not judged" in joint_headline(results)
+
+
+@pytest.mark.parametrize(("limit", "status"), [(4e3, 0), (9e9, 3)])
+def test_status_tells_whether_they_are_met(tmp_path, limit, status):
+    path = tmp_path / "joint.toml"
+    path.write_text(STUDY.replace("REQUIREMENT", f"min_clamp_force = {{ joint = {limit} }}"))
+    done = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out")])
+    assert done.exit_code == status, done.output
+    assert ("NOT MET" in done.output) == (status == 3)
