@@ -16,6 +16,7 @@ from faying.report.html import write_report
 from faying.report.quantities import number
 from faying.report.slip import slip_sentence, slipping
 from faying.report.style import new_figure
+from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
 from faying.study.load_factors import read_load_factors
 from faying.study.load_model import build
@@ -336,11 +337,6 @@ MISTAKES = [
     ("amplitudes = [1.5, 0.5]", "amplitudes = [1.5, 1.5]", "an amplitude is there twice"),
     ("amplitudes = [1.5, 0.5]", "amplitudes = [-1.0]", "found -1.0, expected greater than 0"),
     ("increments = 4\nforces", "increments = 4\nstep = 1e-5\nforces", 'kind = "static" has no'),
-    (
-        'kind = "static"\nincrements = 4',
-        'kind = "step"\nstep = 1e-5\nduration = 1e-4',
-        "'kind' in .* has friction, and transients of studies know none",
-    ),
     ("[output]", "[validation]\npenalty_sweep = true\n[output]", "the penalty sweep knows none"),
     (
         "[output]",
@@ -384,6 +380,41 @@ def test_path_files_with_mistakes_are_refused_at_once(tmp_path, text, match):
         read_study(path)
     assert "way.csv" in str(raised.value)
     assert "'factors' in [[load_case]] number 2" in str(raised.value)
+
+
+def test_motions_start_from_what_tightening_left(tmp_path):
+    text = (
+        "friction_during_preload = false\n"
+        + STUDY.split("[[load_case]]")[0]
+        + """
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fx", value = 600.0 }]
+step = 2e-5
+duration = 2e-4
+[validation]
+half_step = false
+[output]
+report = false
+"""
+    )
+    study = read_study(write(tmp_path, text))
+    assert run(study, tmp_path / "out").converged
+    found = read_results(tmp_path / "out" / "results.h5")
+    assert found.omissions == ()
+    model = build(study).with_bolt_forces({"bolt": found.bolts["bolt"].initial_force})
+    load, times = case_load(study.load_cases[0]), {"step": 2e-5, "duration": 2e-4}
+    motion = fy.solve_transient(model, load, initial=last_of(released_state(model)), **times)
+    jump, top = found.cases["jump"], motion.pressure.max()
+    # The same steps from the same state.
+    np.testing.assert_allclose(jump.reference.pressure, motion.pressure, rtol=0, atol=1e-9 * top)
+    reduced = jump.methods["compliance"][0].response.pressure
+    # The residual compliance makes the state at rest exact.
+    np.testing.assert_allclose(reduced[0], motion.pressure[0], rtol=0, atol=1e-8 * top)
+    # Tightened with friction it rests on tractions, and moves otherwise.
+    other = fy.solve_transient(model, load, **times)
+    assert np.abs(other.pressure - motion.pressure).max() > 1e-5 * top  # 8e-5 is measured
 
 
 def test_columns_that_are_nothing_are_refused(tmp_path):

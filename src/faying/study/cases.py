@@ -239,11 +239,15 @@ class CaseRunner:
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
+                rubs = has_friction(self.joint.model)
                 if goes_in_increments(case, self.joint.model):
                     rest = self._rest(system, label)
                     response = path_response(self.joint.model, case, system, rest, like)
                 else:
-                    solution, seconds = solve_case(self.joint, case, system, advance, refinement)
+                    initial = self._rest(system, label) if rubs else None
+                    solution, seconds = solve_case(
+                        self.joint, case, system, advance, refinement, initial
+                    )
                     response = respond(solution, self.joint.model, seconds)
             wanted = case.transient and label != REDUCED
             if wanted and isinstance(system, ReducedModel):
@@ -271,8 +275,12 @@ def solve_case(
     system: System,
     progress: Callable[[int], object] | None = None,
     refinement: int = 1,
+    initial: Solution | None = None,
 ) -> tuple[Solution, float]:
-    """Solve a load case with one model; return how many seconds that took as well."""
+    """Solve a load case with one model; return how many seconds that took as well.
+
+    Transients start from ``initial``, where it is given: what has slipped before.
+    """
     start = time.perf_counter()
     if case.kind == "static":
         solution = solve_static(system, case_load(case))
@@ -283,6 +291,7 @@ def solve_case(
             step=time_step(case, joint.period) / refinement,
             duration=time_span(case, joint.period),
             integrator=integrator_of(case),
+            initial=initial,
             progress=progress,
         )
     return solution, time.perf_counter() - start

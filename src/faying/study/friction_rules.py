@@ -99,13 +99,6 @@ def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
     if study.sticking is not None:
         text = f"{reason}, which says itself what sticks; remove [sticking], or the friction"
         yield _problem(study, ("sticking",), text)
-    for i, case in enumerate(study.load_cases):
-        if case.transient:
-            text = (
-                f"{reason}, and transients of studies know none; take static loads, paths or "
-                "cycles, or friction = 0 there"
-            )
-            yield _problem(study, ("load_case", i, "kind"), text)
     able = [name for name, one in METHODS.items() if not one.trained]
     for name in study.reduction.methods:
         if METHODS[name].trained:

@@ -53,8 +53,7 @@ class PreparedJoint:
     rest
         That of the model with locked bolts, where transients start.
     period
-        Longest period of small vibrations about the preloaded state; infinite without mass, and
-        with friction, where no load case is a motion.
+        Longest period of small vibrations about the preloaded state; infinite without mass.
     preload_path
         Loads by which the bolts were tightened with friction; none where it was without.
     """
@@ -123,13 +122,15 @@ def _rubbing_joint(
             tightening = tighten(smooth_joint(model), forces)
         model = model.with_bolt_forces(tightening.initial_forces)
         rest = rest_state(model, path)
+    with stages.stage("frequencies"):
+        period = _longest_period(model, rest)
     return PreparedJoint(
         loaded=loaded,
         model=model,
         tightening=tightening,
         preload=rest,
         rest=rest,
-        period=np.inf,
+        period=period,
         preload_path=path,
     )
 
