@@ -101,12 +101,14 @@ def _overview(study: Study, model: Model) -> Table:
     # Round-off of a symmetric model reads as zero.
     centre = np.where(np.abs(weight.centre) < 1e-9 * _extent(assembly.mesh), 0.0, weight.centre)
     units = study.units.split("-")
+    n_shell = sum(len(block.ids) for block in assembly.shells)
     rows = [
         ("source", study.model.source),
         ("units (length-mass-time)", study.units),
         ("nodes", len(assembly.mesh.nodes)),
         ("solid elements", f"{assembly.mesh.n_elements} {', '.join(kinds)}{formulation}"),
         ("beams", len(assembly.beams)),
+        *([("shells", n_shell)] if n_shell else []),
         ("free degrees of freedom", int(model.K.shape[0])),
         ("factorization", _factorization(model.structure.factor_memory)),
         (f"mass [{units[1]}]", weight.mass),
