@@ -52,17 +52,16 @@ def tried(path: Path, ignore: tuple[str, ...]) -> tuple[str, tuple[str, ...], st
     from faying.study.understood import understood
 
     try:
-        study = study_or_deck(path)
-        wished = study.model.model_copy(update={"ignore": ignore})
-        loaded = load_model(study.model_copy(update={"model": wished}))
+        study = study_or_deck(path, ignore)
+        loaded = load_model(study)
     except FayingError as error:
         return "refused", names_in(str(error)), str(error)
     try:
         found = understood(study, loaded, bare=True)
     except FayingError as error:
         return "read, not built", (str(error)[:100],), str(error)
-    needs = tuple(need for need in found.needs if need.startswith("contact"))
-    kind = "read, contact not built" if needs else "read and built"
+    needs = tuple(need for need in found.needs if need.startswith("contact and"))
+    kind = "read, contact or bolts not built" if needs else "read and built"
     return kind, needs, "\n".join(found.needs)
 
 

@@ -12,6 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from faying.exceptions import ModelError
 from faying.io.deck_geometry import ABAQUS, NASTRAN
 from faying.joint.build import build_model
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
@@ -142,6 +143,10 @@ def _of_deck(
     from faying.interface.gap_field import with_gap_offset
     from faying.interface.gap_rule import with_gap_rule
 
+    if interfaces is None and not described.interfaces and described.has_joined_faces:
+        message = "the deck has no contact pairs, and faces found automatically would be those "
+        message += "of ties and of cuts through bolts too; name the sides of interfaces"
+        raise ModelError(message)
     model = build_model(
         described.assembly,
         interfaces=(described.interfaces or AUTO) if interfaces is None else interfaces,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, ModelError
 from faying.io.abaqus import read_deck, read_joint
 from faying.io.abaqus.written_contact import contact_lines
 from faying.model.description import JointDescription
@@ -454,7 +454,6 @@ def test_a_section_through_solids_doubles_its_nodes(read):
 
 CUTS_REFUSED = [
     (("1, S2\n", "1, S4\n"), "does not cut the solids it lies in"),
-    (("*CONTACT PAIR, INTERACTION=J\nSIDE, OTHER\n", ""), r"must define contact by \*CONTACT PAIR"),
     (("NODE=99\n", "NODE=99\n1., 0., 0.\n"), "the direction is zero or lies in the section"),
     (("SURFACE=CUT", "SURFACE=GASH"), "no surface 'GASH'"),
     (("SURFACE=CUT,", "SURFACE=CUT, ELEMENT=1,"), "either SURFACE= or ELEMENT="),
@@ -467,6 +466,35 @@ def test_sections_that_cut_nothing_are_refused(read, change, message):
         read(edited(change, text=SHANK))
 
 
+@pytest.mark.parametrize(
+    ("direction", "force", "preload"),
+    [("0., 0., 1.", 10.0, 10.0), ("0., 0., -2.", -10.0, 10.0), ("0., 0.3, -1.", -3.0, 3.0)],
+)
+def test_the_direction_of_a_section_says_what_pulls(read, direction, force, preload):
+    """CalculiX presses where the force and the direction point apart, through solids and beams."""
+    node = ("NODE=99\n", f"NODE=99\n{direction}\n")
+    described = read(edited(node, ("99, 1, 10.", f"99, 1, {force}"), text=SHANK))
+    assert described.preloads == {"CUT": preload}
+    with pytest.raises(FormatError, match="compressive force"):
+        read(edited(node, ("99, 1, 10.", f"99, 1, {-force}"), text=SHANK))
+    beam = ("NODE=104\n", f"NODE=104\n{direction}\n")
+    described = read(edited(beam, ("104, 1, 400.", f"104, 1, {force}")))
+    assert described.preloads == {"bolt 3": preload}
+    with pytest.raises(FormatError, match="lies across the beam"):
+        read(edited(("NODE=104\n", "NODE=104\n1., 0., 0.\n")))
+
+
+def test_cuts_are_no_interfaces(read, tmp_path):
+    """A deck without contact pairs is read; what touches is then for the user to say."""
+    described = read(edited(("*CONTACT PAIR, INTERACTION=J\nSIDE, OTHER\n", ""), text=SHANK))
+    assert (described.interfaces, described.has_joined_faces) == ((), True)
+    assert described.preloads == {"CUT": 10.0}
+    with pytest.raises(ModelError, match="would be those of ties and of cuts"):
+        fy.read_abaqus(tmp_path / "deck.inp")
+    named = fy.InterfaceSpec(name="side", minus="SIDE", plus="OTHER", search_distance=1.0)
+    assert list(fy.read_abaqus(tmp_path / "deck.inp", interfaces=[named]).interfaces) == ["side"]
+
+
 def test_harmless_keywords_are_listed_once(small):
     ignored = small.assembly.ignored
     assert any(note.startswith("1 *HEADING, 1 *NODE FILE: ") for note in ignored)
@@ -476,7 +504,9 @@ def test_harmless_keywords_are_listed_once(small):
 # --- what is refused --------------------------------------------------------------------------
 
 REFUSED = [
-    (before_steps("*TIE, NAME=T\nSLAVE, MASTER\n"), r":81: \*TIE: .*not supported.*shared nodes"),
+    (before_steps("*TIE, NAME=T, CYCLIC SYMMETRY\nSLAVE, MASTER\n"),
+     r":81: \*TIE, CYCLIC SYMMETRY: .*not supported.*whole structure"),
+    (before_steps("*TIE, NAME=T\nSLAVE, MISTER\n"), r":82: \*TIE: there is no surface 'MISTER'"),
     (before_steps("*INITIAL CONDITIONS, TYPE=STRESS\n"),
      r"\*INITIAL CONDITIONS, TYPE=STRESS: .*not supported"),
     (before_steps("*BLA\n"), r":81: \*BLA: the keyword is not supported"),
@@ -491,7 +521,7 @@ REFUSED = [
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 7\n")), r":27: .*element 1 names a node twice"),
     (edited(("2, 11, 12", "1, 11, 12")), r":29: \*ELEMENT: element 1 is defined twice"),
     (edited(("TYPE=C3D8,", "TYPE=S4,")), r":26: \*ELEMENT, TYPE=S4: .*mesh with solids"),
-    (edited(("TYPE=B31", "TYPE=T3D2")), r"TYPE=T3D2: .*not supported.*use B31"),
+    (edited(("TYPE=B31", "TYPE=T3D3")), r"TYPE=T3D3: .*not supported.*use T3D2"),
     (edited(("ELSET=LOWER", "ELSETT=LOWER")), r"the parameter ELSETT is not supported"),
     (edited(("15, 18, 1", "15, 19, 1")), r"the range starts or ends at 19"),
     (edited(("15, 18, 1", "15, 18, 2")), r"does not work out"),
@@ -586,6 +616,17 @@ def test_materials_that_no_section_names_are_left_out(read):
                 ("*SOLID SECTION", block + "*SOLID SECTION"), ("*STEP\n", "*PLASTIC\n1.\n*STEP\n")
             )
         )
+
+
+def test_fields_behind_the_nodes_of_elements_are_passed_over(read, small):
+    """Where every line has them: else one is a line that lost its end."""
+    rows = [("1, 1, 2, 3, 4, 5, 6, 7, 8", "1, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12")]
+    found = read(edited(*rows)).assembly
+    np.testing.assert_array_equal(found.mesh.blocks[0].nodes, small.assembly.mesh.blocks[0].nodes)
+    assert "fields behind the 8 nodes of C3D8, which CalculiX passes over too" in found.ignored
+    more = "1, 1, 2, 3, 4, 5, 6, 7, 8, 11\n6, 1, 2, 3, 4, 5, 6, 7, 8"
+    with pytest.raises(FormatError, match="a field is missing or extra"):
+        read(edited((rows[0][0], more)))
 
 
 def test_surfaces_of_nothing(read):

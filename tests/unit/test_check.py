@@ -192,7 +192,7 @@ def test_candidates_where_no_interface_is_declared(check_file, tmp_path):
     status, lines, _ = check_file(path)
     assert status == 0
     assert ["Candidate", "interfaces"] not in lines
-    assert any(line[:4] == ["an", "interface:", "no", "bodies"] for line in lines)
+    assert any(line[:4] == ["an", "interface:", "none", "is"] for line in lines)
 
 
 def test_a_study_without_density_is_told_that_it_needs_one(check_file, tmp_path):
@@ -206,6 +206,38 @@ def test_a_study_without_density_is_told_that_it_needs_one(check_file, tmp_path)
     status, lines, _ = check_file(study)
     assert status == 0
     assert any(line[:1] == ["densities:"] for line in lines)
+
+
+def test_bolts_and_contact_that_cannot_be_built_are_needs_of_a_deck_alone(check_file, tmp_path):
+    path = tmp_path / "bricks.inp"
+    # Head and nut in one brick.
+    path.write_text(DECK.replace("NAME=HEAD\nUPPER, S2", "NAME=HEAD\nLOWER, S2"))
+    status, lines, err = check_file(path)
+    assert (status, err) == (0, "")
+    assert ["Bodies"] in lines
+    assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
+    # The slave lies inside out, so that it sees nothing of the master.
+    path.write_text(DECK.replace("NAME=MASTER\n2, S1", "NAME=MASTER\n2, S2"))
+    status, lines, _ = check_file(path)
+    assert status == 0
+    assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
+
+
+def test_what_a_deck_alone_is_to_be_read_without(check_file, tmp_path):
+    path = tmp_path / "bricks.inp"
+    path.write_text(DECK.replace("*DENSITY\n", "*PLASTIC\n300., 0.\n*DENSITY\n", 1))
+    status, _, err = check_file(path)
+    assert status == 2
+    assert 'ignore = ["plastic"]' in err
+    status, lines, _ = check_file(path, "--ignore", "plastic")
+    assert status == 0
+    assert ["ignore", "=", '["plastic"]'] in lines
+    status, _, err = check_file(path, "--ignore", "plastik")
+    assert status == 2
+    assert "'plastik'" in err
+    status, _, err = check_file(EXAMPLES / "nastran_deck.toml", "--ignore", "plastic")
+    assert status == 2
+    assert "a study says what to ignore itself" in err
 
 
 def test_files_of_no_known_kind_are_refused(check_file, tmp_path):

@@ -20,6 +20,10 @@ StudyOrDeck = Annotated[
 def check(
     study: StudyOrDeck,
     out: Annotated[Path | None, typer.Option(help="Folder for pictures of the model.")] = None,
+    ignore: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WORD", help="Leave out of a deck: plastic, friction, temperature."),
+    ] = None,
 ) -> None:
     """Read and check a study or a deck; print mass, bodies, constraints, interfaces and loads."""
     from rich.console import Console
@@ -34,7 +38,7 @@ def check(
     from faying.study.solid_constants import doubts
     from faying.study.understood import understood
 
-    checked, bare = study_or_deck(study), is_bare(study)
+    checked, bare = study_or_deck(study, ignore or ()), is_bare(study)
     if out is not None:
         usable_folder(out)
     with naming_tables(checked):

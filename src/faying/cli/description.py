@@ -45,7 +45,7 @@ def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[
     if model.interfaces:
         yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
         yield _sides(model)
-    if loaded.bolts:
+    if model.bolts:
         yield _bolts(study, loaded, model)
     if model.boundaries:
         yield _boundaries(model)
@@ -71,7 +71,10 @@ def _missing(study: Study, found: Understood) -> Iterator[Table]:
     lines = []
     if is_bare(study.path):
         lines += ["[model]", f'source = "{study.model.source}"']
-        lines += [f"file = {quoted(study.path.name)}", ""]
+        lines.append(f"file = {quoted(study.path.name)}")
+        if study.model.ignore:
+            lines.append(f"ignore = [{', '.join(map(quoted, study.model.ignore))}]")
+        lines.append("")
     if found.candidate is not None:
         lines += ["[[interface]]", f'name = "{found.candidate.name}"']
         lines += ['minus = "auto"', 'plus = "auto"', f'meshes = "{found.candidate.meshes}"', ""]

@@ -8,7 +8,7 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, ModelError
 from faying.files.contents import check_room, file_bytes
 
 _PLACED = re.compile(r"^\S.*:\d+: ")
@@ -51,12 +51,12 @@ def naming(path: str | PathLike[str]) -> Iterator[None]:
     """Put the deck's name before messages that name no place, of decks as a whole."""
     try:
         yield
-    except FormatError as error:
+    except (FormatError, ModelError) as error:
         text = str(error)
         if _PLACED.match(text) or fspath(path) in text:
             raise
         message = f"{fspath(path)}: {text}"
-        raise FormatError(message) from error
+        raise type(error)(message) from error
 
 
 class DeckFiles:

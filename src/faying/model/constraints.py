@@ -1,8 +1,9 @@
 """Constraints: couplings, equations and supports eliminated to u_node = T u_free.
 
 Dependent degrees of freedom are substituted by the others, chains included. Where a load enters at
-one that its coupling would make dependent (the reference node of an RBE3), the coupling is solved
-for degrees of freedom of the other nodes instead, so that every load meets a free one.
+one that its coupling would make dependent (the reference node of an RBE3), where two couplings or a
+support and a coupling determine the same one, or where couplings determine each other in a circle,
+an equation is solved for other degrees of freedom instead. What repeats other equations drops out.
 """
 
 from collections.abc import Sequence
@@ -12,7 +13,7 @@ import scipy.linalg
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, read_only
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.couplings.average import average_rows
@@ -26,6 +27,8 @@ from faying.model.dofs import DofMap
 _RANK = 1e-9
 # Relative size of coefficients that are rounding of the solution of those equations.
 _ROUNDING = 1e-13
+# Share of the largest coefficient of an equation that is rounding after others are put into it.
+_REPEATED = 1e-11
 
 
 def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] = ()) -> DofMap:
@@ -50,21 +53,21 @@ def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] =
     Raises
     ------
     ModelError
-        If a component depends on two couplings, on itself through a chain, or is both dependent
-        and supported; if a kept one is supported, moves nothing, or is tied to other kept ones.
+        If a kept component is supported, moves nothing, or is tied to other kept ones.
 
     Notes
     -----
-    Cost: a few sparse products, as many as the longest chain of couplings; and for couplings whose
-    dependent component is kept, a dense QR decomposition of their equations.
+    Cost: a few sparse products, as many as the longest chain of couplings; and for equations that
+    are solved for other components than their own, a dense QR decomposition of those that share
+    components.
     """
     n_dof = 6 * len(assembly.mesh.nodes)
     kept = np.zeros(n_dof, dtype=bool)
     kept[np.asarray(keep, dtype=np.int64)] = True
     fixed = fixed_components(assembly)
     rows = _equations(assembly, used, fixed, kept)
-    turned = kept[rows.dependent]
-    T = _substituted(assembly, rows.taken(~turned), fixed)
+    turned = kept[rows.dependent] | _in_conflict(rows, fixed)
+    T = _substituted(rows.taken(~turned), fixed)
     if turned.any():
         T = T @ _turned(assembly, rows.taken(turned), T, used, kept)
     moving = np.zeros(n_dof, dtype=bool)
@@ -102,20 +105,32 @@ def _equations(assembly: Assembly, used: Mask, fixed: Mask, kept: Mask) -> Rows:
     for average in assembly.average_couplings:
         existing[6 * average.reference + np.array(average.reference_components)] = True
     rows = stacked([rigid, average_rows(assembly, existing), equations])
-    _check_single(assembly, rows)
-    _check_unsupported(assembly, rows, fixed)
     _check_load(assembly, kept & fixed)
     blocked = kept | fixed
     blocked[rows.dependent] = True
     return stacked([rows, inclined_rows(assembly, fixed=fixed, blocked=blocked)])
 
 
-def _substituted(assembly: Assembly, rows: Rows, fixed: Mask) -> SparseMatrix:
+def _in_conflict(rows: Rows, fixed: Mask) -> Mask:
+    """Mark equations whose own component is held, belongs to an earlier one, or is in a circle."""
+    first = np.zeros(len(rows.dependent), dtype=bool)
+    first[np.unique(rows.dependent, return_index=True)[1]] = True
+    conflict: Mask = ~first | fixed[rows.dependent]
+    plain = np.flatnonzero(~conflict)
+    between = rows.matrix[plain][:, rows.dependent[plain]].tocsr()
+    if between.nnz:
+        n_group, group = connected_components(between, connection="strong")
+        if n_group < len(plain) or between.diagonal().any():
+            circle = (np.bincount(group)[group] > 1) | (between.diagonal() != 0)
+            conflict[plain[circle]] = True
+    return conflict
+
+
+def _substituted(rows: Rows, fixed: Mask) -> SparseMatrix:
     """Resolve chains: T (n, n) with zero columns for dependent and fixed degrees of freedom."""
     n_dof = len(fixed)
     dependent = np.zeros(n_dof, dtype=bool)
     dependent[rows.dependent] = True
-    _check_acyclic(assembly, rows)
     lift = sp.csr_array(
         (np.ones(len(rows.dependent)), (rows.dependent, np.arange(len(rows.dependent)))),
         shape=(n_dof, len(rows.dependent)),
@@ -145,26 +160,38 @@ def _turned(
         (np.ones(len(rows.dependent)), (np.arange(len(rows.dependent)), rows.dependent)),
         shape=(len(rows.dependent), n_dof),
     )
-    residual = ((own - rows.matrix) @ T).tocsr()
-    choosable = np.zeros(n_dof, dtype=bool)
-    choosable[T[np.flatnonzero(used)].indices] = True
-    choosable &= ~kept
-    _, group = connected_components(abs(residual) @ abs(residual).T, directed=False)
+    plain = (own - rows.matrix).tocsr()
+    residual = _without_rounding((plain @ T).tocsr(), abs(plain).max(axis=1).toarray().ravel())
+    moving = np.zeros(n_dof, dtype=bool)
+    moving[T[np.flatnonzero(used)].indices] = True
+    choosable = moving & ~kept
+    # Equations and their components as one graph: a coupling of many nodes stays sparse.
+    graph = sp.block_array([[None, residual], [residual.T, None]], format="csr")
+    _, group = connected_components(graph, directed=False)
     replaced = np.zeros(n_dof, dtype=bool)
-    parts = []
-    for number in range(group.max() + 1):
-        members = np.flatnonzero(group == number)
+    parts: list[tuple[Indices, Indices, Matrix]] = []
+    for number in np.unique(group[: len(rows.dependent)]).tolist():
+        members = np.flatnonzero(group[: len(rows.dependent)] == number)
         columns = np.unique(residual[members].indices)
         dense = residual[members][:, columns].toarray()
-        chosen = _independent_columns(dense, choosable[columns])
-        if len(chosen) < len(members):
+        chosen, reduced = _eliminated(dense, choosable[columns])
+        if len(_eliminated(dense, moving[columns])[0]) > len(chosen):
             _refuse_tied(assembly, rows, members)
         others = np.setdiff1d(np.arange(len(columns)), chosen)
-        solution = -np.linalg.solve(dense[:, chosen], dense[:, others])
+        solved = -np.linalg.solve(reduced[:, chosen], reduced[:, others])
+        solution = np.asarray(solved, dtype=np.float64)
         solution[np.abs(solution) <= _ROUNDING * np.abs(solution).max(initial=0.0)] = 0.0
         replaced[columns[chosen]] = True
         parts.append((columns[chosen], columns[others], solution))
     return _replacement(replaced, parts)
+
+
+def _without_rounding(matrix: SparseMatrix, size: Vector) -> SparseMatrix:
+    """Drop what is rounding beside the size of each row: equations that repeat others vanish."""
+    rows = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    matrix.data[np.abs(matrix.data) <= _REPEATED * size[rows]] = 0.0
+    matrix.eliminate_zeros()
+    return matrix
 
 
 def _replacement(replaced: Mask, parts: list[tuple[Indices, Indices, Matrix]]) -> SparseMatrix:
@@ -178,53 +205,21 @@ def _replacement(replaced: Mask, parts: list[tuple[Indices, Indices, Matrix]]) -
     return result
 
 
-def _independent_columns(equations: Matrix, allowed: Mask) -> Indices:
-    """As many allowed columns as there are rows, the best conditioned; fewer if they depend."""
+def _eliminated(equations: Matrix, allowed: Mask) -> tuple[Indices, Matrix]:
+    """Return allowed columns that the equations determine, and as many equations for them.
+
+    The best conditioned columns are taken; equations that repeat others are gone from the result.
+    """
     positions = np.flatnonzero(allowed)
-    if not len(positions):
-        return positions
-    largest = np.abs(equations).max(axis=1, keepdims=True)
+    largest = np.abs(equations).max(axis=1, keepdims=True, initial=0.0)
     scaled = equations / np.where(largest > 0, largest, 1.0)
-    R, order = scipy.linalg.qr(scaled[:, positions], mode="r", pivoting=True)
+    if not len(positions) or not largest.any():
+        return positions[:0], scaled[:0]
+    basis, R, order = scipy.linalg.qr(scaled[:, positions], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
-    chosen: Indices = positions[order[: len(pivots)][pivots > _RANK * pivots[0]]]
-    return chosen
-
-
-def _check_single(assembly: Assembly, rows: Rows) -> None:
-    dofs, counts = np.unique(rows.dependent, return_counts=True)
-    if np.any(counts > 1):
-        dof = int(dofs[np.argmax(counts > 1)])
-        message = (
-            f"{dof_name(assembly, dof)}, depends on more than one coupling: "
-            f"{rows.names(rows.dependent == dof)}; take the node out of all but one of them"
-        )
-        raise ModelError(message)
-
-
-def _check_unsupported(assembly: Assembly, rows: Rows, fixed: Mask) -> None:
-    held = fixed[rows.dependent]
-    if held.any():
-        dof = int(rows.dependent[np.argmax(held)])
-        message = (
-            f"{dof_name(assembly, dof)}, depends on {rows.names(rows.dependent == dof)} and is "
-            f"held by {_supports_of(assembly, dof)} too; release the support there, or take the "
-            "node out of the coupling"
-        )
-        raise ModelError(message)
-
-
-def _supports_of(assembly: Assembly, dof: int) -> str:
-    """Name the supports that hold a degree of freedom, or others of its triple if inclined."""
-    node, component = divmod(dof, 6)
-    triple = range(component - component % 3, component - component % 3 + 3)
-    found = [
-        f"support {support.id}"
-        for support in assembly.supports
-        if node in support.nodes
-        and set(support.components).intersection([component] if support.axes is None else triple)
-    ]
-    return ", ".join(found)
+    rank = int((pivots > _RANK * pivots[0]).sum())
+    chosen: Indices = positions[order[:rank]]
+    return chosen, basis[:, :rank].T @ scaled
 
 
 def _check_load(assembly: Assembly, held: Mask) -> None:
@@ -243,23 +238,6 @@ def _check_kept(assembly: Assembly, lost: Mask) -> None:
             "moves with it; leave the component out, or tie the node to the structure"
         )
         raise ModelError(message)
-
-
-def _check_acyclic(assembly: Assembly, rows: Rows) -> None:
-    between = rows.matrix[:, rows.dependent].tocsr()
-    if not between.nnz:
-        return
-    n_group, group = connected_components(between, connection="strong")
-    if n_group == between.shape[0] and not between.diagonal().any():
-        return
-    sizes = np.bincount(group)
-    members = np.flatnonzero((sizes[group] > 1) | (between.diagonal() != 0))
-    members = members[group[members] == group[members[0]]]
-    message = (
-        f"{dof_name(assembly, int(rows.dependent[members[0]]))}, depends on itself through "
-        f"{rows.names(members)}; exchange the dependent and independent nodes of one of them"
-    )
-    raise ModelError(message)
 
 
 def _refuse_tied(assembly: Assembly, rows: Rows, members: Indices) -> None:

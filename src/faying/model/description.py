@@ -24,6 +24,8 @@ class JointDescription:
         Interface name to what the source makes of the gap of the geometry.
     selected_load
         Which of the assembly's loads the source applies, in the subcase or step that counts.
+    has_joined_faces
+        Whether solids were cut at bolts or tied, so that faces that touch may be joined already.
     """
 
     assembly: Assembly
@@ -34,3 +36,4 @@ class JointDescription:
     initial_gaps: Mapping[str, float] = field(default_factory=dict)
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     selected_load: str | None = None
+    has_joined_faces: bool = False

@@ -1,6 +1,7 @@
 """A deck without a study, as the study that says nothing but where it is."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from faying.exceptions import StudyError
@@ -16,17 +17,28 @@ def is_bare(path: Path) -> bool:
     return path.suffix.lower() != STUDY
 
 
-def study_or_deck(path: Path) -> Study:
+def study_or_deck(path: Path, ignore: Sequence[str] = ()) -> Study:
     """Read a study, or take a deck as one that adds nothing to it.
+
+    Parameters
+    ----------
+    ignore
+        What a deck has and the model shall not, as the key of [model].
 
     Raises
     ------
     StudyError
-        As :func:`faying.study.schema.read_study`, or if the suffix is that of no source.
+        As :func:`faying.study.schema.read_study`, if the suffix is that of no source, or if
+        something is to be ignored of a study, which says so itself.
     """
     if not is_bare(path):
+        if ignore:
+            message = f"{path}: a study says what to ignore itself; add it to its [model]"
+            raise StudyError(message)
         return read_study(path)
     lines = ["[model]", f'source = "{_source(path)}"', f"file = {quoted(path.name)}"]
+    if ignore:
+        lines.append(f"ignore = [{', '.join(map(quoted, ignore))}]")
     return parse_study("\n".join(lines), path)
 
 

@@ -56,6 +56,8 @@ class LoadedModel:
         Loads of the source that the study applies.
     selected_load
         The load that the source itself applies, in the subcase or step that counts.
+    has_joined_faces
+        Whether faces that touch may be joined already, by ties or where bolts are cut.
     """
 
     assembly: Assembly
@@ -70,6 +72,7 @@ class LoadedModel:
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     deck_loads: tuple[str, ...] = ()
     selected_load: str | None = None
+    has_joined_faces: bool = False
 
 
 def load_model(study: Study) -> LoadedModel:
@@ -107,6 +110,7 @@ def load_model(study: Study) -> LoadedModel:
         gap_rules=_gap_rules(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),
         selected_load=described.selected_load,
+        has_joined_faces=described.has_joined_faces,
     )
 
 

@@ -56,14 +56,15 @@ def understood(study: Study, loaded: LoadedModel, *, bare: bool) -> Understood:
         If the structure cannot be built; and of studies, if a declared interface cannot.
     """
     problem = ""
-    candidate = None if loaded.interfaces else _candidate(loaded.assembly)
+    unknown = not loaded.interfaces and not loaded.has_joined_faces
+    candidate = _candidate(loaded.assembly) if unknown else None
     try:
         specs = loaded.interfaces if candidate is None else (candidate,)
         model = build_loaded(replace(loaded, interfaces=specs)) if specs else _structure(loaded)
     except ModelError as error:
         if not bare and loaded.interfaces:
             raise
-        model, problem = _structure(loaded), str(error)
+        model, problem = _without_joint(loaded), str(error)
     free = free_parts(model)
     needs = tuple(_needs(study, loaded, model, free, problem))
     return Understood(model=model, candidate=candidate, free=free, needs=needs)
@@ -80,6 +81,14 @@ def _candidate(assembly: Assembly) -> InterfaceSpec | None:
     return None
 
 
+def _without_joint(loaded: LoadedModel) -> Model:
+    """Return the model without contact, and without bolts if these are what cannot be built."""
+    try:
+        return _structure(loaded)
+    except ModelError:
+        return _structure(replace(loaded, bolts=()))
+
+
 def _structure(loaded: LoadedModel) -> Model:
     return model_without_contact(
         loaded.assembly,
@@ -94,9 +103,11 @@ def _needs(
     study: Study, loaded: LoadedModel, model: Model, free: FreeParts, problem: str
 ) -> Iterator[str]:
     if problem:
-        yield f"contact that can be built: {problem}"
+        yield f"contact and bolts that can be built: {problem}"
     elif not model.interfaces:
-        yield "an interface: no bodies touch, and none is declared; name both sides of one"
+        why = "faces found would be those of ties and of cuts through bolts too"
+        why = why if loaded.has_joined_faces else "no bodies touch"
+        yield f"an interface: none is declared, and {why}; name both sides of one"
     elif not loaded.interfaces:
         yield "an interface in the study; those found are above, with what to paste below"
     if free.count:

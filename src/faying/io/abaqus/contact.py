@@ -1,6 +1,6 @@
 """``*CONTACT PAIR`` with its ``*SURFACE INTERACTION``: interfaces."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -28,7 +28,10 @@ _FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
-    """A contact pair: the slave is our minus side, which carries the points and the normals."""
+    """A contact pair: the slave is our minus side, which carries the points and the normals.
+
+    Pairs that are ``tied`` neither open nor slide.
+    """
 
     keyword: Keyword
     row: int
@@ -38,6 +41,7 @@ class Pair:
     adjusted: GapRule | None
     interaction: str
     friction: DeckFriction = FRICTIONLESS
+    tied: bool = False
 
 
 def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[str]) -> list[Pair]:
@@ -46,25 +50,44 @@ def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[st
     Raises
     ------
     FormatError
-        Naming the line of friction that is not Coulomb's, tied contact, or a pressure-overclosure
-        curve that is not linear.
+        Naming the line of friction that is not Coulomb's, or of a pressure-overclosure curve that
+        is not linear.
     """
-    behaviours = {}
+    behaviours: dict[str, tuple[str, float | Literal["hard"]]] = {}
     frictions: dict[str, DeckFriction] = {}
+    tied: set[str] = set()
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
         name = head.required("NAME")
+        if _is_tied(members):
+            ignored.append(f"stiffness of {name}, which is TIED: nothing gives way there")
+            behaviours[name.upper()] = name, "hard"
+            tied.add(name.upper())
+            continue
         if "friction" in deck.ignore:
             members = _frictionless(members, ignored)
         behaviours[name.upper()] = name, _behaviour(head, members, ignored)
         frictions[name.upper()] = read_friction(members, ignored)
     pairs = []
     for keyword in deck.of("CONTACT PAIR"):
-        pairs += _pairs(keyword, surfaces, _adjust(keyword, sets), behaviours, ignored)
-    return [
-        replace(pair, friction=frictions.get(pair.interaction.upper(), pair.friction))
-        for pair in pairs
-    ]
+        found = _pairs(keyword, surfaces, _adjust(keyword, sets), behaviours, ignored)
+        pairs += [
+            replace(
+                pair,
+                tied=pair.interaction.upper() in tied,
+                friction=frictions.get(pair.interaction.upper(), pair.friction),
+            )
+            for pair in found
+        ]
+    return pairs
+
+
+def _is_tied(members: list[Keyword]) -> bool:
+    return any(
+        member.choice("PRESSURE-OVERCLOSURE") == "TIED"
+        for member in members
+        if member.name == "SURFACE BEHAVIOR"
+    )
 
 
 def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
@@ -186,7 +209,7 @@ def interface_names(pairs: list[Pair]) -> list[str]:
     ]
 
 
-def with_mixed_sides(mesh: Mesh, pairs: list[Pair]) -> Mesh:
+def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
     """Name sides that are no face set as node sets: mixed facets, and surfaces of nodes.
 
     Raises
@@ -195,30 +218,29 @@ def with_mixed_sides(mesh: Mesh, pairs: list[Pair]) -> Mesh:
         If other facets lie between the nodes of a surface of facets too, or none between those of
         a surface of nodes.
     """
-    for pair in pairs:
-        for side in (pair.slave, pair.master):
-            if len(side.facets) == 1:
-                continue
-            exterior = exterior_facets(mesh)
-            inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
-            inside[side.nodes] = inside[-1] = True
-            count = int(inside[exterior.nodes].all(axis=1).sum())
-            if not side.facets and not count:
-                message = (
-                    f"surface '{side.name}' does not have all nodes of any facet; give it "
-                    "TYPE=ELEMENT with element faces"
-                )
-                raise side.keyword.error(message)
-            other = mesh.node_sets.get(side.name)
-            if (other is not None and not np.array_equal(np.unique(other), side.nodes)) or (
-                side.facets and count != sum(map(len, side.facets.values()))
-            ):
-                message = (
-                    f"surface '{side.name}' cannot be told by its nodes; name no node set like it, "
-                    "and give triangles and quadrilaterals a surface and a contact pair each"
-                )
-                raise side.keyword.error(message)
-            mesh = mesh.with_node_set(side.name, side.nodes)
+    for side in sides:
+        if len(side.facets) == 1:
+            continue
+        exterior = exterior_facets(mesh)
+        inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
+        inside[side.nodes] = inside[-1] = True
+        count = int(inside[exterior.nodes].all(axis=1).sum())
+        if not side.facets and not count:
+            message = (
+                f"surface '{side.name}' does not have all nodes of any facet; give it "
+                "TYPE=ELEMENT with element faces"
+            )
+            raise side.keyword.error(message)
+        other = mesh.node_sets.get(side.name)
+        if (other is not None and not np.array_equal(np.unique(other), side.nodes)) or (
+            side.facets and count != sum(map(len, side.facets.values()))
+        ):
+            message = (
+                f"surface '{side.name}' cannot be told by its nodes; name no node set like it, "
+                "and give triangles and quadrilaterals a surface and a contact pair each"
+            )
+            raise side.keyword.error(message)
+        mesh = mesh.with_node_set(side.name, side.nodes)
     return mesh
 
 

@@ -37,6 +37,8 @@ class Cut:
     normal : (3,)
         Unit vector from the side that owns the surface to the side beyond.
     area : [length²]
+    sense
+        1 where a positive force of the deck pulls, -1 where it presses.
     ends
         Two new nodes that move apart as the sides do, along ``component``.
     component
@@ -50,6 +52,7 @@ class Cut:
     copies: Indices
     normal: Vector
     area: float
+    sense: float
     ends: tuple[int, int]
     component: int
     owner: int
@@ -84,7 +87,7 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
     if not area > 0:
         message = f"surface '{surface.name}' has no area as a whole; a section is nearly flat"
         raise section.keyword.error(message)
-    normal = _direction(section, vector / area)
+    normal, sense = _direction(section, vector / area)
     centre = mesh.nodes[kept].mean(axis=0)
     changed = replace(
         mesh,
@@ -98,6 +101,7 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
         copies=copy_of[kept],
         normal=normal,
         area=area,
+        sense=sense,
         ends=ends,
         component=int(np.abs(normal).argmax()),
         owner=int(surface.elements[0]),
@@ -113,18 +117,21 @@ def origins(mesh: Mesh, cuts: list[Cut]) -> Indices:
     return origin
 
 
-def _direction(section: Section, normal: Vector) -> Vector:
-    """Return the direction given on the data line, turned to the mean normal; else the latter."""
+def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
+    """Return the direction given on the data line, turned to the mean normal, and its sense.
+
+    Without one it is the mean normal. A force along a direction that points the other way presses.
+    """
     if section.direction is None:
-        return normal
+        return normal, 1.0
     given = np.array(section.direction)
     length = float(np.linalg.norm(given))
     cosine = float(given @ normal) / length if length > 0 else 0.0
     if not abs(cosine) > 0.5:
         message = "the direction is zero or lies in the section; give the axis of the bolt"
         raise section.keyword.error(message, 0)
-    unit: Vector = given / length * np.sign(cosine)
-    return unit
+    sense = float(np.sign(cosine))
+    return given / length * sense, sense
 
 
 def _owning_side(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:

@@ -14,6 +14,7 @@ LINE_TYPES: Mapping[str, int] = {
     "B33": 2,
     "B32": 3,
     "B32R": 3,
+    "T3D2": 2,
     "SPRINGA": 2,
     "SPRING1": 1,
     "SPRING2": 2,

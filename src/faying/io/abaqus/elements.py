@@ -53,7 +53,7 @@ class Elements:
         return [*self.solids, *(block for blocks in self.others.values() for block in blocks)]
 
 
-def read_elements(deck: Deck, nodes: Nodes) -> Elements:
+def read_elements(deck: Deck, nodes: Nodes, ignored: list[str]) -> Elements:
     """Read all *ELEMENT.
 
     Raises
@@ -65,7 +65,7 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     others: dict[str, tuple[ElementBlock, ...]] = {}
     for keyword in deck.of("ELEMENT"):
         keyword.allow("TYPE", "ELSET")
-        block = _block(keyword, nodes)
+        block = _block(keyword, nodes, ignored)
         if block.type in SOLID_TYPES:
             solids.append(block)
         else:
@@ -78,7 +78,7 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     return result
 
 
-def _block(keyword: Keyword, nodes: Nodes) -> ElementBlock:
+def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
     kind = keyword.required("TYPE").upper()
     if kind in SOLID_TYPES:
         size = SOLID_TYPES[kind].n_nodes
@@ -92,7 +92,11 @@ def _block(keyword: Keyword, nodes: Nodes) -> ElementBlock:
     if not keyword.data:
         message = "it has no data lines; give element ids and nodes, or remove it"
         raise keyword.error(message)
-    texts, rows = table(keyword).records(width, f"an id and {size} nodes for each {kind}")
+    fields = table(keyword)
+    own = fields.cropped(width)
+    if own is not fields:
+        ignored.append(f"fields behind the {size} nodes of {kind}, which CalculiX passes over too")
+    texts, rows = own.records(width, f"an id and {size} nodes for each {kind}")
     flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
     values = flat.reshape(-1, width)
     if values.size and values[:, 0].min() < 1:

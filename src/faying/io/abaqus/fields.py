@@ -69,6 +69,18 @@ class Table:
         table[self.row, np.arange(len(self.row)) - start[self.row]] = self.texts
         return list(table.T), counts
 
+    def cropped(self, width: int) -> "Table":
+        """Return the table without what stands behind the first fields of each line.
+
+        Only where each line has all of these and more: a record then never runs over its line.
+        """
+        counts = self.counts
+        if not len(counts) or counts.min() <= width:
+            return self
+        start = np.cumsum(counts) - counts
+        keep = np.arange(len(self.row)) - start[self.row] < width
+        return Table(keyword=self.keyword, texts=self.texts[keep], row=self.row[keep])
+
     def records(self, width: int, expected: str) -> tuple[Fields, Indices]:
         """Return records (n, width) that may run over several lines, and the line of each.
 

@@ -40,7 +40,7 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
     ]
     deck = replace(deck, keywords=kept)
     nodes = read_nodes(deck)
-    elements = read_elements(deck, nodes)
+    elements = read_elements(deck, nodes, [])
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
     ids = sum(len(block.ids) for block in elements.solids)

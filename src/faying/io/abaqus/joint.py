@@ -8,6 +8,7 @@ import numpy as np
 
 from faying.io.abaqus.deck import read_keyword_deck
 from faying.io.abaqus.model import description
+from faying.io.deck_lines import naming
 from faying.io.left_out import checked_ignore
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
@@ -51,7 +52,7 @@ def read_joint(
     path = Path(path)
     ignored: list[str] = []
     # Overflow is caught by the finiteness checks, where the culprit can be named.
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"), naming(path):
         deck = read_keyword_deck(path, ignored, checked_ignore(ignore))
         return description(deck.until(step), ignored)
 

@@ -66,7 +66,6 @@ _LAYERS = "mesh the layers as solids with a section each"
 
 _REMEDIES: Mapping[str, tuple[str, ...]] = {
     _GENERATED: ("NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY", "NMAP"),
-    "mesh the tied parts as one body (shared nodes), or write *EQUATION or *MPC,TIE": ("TIE",),
     _PAIRS: (
         *("CONTACT", "CONTACT INCLUSIONS", "CONTACT EXCLUSIONS", "CONTACT PROPERTY ASSIGNMENT"),
         *("CONTACT INITIALIZATION DATA", "CONTACT INITIALIZATION ASSIGNMENT"),
@@ -82,7 +81,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
         *("INITIAL CONDITIONS", "INITIAL STRAIN INCREASE"),
     ),
     "give initial_gap (negative) to the interface in the study": ("CONTACT INTERFERENCE",),
-    "model the whole structure": ("CYCLIC SYMMETRY MODEL",),
+    "model the whole structure": ("CYCLIC SYMMETRY MODEL", "TIE, CYCLIC SYMMETRY"),
     "use *CONTACT PAIR": ("GAP",),
     "remove it; the structure is the same in all steps": (
         *("MODEL CHANGE", "CHANGE FRICTION", "CHANGE MATERIAL", "CHANGE SOLID SECTION"),
@@ -113,7 +112,7 @@ _PLANE_TYPES = tuple(
 _TYPES: Mapping[str, tuple[str, ...]] = {
     _SHELLS: (*_SHELL_TYPES, *_MEMBRANES),
     _PLANE: (*_PLANE_TYPES, "SAX1", "SAX2", "T2D2", "B21", "B22", "CONN2D2"),
-    "use B31 or SPRING2": ("T3D2", "T3D3", "T3D2H"),
+    "use T3D2": ("T3D3", "T3D2H"),
     "use C3D20": ("C3D20I",),
     "use C3D8 or C3D8I; hybrid elements are not supported": ("C3D8H", "C3D8IH", "C3D8RH"),
     "use C3D10, C3D20 or C3D4; hybrid elements are not supported": (

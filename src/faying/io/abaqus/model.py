@@ -35,6 +35,8 @@ from faying.io.abaqus.temperatures import (
     thermal_forces,
     without_temperatures,
 )
+from faying.io.abaqus.ties import read_ties, with_ties
+from faying.io.abaqus.trusses import read_trusses
 from faying.io.left_out import Occurrence
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
@@ -52,7 +54,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     deck = materials.without_unused(without_temperatures(deck, ignored), ignored)
     check_supported(deck, ignored)
     nodes = read_nodes(deck)
-    elements = read_elements(deck, nodes)
+    elements = read_elements(deck, nodes, ignored)
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
     named = materials.read_materials(deck, ignored)
@@ -72,13 +74,20 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
     temperatures = read_temperatures(deck, dofs, amplitudes)
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
-    pairs = contact.read_pairs(deck, surfaces, by_node, ignored)
+    springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
+    declared = contact.read_pairs(deck, surfaces, by_node, ignored)
+    pairs = [pair for pair in declared if not pair.tied]
+    ties = read_ties(deck, surfaces, [pair for pair in declared if pair.tied], ignored)
     assembly = Assembly(
         mesh=mesh,
         materials=used,
         element=formulation(elements.solids, ignored),
-        beams=tuple(read_beams(deck, elements, by_element, named, ignored)),
-        springs=tuple(read_springs(deck, elements, by_element, nodes.coordinates)),
+        beams=(
+            *read_beams(deck, elements, by_element, named, ignored),
+            *read_trusses(deck, elements, by_element, named, nodes.coordinates),
+        ),
+        springs=springs,
+        bushes=bushes,
         masses=tuple(read_masses(deck, elements, by_element)),
         supports=held.supports,
         face_sets=face_sets(surfaces),
@@ -93,6 +102,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     expansions = materials.read_expansions(deck, ignored)
     thermal = thermal_forces(assembly, temperatures, expansions, origins(mesh, cuts), ignored)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
+    assembly = with_ties(assembly, ties, ignored)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
     bolts = pretension.bolts(sections, [spring.id for spring in closing])
@@ -100,19 +110,24 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     loads = _loads(deck, concentrated, distributed, thermal, moving)
     assembly = replace(
         assembly,
-        mesh=contact.with_mixed_sides(assembly.mesh, pairs),
+        mesh=contact.with_mixed_sides(
+            assembly.mesh, [side for pair in pairs for side in (pair.slave, pair.master)]
+        ),
         loads=loads,
     )
+    senses = pretension.beam_senses(sections, elements, nodes.coordinates)
+    senses |= {cut.section.name: cut.sense for cut in cuts}
     specs = contact.specs(assembly, pairs, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
     return JointDescription(
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
         bolts=bolts,
-        preloads=pretension.preloads(sections, last_given(deck, dofs, amplitudes)),
+        preloads=pretension.preloads(sections, last_given(deck, dofs, amplitudes), senses),
         initial_gaps=offsets,
         gap_rules=rules,
         selected_load=_name(deck.n_step) if _name(deck.n_step) in loads else None,
+        has_joined_faces=bool(cuts or ties),
     )
 
 
@@ -135,12 +150,6 @@ def _cut(
             raise section.keyword.error(message)
         mesh, cut = cut_mesh(mesh, section, surface)
         cuts.append(cut)
-    if cuts and not deck.of("CONTACT PAIR"):
-        message = (
-            "solids are cut here, so the deck must define contact by *CONTACT PAIR: faces found "
-            "automatically would be those of the cut too"
-        )
-        raise cuts[0].section.keyword.error(message)
     if cuts:
         ignored.append(
             "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, for minus = "
@@ -170,7 +179,8 @@ def _tied(
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
     rotating[[coupling.reference for coupling in average]] = True
-    rotating[[node for beam in assembly.beams for node in beam.nodes]] = True
+    bending = [beam for beam in assembly.beams if beam.section.inertia_y > 0]
+    rotating[[node for beam in bending for node in beam.nodes]] = True
     rotating[[node for s in assembly.springs for node, component in s.ends if component > 2]] = True
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
     return replace(
@@ -211,6 +221,9 @@ def _unread_name(keyword: Keyword) -> str:
         kind = keyword.choice("TYPE")
         known = not kind or kind in SOLID_TYPES or kind in LINE_TYPES
         return "" if known else f"ELEMENT, TYPE={kind}"
+    if keyword.name == "TIE":
+        cyclic = keyword.has("CYCLIC SYMMETRY") or keyword.has("MULTISTAGE")
+        return "TIE, CYCLIC SYMMETRY" if cyclic else ""
     if keyword.name == "INITIAL CONDITIONS" and keyword.has("TYPE"):
         kind = without_blanks(keyword.value("TYPE"))
         return "" if kind == "TEMPERATURE" else f"INITIAL CONDITIONS, TYPE={kind}"

@@ -1,7 +1,12 @@
 """``*PRE-TENSION SECTION``: bolts and their forces."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from faying._typing import Matrix
+from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
 from faying.io.abaqus.elements import Elements
@@ -85,12 +90,31 @@ def _direction(keyword: Keyword) -> tuple[float, ...] | None:
 
 def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
     members = sets.members(keyword, keyword.required("ELEMENT"))
-    beams = elements.of("B31", "B31R", "B33", "B32", "B32R")
+    beams = elements.of(*TYPES)
     known = {i for block in beams for i in block.ids.tolist()}
     if len(members) != 1 or int(members[0]) not in known:
         message = f"ELEMENT={keyword.value('ELEMENT')} is not one beam element"
         raise keyword.error(message)
     return int(members[0])
+
+
+def beam_senses(
+    sections: list[Section], elements: Elements, coordinates: Matrix
+) -> dict[str, float]:
+    """Return the senses of sections of beams: from their first node to their last a force pulls."""
+    found = {}
+    for section in (one for one in sections if one.element is not None):
+        found[section.name] = 1.0
+        if section.direction is None:
+            continue
+        for block in elements.of(*TYPES):
+            for start, *_, end in block.nodes[block.ids == section.element].tolist():
+                cosine = float(np.dot(section.direction, coordinates[end] - coordinates[start]))
+                if cosine == 0.0:
+                    message = "the direction is zero or lies across the beam; give the beam's"
+                    raise section.keyword.error(message, 0)
+                found[section.name] = float(np.sign(cosine))
+    return found
 
 
 def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
@@ -105,8 +129,15 @@ def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
     )
 
 
-def preloads(sections: list[Section], forces: Forces) -> dict[str, float]:
+def preloads(
+    sections: list[Section], forces: Forces, senses: Mapping[str, float]
+) -> dict[str, float]:
     """Return the force of each bolt: the *CLOAD on its pretension node.
+
+    Parameters
+    ----------
+    senses
+        Name of a section to 1 where a positive force pulls, -1 where it presses.
 
     Raises
     ------
@@ -115,12 +146,13 @@ def preloads(sections: list[Section], forces: Forces) -> dict[str, float]:
     """
     found = {}
     for section in sections:
-        value = forces.get((section.node, 0))
+        given = forces.get((section.node, 0))
+        value = None if given is None else given * senses[section.name] + 0.0
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
             message = (
                 f"the section '{section.name}' {problem}; give its pretension node a *CLOAD in "
-                "direction 1, positive for tension"
+                "direction 1, positive for tension along the direction of the section"
             )
             raise section.keyword.error(message)
         found[section.name] = value

@@ -1,7 +1,5 @@
 """``*SPRING``: linear springs along one component."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from faying._typing import Matrix
@@ -10,7 +8,7 @@ from faying.io.abaqus.elements import ElementBlock, Elements
 from faying.io.abaqus.fields import integer, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
-from faying.model.assembly import Spring
+from faying.model.assembly import Bush, Spring
 
 # Ends of an axial spring off a coordinate axis by less than this fraction of its length.
 _ALIGNED = 1e-6
@@ -18,13 +16,13 @@ _ALIGNED = 1e-6
 
 def read_springs(
     deck: Deck, elements: Elements, sets: NamedSets, coordinates: Matrix
-) -> Iterator[Spring]:
-    """Read SPRING1, SPRING2 and axis-parallel SPRINGA.
+) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
+    """Read SPRING1, SPRING2 and SPRINGA, those off the coordinate axes as bushes along their line.
 
     Raises
     ------
     FormatError
-        Naming the line of a nonlinear or inclined spring, or one without *SPRING.
+        Naming the line of a nonlinear spring, one without *SPRING, or one without direction.
     """
     stiffness: dict[int, Keyword] = {}
     for keyword in deck.of("SPRING"):
@@ -34,15 +32,22 @@ def read_springs(
                 message = f"spring {element_id} has a stiffness already; remove one of them"
                 raise keyword.error(message)
             stiffness[element_id] = keyword
+    springs: list[Spring] = []
+    bushes: list[Bush] = []
     for block in elements.of("SPRING1", "SPRING2", "SPRINGA"):
         for i, element_id in enumerate(block.ids.tolist()):
             if element_id not in stiffness:
                 message = f"spring {element_id} has no *SPRING; give its set one"
                 raise block.keyword.error(message, int(block.rows[i]))
-            yield _spring(block, i, stiffness[element_id], coordinates)
+            made = _spring(block, i, stiffness[element_id], coordinates)
+            if isinstance(made, Bush):
+                bushes.append(made)
+            else:
+                springs.append(made)
+    return tuple(springs), tuple(bushes)
 
 
-def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) -> Spring:
+def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) -> Spring | Bush:
     rows = keyword.rows()
     if len(rows) != 2 and not (block.type == "SPRINGA" and len(rows) == 1):
         message = (
@@ -56,7 +61,10 @@ def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) 
         raise keyword.error(message, len(rows) - 1)
     nodes = block.nodes[i].tolist()
     if block.type == "SPRINGA":
-        components = [_axis(block, i, coordinates)] * 2
+        axis = _axis(block, i, coordinates)
+        if axis is None:
+            return _inclined(block, i, value, coordinates)
+        components = [axis] * 2
     else:
         expected = len(nodes)
         if len(rows[0]) != expected:
@@ -75,15 +83,34 @@ def _component(keyword: Keyword, text: str) -> int:
     return value - 1
 
 
-def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int:
-    """Component of an axial spring parallel to a coordinate axis."""
+def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int | None:
+    """Component of an axial spring parallel to a coordinate axis; None for any other."""
     apart = coordinates[block.nodes[i, 1]] - coordinates[block.nodes[i, 0]]
+    if not apart.any():
+        message = f"SPRINGA {block.ids[i]} has no direction, for its nodes coincide; use SPRING2"
+        raise block.keyword.error(message, int(block.rows[i]))
     component = int(np.abs(apart).argmax())
     others = np.delete(np.abs(apart), component)
-    if not others.max() <= _ALIGNED * abs(apart[component]) or not apart.any():
-        message = (
-            f"SPRINGA {block.ids[i]} is not parallel to a coordinate axis; use a B31 beam, or "
-            "SPRING2 along one component"
-        )
-        raise block.keyword.error(message, int(block.rows[i]))
-    return component
+    return component if others.max() <= _ALIGNED * abs(apart[component]) else None
+
+
+def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix) -> Bush:
+    """Return an axial spring along the line between its nodes."""
+    start, end = block.nodes[i].tolist()
+    along = (coordinates[end] - coordinates[start]) / np.linalg.norm(
+        coordinates[end] - coordinates[start]
+    )
+    side = np.cross(along, np.eye(3)[int(np.abs(along).argmin())])
+    side /= np.linalg.norm(side)
+    first, second, third = (
+        (float(row[0]), float(row[1]), float(row[2]))
+        for row in (along, side, np.cross(along, side))
+    )
+    x, y, z = coordinates[start].tolist()
+    return Bush(
+        id=int(block.ids[i]),
+        nodes=(start, end),
+        stiffness=(stiffness, 0.0, 0.0, 0.0, 0.0, 0.0),
+        axes=(first, second, third),
+        place=(x, y, z),
+    )

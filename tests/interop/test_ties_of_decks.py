@@ -1,0 +1,125 @@
+"""Tied surfaces: two blocks that pull at each other as one does."""
+
+import numpy as np
+import pytest
+from calculix_runs import displacements, needs_calculix, solved
+
+from faying.io.abaqus import read_deck, read_joint
+from faying.model.elements import SOLIDS
+from solid_blocks import solid_block
+
+SIZE = np.array([2.0, 1.0, 1.5])
+HEAD = """\
+*MATERIAL,NAME=M
+*ELASTIC
+1000.,0.25
+*SOLID SECTION,ELSET=A,MATERIAL=M
+*SOLID SECTION,ELSET=B,MATERIAL=M
+*SURFACE,NAME=SLAVE
+A,S2
+*SURFACE,NAME=MASTER
+B,S1
+*TIE,NAME=T,POSITION TOLERANCE=0.1
+SLAVE,MASTER
+"""
+TYPES = {"hex8": "C3D8", "hex20": "C3D20", "tet10": "C3D10"}
+
+
+def deck(kind, below, above, gap, rest):
+    """A block on another of its own divisions; sets X, Y, Z of the planes through the corner."""
+    lines, nodes, cells = [], np.empty((0, 3)), 0
+    layers = []
+    for name, divisions, lift in (("A", below, 0.0), ("B", above, SIZE[2] + gap)):
+        mesh = solid_block(kind, divisions, SIZE)
+        (block,) = mesh.blocks
+        theirs = SOLIDS[kind].elsewhere.theirs(block.nodes) + 1 + len(nodes)
+        layers += [f"*ELEMENT,TYPE={TYPES[kind]},ELSET={name}"]
+        for i, row in enumerate(theirs.tolist(), cells + 1):
+            layers += [",".join(map(str, [i, *row[:14]])) + ("," if row[14:] else "")]
+            layers += [",".join(map(str, row[14:]))] if row[14:] else []
+        nodes = np.vstack([nodes, mesh.nodes + np.array([0.0, 0.0, lift])])
+        cells += len(theirs)
+    lines = ["*NODE,NSET=ALL"]
+    lines += [f"{i},{x!r},{y!r},{z!r}" for i, (x, y, z) in enumerate(nodes.tolist(), 1)]
+    for axis, name in enumerate("XYZ"):
+        lines += [f"*NSET,NSET={name}", *(f"{i + 1}," for i in np.flatnonzero(nodes[:, axis] == 0))]
+    lines += ["*NSET,NSET=TOP", *(f"{i + 1}," for i in np.flatnonzero(nodes[:, 2] > 2.9))]
+    return "\n".join([*lines[:1], *lines[1:], *layers]) + "\n" + HEAD + rest, nodes
+
+
+PULL = """\
+*BOUNDARY
+X,1
+Y,2
+Z,3
+*STEP
+*STATIC
+*BOUNDARY
+TOP,3,3,0.003
+*NODE PRINT,NSET=ALL
+U
+*END STEP
+"""
+
+
+@pytest.mark.parametrize("kind", ["hex8", "hex20"])
+@pytest.mark.parametrize("above", [(2, 2, 1), (3, 1, 1)])
+def test_uniform_tension_crosses_a_tie(kind, above, tmp_path):
+    """Slave nodes on planes of symmetry are held, and tied to masters that are held too."""
+    text, nodes = deck(kind, (2, 2, 2), above, 0.0, PULL)
+    (tmp_path / "deck.inp").write_text(text)
+    assembly = read_deck(tmp_path / "deck.inp")
+    strain = 0.003 / 3.0
+    exact = nodes * np.array([-0.25, -0.25, 1.0]) * strain
+    # The springs that move the top give a millionth.
+    np.testing.assert_allclose(solved(assembly)[:, :3], exact, rtol=0, atol=2e-6 * 0.003)
+    said = [note for note in assembly.ignored if note.startswith("*TIE")]
+    assert len(said) == 1
+
+
+def test_tied_contact_pairs_are_ties(tmp_path):
+    """Of the stiffness and the friction that CalculiX ties by nothing is left."""
+    text, nodes = deck("hex8", (2, 2, 2), (3, 1, 1), 0.0, PULL)
+    tie = text[text.index("*TIE") : text.index("*BOUNDARY")]
+    pair = (
+        "*SURFACE INTERACTION,NAME=GLUE\n*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=TIED\n1.E7\n"
+        "*FRICTION\n0.2,1.E7\n*CONTACT PAIR,INTERACTION=GLUE,TYPE=SURFACE TO SURFACE\n"
+        "SLAVE,MASTER\n"
+    )
+    (tmp_path / "deck.inp").write_text(text.replace(tie, pair))
+    joint = read_joint(tmp_path / "deck.inp")
+    assert joint.interfaces == ()
+    assert "stiffness of GLUE, which is TIED: nothing gives way there" in joint.assembly.ignored
+    exact = nodes * np.array([-0.25, -0.25, 1.0]) * 0.001
+    np.testing.assert_allclose(solved(joint.assembly)[:, :3], exact, rtol=0, atol=6e-9)
+
+
+def test_what_lies_beyond_the_tolerance_is_not_tied(tmp_path):
+    """A slave that is half as long covers what it can, and the share is said."""
+    text, _ = deck("hex8", (2, 2, 2), (3, 1, 1), 0.0, PULL)
+    half = text.replace("*SURFACE,NAME=MASTER\nB,S1\n", "*SURFACE,NAME=MASTER\n9,S1\n")
+    (tmp_path / "deck.inp").write_text(half.replace("SLAVE,MASTER", "MASTER,SLAVE"))
+    assert read_deck(tmp_path / "deck.inp").equations
+    slit = text.replace("TOLERANCE=0.1", "TOLERANCE=0.01").replace("A,S2\n", "A,S2\n")
+    (tmp_path / "deck.inp").write_text(slit)
+    whole = read_deck(tmp_path / "deck.inp")
+    assert len(whole.equations) == 3 * 9
+
+
+@needs_calculix
+def test_matching_meshes_are_tied_as_calculix_does(tmp_path):
+    """Across a small gap too; a load along the tie shears it."""
+    load = PULL.replace("*BOUNDARY\nTOP,3,3,0.003", "*CLOAD\nTOP,1,0.3\nTOP,3,-0.2")
+    load = load.replace("X,1\nY,2\n", "Z,1,2\n")
+    text, nodes = deck("hex8", (2, 2, 2), (2, 2, 1), 0.01, load)
+    theirs = displacements(tmp_path, text)[-1]
+    ours = solved(read_deck(tmp_path / "job.inp"))[:, :3]
+    wanted = np.array([theirs[i + 1] for i in range(len(nodes))])
+    # CalculiX pulls the slave to the master, a hundredth of an element of three halves; seven
+    # digits are printed.
+    np.testing.assert_allclose(ours, wanted, rtol=0, atol=2e-2 * np.abs(wanted).max())
+    flush, _ = deck("hex8", (2, 2, 2), (2, 2, 1), 0.0, load)
+    theirs = displacements(tmp_path, flush)[-1]
+    ours = solved(read_deck(tmp_path / "job.inp"))[:, :3]
+    wanted = np.array([theirs[i + 1] for i in range(len(nodes))])
+    np.testing.assert_allclose(ours, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
