@@ -120,6 +120,13 @@ def friction(joint: JointDescription) -> float:
     return spec.friction
 
 
+def test_friction_is_left_out_when_asked_to(read: Read, tmp_path: Path) -> None:
+    assert friction(read(FACES, "BCTSET,4,5,6,.15")) == 0.15
+    joint = read_joint(tmp_path / "a.bdf", ignore=["friction"])
+    assert [spec.friction for spec in joint.interfaces] == [0.0]
+    assert any(note.startswith("coefficients of friction: ") for note in joint.assembly.ignored)
+
+
 def test_coefficients_of_friction_become_those_of_the_interfaces(read: Read) -> None:
     assert friction(read(FACES, "BCTSET,4,5,6,.15")) == 0.15
     table = "BCTABLE,2,,,1\n,SLAVE,7,,,.2\n,MASTERS,8"

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.deck_lines import naming
-from faying.io.left_out import checked_ignore
+from faying.io.left_out import IGNORABLE, checked_ignore
 from faying.io.nastran.bolts import read_bolts
 from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
@@ -73,6 +73,9 @@ def _described(deck: Deck) -> JointDescription:
     if everything is not None:
         interfaces.append(InterfaceSpec(name="contact", friction=everything))
         notes["contact of all bodies across gaps: name the pairs (BCTABL1, BCONECT) for it"] = None
+    if "friction" in deck.ignore and any(spec.friction for spec in interfaces):
+        interfaces = [replace(spec, friction=0.0) for spec in interfaces]
+        notes[f"coefficients of friction: {IGNORABLE['friction']} (ignore = friction)"] = None
     rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))
     return JointDescription(
