@@ -36,7 +36,7 @@ class SmallSystem:
         ports = np.vstack([*rows, elongations(self.bolts, len(self.K))])
         return port_compliance_of(
             ports @ np.linalg.solve(self.K, ports.T),
-            n_relative=self.contact.n_points,
+            n_relative=len(self.contact.relative_operator),
             n_boundary=len(dofs),
         )
 

@@ -3,6 +3,7 @@
 from faying.assessment.accuracy import Accuracy as Accuracy
 from faying.assessment.accuracy import compare as compare
 from faying.assessment.accuracy import relative_error as relative_error
+from faying.assessment.backbone import backbone as backbone
 from faying.assessment.best_possible import best_possible_errors as best_possible_errors
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes

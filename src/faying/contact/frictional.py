@@ -57,6 +57,9 @@ and 12 at most, with 1 9.5 and 15, with 100 more again.
 AT_BOUND = 1e-6
 """Distance from the friction bound, over it, within which a point is taken to slip on."""
 
+FEW_BACK = 0.1
+"""Share of points at their bound that may slip back before all of them are tried as stuck."""
+
 EARLY, LOOSE, TIGHT = 0.1, 1e-2, 1e-7
 """Relative residuals to which first and last linear systems of an increment are solved."""
 
@@ -218,9 +221,9 @@ class FrictionalContact:
                 return start, None
             x = start + dx
             slip = self._slack(x, z_free)[1:]
-            held = (slope[:, 1, 1] == 1) & (slope[:, 2, 2] == 1)
-            back = (outward > 1) & ~held & ((slip * start[1:]).sum(axis=0) > 0)
-            if not back.any():
+            slips = (slope[:, 0, 0] > 0) & ((slope[:, 1, 1] < 1) | (slope[:, 2, 2] < 1))
+            back = slips & ((slip * start[1:]).sum(axis=0) > 0)
+            if np.count_nonzero(back) <= FEW_BACK * np.count_nonzero(slips):
                 break
             outward[back] = 1.0 - AT_BOUND
         return x, factors

@@ -1,6 +1,7 @@
 """The laws of all interfaces, point by point: what a solver of increments asks them."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import final
 
 import numpy as np
@@ -22,6 +23,18 @@ class LawsAtPoints:
 
     def closure(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         """Return c(x) [length] and c′(x) [length/force], (3, n_point) each."""
+        if self._compliance is not None:
+            return self._compliance * forces, self._compliance
+        return self._asked(forces)
+
+    @cached_property
+    def _compliance(self) -> Matrix | None:
+        """What is in proportion to force at every point need not be asked again."""
+        if not all(law.proportional for law, _ in self._members):
+            return None
+        return self._asked(np.zeros((3, self.contact.n_points)))[1]
+
+    def _asked(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         closed, compliance = np.zeros_like(forces), np.zeros_like(forces)
         for law, points in self._members:
             own = slice(law.components), points
@@ -45,6 +58,6 @@ class LawsAtPoints:
             result[points, :n, :n] = law.derivative(forces[:n, points], held)
         return result
 
-    @property
+    @cached_property
     def _members(self) -> list[tuple[Law, slice]]:
         return [(self.contact.laws[name], points) for name, points in self.contact.slices.items()]

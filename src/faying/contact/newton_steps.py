@@ -21,7 +21,7 @@ from typing import final
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import LinAlgError, lapack
+from scipy.linalg import LinAlgError, lapack, solve_triangular
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.padded_rows import PaddedRows
@@ -170,7 +170,7 @@ class NewtonSteps:
             if found is not None:
                 return found, factors
         touched = np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
-        B = self._springs(K)[touched][:, touched]
+        B = self.springs(K)[touched][:, touched]
         S = self.S.take(touched, axis=0).take(touched, axis=1)
         system = B @ S
         system.flat[:: len(touched) + 1] += 1.0
@@ -193,20 +193,31 @@ class NewtonSteps:
         if size == 0.0:
             return np.zeros_like(right)
         basis = np.empty((MOST_CORRECTIONS + 1, len(right)))
-        seen = np.zeros((MOST_CORRECTIONS + 1, MOST_CORRECTIONS))
-        target = np.zeros(MOST_CORRECTIONS + 1)
-        basis[0], target[0] = right / size, size
+        basis[0] = right / size
+        seen, shares = np.zeros((MOST_CORRECTIONS, MOST_CORRECTIONS)), [size]
+        turns: list[tuple[float, float]] = []
         enough = tolerance * float(np.linalg.norm(factors.applied(right)))
         for k in range(MOST_CORRECTIONS):
             u = factors.applied(basis[k])
             u += self._gathered(K, self.S @ u)
             own = basis[: k + 1] @ u
             u -= own @ basis[: k + 1]
-            seen[: k + 1, k], seen[k + 1, k] = own, np.linalg.norm(u)
-            basis[k + 1] = u / max(seen[k + 1, k], TINY)
-            shares, left, *_ = np.linalg.lstsq(seen[: k + 2, : k + 1], target[: k + 2])
-            if left.size and left[0] <= enough**2:
-                return factors.applied(shares @ basis[: k + 1])
+            rest, column = float(np.linalg.norm(u)), own.tolist()
+            for i, (cosine, sine) in enumerate(turns):
+                column[i : i + 2] = (
+                    cosine * column[i] + sine * column[i + 1],
+                    cosine * column[i + 1] - sine * column[i],
+                )
+            length = max(float(np.hypot(column[k], rest)), TINY)
+            cosine, sine = column[k] / length, rest / length
+            column[k] = length
+            seen[: k + 1, k] = column
+            turns.append((cosine, sine))
+            shares[k:] = cosine * shares[k], -sine * shares[k]
+            if abs(shares[k + 1]) <= enough:
+                weights = solve_triangular(seen[: k + 1, : k + 1], shares[: k + 1])
+                return factors.applied(weights @ basis[: k + 1])
+            basis[k + 1] = u / max(rest, TINY)
         return None
 
     @cached_property
@@ -216,7 +227,7 @@ class NewtonSteps:
         pattern = abs(self.G)
         return (pattern[:n] + pattern[n : 2 * n] + pattern[2 * n :]).T.tocsr()
 
-    def _springs(self, K: Matrix) -> SparseMatrix:
+    def springs(self, K: Matrix) -> SparseMatrix:
         """Return B = Gᵀ K G; which entry of K goes where is the same for every K."""
         places, indices, indptr = self._assembly
         n = len(self.S)

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
+import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.joint.structure import Structure
 from faying.linalg.factorization import Factorization
+from faying.linalg.substitution import dense
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,7 +73,7 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
 
 
 def lowest_modes(
-    K: SparseMatrix, M: SparseMatrix, factor: Factorization, count: int
+    K: SparseMatrix | Matrix, M: SparseMatrix | Matrix, factor: Factorization, count: int
 ) -> tuple[Vector, Matrix]:
     """Solve K φ = ω² M φ for the lowest ω², with a factorization of K.
 
@@ -80,9 +82,9 @@ def lowest_modes(
     tuple of ω² (count,) and mass-normalized vectors (n, count)
     """
     n = K.shape[0]
-    if n <= 3 * count + 20:  # Lanczos needs room; the dense solver is quick here
+    if n <= 3 * count + 20 or not sp.issparse(K):  # Lanczos needs room, and sparse matrices
         # M may be singular (massless couplings), K is definite: solve M φ = ω⁻² K φ.
-        inverse, vectors = la.eigh(M.toarray(), K.toarray())
+        inverse, vectors = la.eigh(dense(M), dense(K))
         squares = 1.0 / inverse[::-1][:count]
         return squares, vectors[:, ::-1][:, :count] * np.sqrt(squares)
     start = np.random.default_rng(0).standard_normal(n)  # fixed, so that runs repeat

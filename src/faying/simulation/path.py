@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
@@ -56,13 +57,15 @@ def solve_path(
     for n relative displacements in contact, and a back-substitution. Without friction nothing is
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
-    times, start = np.zeros(1), _start(system, initial)
+    times, start = np.zeros(1), path_start(system, initial)
     inputs = np.concatenate([load.inputs(system, times) for load in loads])
     if system.contact.forgets:
         solved = solve_static_inputs(system, inputs, name)
         return replace(solved, dissipation=np.zeros(len(inputs)))
     solver = system.static_contact.frictional
-    steps = list(_walk(system, solver, inputs, start))
+    ports = system.port_compliance
+    relative = port_forces(ports, inputs) @ ports.contact_columns
+    steps = list(follow(solver, relative, start))
     normal = np.array([step.increment.forces[0] for step in steps])
     shear = np.array([step.increment.forces[1:] for step in steps])
     gap = np.array([solver.gap(step.increment) for step in steps])
@@ -81,13 +84,15 @@ def solve_path(
     )
 
 
+@final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Step:
-    """Where the path stands after a load.
+class PathStep:
+    """Where a path stands after a load.
 
     Attributes
     ----------
-    inputs : (n_input,)
+    relative : (n_relative,) [length]
+        What the load alone would move the pairs.
     increment
         The last increment of the load.
     slip : (2, n_point)
@@ -95,20 +100,26 @@ class _Step:
         Of all increments of the load.
     """
 
-    inputs: Vector
+    relative: Vector
     increment: Increment
     slip: Matrix
     iterations: int = 0
     dissipation: float = 0.0
 
 
-def _start(system: System, initial: Solution | None) -> _Step:
-    n = system.contact.n_points
+def path_start(system: System, initial: Solution | None) -> PathStep:
+    """Return where a path begins: unstressed, or at the last state of an earlier one.
+
+    Raises
+    ------
+    ModelError
+        If that is of another joint.
+    """
+    n, ports = system.contact.n_points, system.port_compliance
     forces, slip = np.zeros((3, n)), np.zeros((2, n))
+    nothing = Increment(forces=forces, slack=np.zeros((3, n)), iterations=0, residual=0.0)
     if initial is None:
-        n_input = len(system.port_compliance.input_rows)
-        nothing = Increment(forces=forces, slack=np.zeros((3, n)), iterations=0, residual=0.0)
-        return _Step(inputs=np.zeros(n_input), increment=nothing, slip=slip)
+        return PathStep(relative=np.zeros(ports.n_relative), increment=nothing, slip=slip)
     normal = np.atleast_2d(initial.contact_forces)[-1]
     if len(normal) != n:
         message = (
@@ -121,34 +132,33 @@ def _start(system: System, initial: Solution | None) -> _Step:
         forces[1:] = initial.shear_forces.reshape(shape)[-1]
         slip = initial.shear_slip.reshape(shape)[-1]
     forces[0] = normal
-    last = Increment(forces=forces, slack=np.zeros((3, n)), iterations=0, residual=0.0)
-    return _Step(inputs=np.atleast_2d(initial.inputs)[-1], increment=last, slip=slip)
+    inputs = np.atleast_2d(initial.inputs)[-1]
+    relative = port_forces(ports, inputs) @ ports.contact_columns
+    return PathStep(relative=relative, increment=replace(nothing, forces=forces), slip=slip)
 
 
-def _walk(
-    system: System, solver: FrictionalContact, inputs: Matrix, here: _Step
-) -> Iterator[_Step]:
-    """Yield where the path stands after each load."""
+def follow(solver: FrictionalContact, relative: Matrix, here: PathStep) -> Iterator[PathStep]:
+    """Yield where a path stands after each load (n_load, n_relative), from where it begins.
+
+    Raises
+    ------
+    ConvergenceError
+        If an increment is not solved even when it is divided; the message names its load.
+    """
     with threads_for(len(solver.S)):
-        for number, target in enumerate(inputs):
+        for number, target in enumerate(relative):
             try:
-                here = _to(system, solver, here, target, MOST_DIVISIONS)
+                here = _to(solver, here, target, MOST_DIVISIONS)
             except ConvergenceError as error:
-                message = f"load {number + 1} of {len(inputs)} on the path: {error}"
+                message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None
             yield here
 
 
-def _to(
-    system: System, solver: FrictionalContact, here: _Step, target: Vector, divisions: int
-) -> _Step:
+def _to(solver: FrictionalContact, here: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
-    ports, contact = system.port_compliance, system.contact
-    relative = port_forces(ports, target) @ ports.contact_columns
-    z_free = np.zeros((3, contact.n_points))
-    z_free[0] = contact.interpolation @ relative + contact.initial_gap
-    if contact.shear is not None:
-        z_free[1:, contact.rubbing] = (contact.shear @ relative).reshape(2, -1)
+    z_free = solver.contact.moved(target)
+    z_free[0] += solver.contact.initial_gap
     z_free[1:] -= here.slip
     pressed = here.increment.forces[0].any()
     try:
@@ -156,17 +166,15 @@ def _to(
     except ConvergenceError:
         if divisions == 0:
             raise
-        middle = _to(system, solver, here, (here.inputs + target) / 2, divisions - 1)
-        end = _to(system, solver, middle, target, divisions - 1)
-        return _Step(
-            inputs=target,
-            increment=end.increment,
-            slip=end.slip,
+        middle = _to(solver, here, (here.relative + target) / 2, divisions - 1)
+        end = _to(solver, middle, target, divisions - 1)
+        return replace(
+            end,
             iterations=middle.iterations + end.iterations,
             dissipation=middle.dissipation + end.dissipation,
         )
-    return _Step(
-        inputs=target,
+    return PathStep(
+        relative=target,
         increment=found,
         slip=here.slip + found.slack[1:],
         iterations=found.iterations,

@@ -1,0 +1,267 @@
+"""Backbones: frequency and damping of a mode of a joint over its amplitude.
+
+Quasi-static modal analysis: the preloaded joint is loaded by α M φ with the mode φ of small
+vibrations, in which every closed point sticks. With q = φᵀ M (u − u₀), full cycles ±α give
+
+    ω²(α) = α / q,    ζ(α) = D(α) / (2 π α q),                                                (F5)
+
+with D the energy that friction takes in a cycle and q half of what it goes through
+(quasi-static modal analysis of Festjens, Chevallier & Dion 2013 and Lacayo & Allen 2019).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Vector, frozen
+from faying.assessment.modal_cycles import Measure, ModalCycle, Swing, measured
+from faying.assessment.stuck_modes import StuckMode, stuck_mode
+from faying.exceptions import ModelError, naming
+from faying.joint.system import System
+from faying.simulation.cycles import MOST_CYCLES
+from faying.simulation.load import Load
+from faying.simulation.path import solve_path
+from faying.simulation.solution import Solution
+
+AWAY = 1e-6
+"""Share of a mode's strain energy below which its contact does not take part in it."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Backbone:
+    """Frequency and damping of one mode at several amplitudes; arrays have one entry for each.
+
+    Attributes
+    ----------
+    mode
+        Its number, from 1.
+    small_frequency : [1/time]
+        That of small vibrations, in which nothing slips.
+    measured_at
+        Where the amplitude is measured: a boundary, or one of its components.
+    amplitude : (n,) [length]
+        Half of the way there and back, in a stationary cycle.
+    load : (n,)
+        α of (F5).
+    modal_amplitude : (n,)
+        q of (F5).
+    frequency : (n,) [1/time]
+    damping_ratio : (n,)
+        Of friction and of the damping matrix C together.
+    friction_damping, linear_damping : (n,)
+        Their shares.
+    energy_per_cycle : (n,) [force·length]
+        What friction takes, by slip.
+    loop_area : (n,) [force·length]
+        The same by the loop of load and displacement; both agree as increments shrink.
+    stick_share : (n,)
+        Least share of the closed area that sticks during the cycle.
+    macroslip : (n,)
+        Whether an interface slips as a whole, nothing of it sticking.
+    cycles : (n,)
+        Cycles solved until they repeated.
+    stationary : (n,)
+        Whether they do.
+    masing_frequency, masing_damping : (n,) or None
+        By Masing's rule from the first loading alone, friction only; None unless asked for.
+    remarks
+        What a reader should know.
+    """
+
+    mode: int
+    small_frequency: float
+    measured_at: str
+    amplitude: Vector
+    load: Vector
+    modal_amplitude: Vector
+    frequency: Vector
+    damping_ratio: Vector
+    friction_damping: Vector
+    linear_damping: Vector
+    energy_per_cycle: Vector
+    loop_area: Vector
+    stick_share: Vector
+    macroslip: Mask
+    cycles: Indices
+    stationary: Mask
+    masing_frequency: Vector | None = None
+    masing_damping: Vector | None = None
+    remarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "frequency", "damping_ratio", "energy_per_cycle", "loop_area"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def energy_difference(self) -> Vector:
+        """Loop area less energy by slip, over the latter (n,); zero where nothing slips."""
+        slipped = self.energy_per_cycle > 0
+        difference = self.loop_area - self.energy_per_cycle
+        over: Vector = difference / np.where(slipped, self.energy_per_cycle, 1.0)
+        return np.where(slipped, over, 0.0)
+
+    @property
+    def masing_deviation(self) -> Vector | None:
+        """Damping by Masing's rule less that of full cycles, over the latter (n,), or None."""
+        if self.masing_damping is None:
+            return None
+        slipped = self.friction_damping > 0
+        difference = self.masing_damping - self.friction_damping
+        return np.where(slipped, difference / np.where(slipped, self.friction_damping, 1.0), 0.0)
+
+
+def backbone(
+    system: System,
+    mode: int,
+    amplitudes: Sequence[float] | Vector,
+    *,
+    at: str | None = None,
+    initial: Solution | None = None,
+    increments: int = 50,
+    masing: bool = False,
+) -> Backbone:
+    """Compute frequency and damping of a mode over its amplitude, by full cycles.
+
+    Parameters
+    ----------
+    system
+        Full or reduced model with friction.
+    mode
+        Number of the mode of small vibrations about the preloaded joint, from 1.
+    amplitudes : (n,) [length]
+        Displacements to reach where the amplitude is measured, if nothing slipped; where it
+        slips the joint moves farther, and ``amplitude`` of the result says how far.
+    at
+        A boundary, whose translation is meant, or one of its components as ``"tip.rx"``
+        (amplitudes are angles then). By default the boundary that the mode moves most.
+    initial
+        State to vibrate about, the last one of a path; by default the bolts are tightened with
+        friction in one increment.
+    increments
+        Of a cycle; even.
+    masing
+        Give the result of Masing's rule too. It follows from the first quarter, and is wrong
+        wherever normal forces change during a cycle.
+
+    Raises
+    ------
+    ModelError
+        If nothing rubs, a number is out of range, or the mode does not move what should measure it.
+    ConvergenceError
+        If an increment is not solved; the message names amplitude and load.
+
+    Notes
+    -----
+    Each amplitude starts from the preloaded joint, in a quarter of ``increments``, then full cycles
+    follow until they repeat, each from the amplitude to its opposite and back. An increment is a
+    few Newton steps between pairs; no displacements but those asked for are computed. Cycles repeat
+    where friction takes the same twice, to a thousandth, or where its work on what the first one
+    leaves slipped is less.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=5.0).with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
+    >>> found = fy.backbone(joint, 2, [0.001, 0.05])
+    >>> bool(found.frequency[1] < found.frequency[0])       # slip softens
+    True
+    >>> bool(found.damping_ratio[1] > found.damping_ratio[0])
+    True
+    """
+    levels = _checked(system, mode, amplitudes, increments)
+    rest = solve_path(system, [Load()]) if initial is None else initial
+    found = stuck_mode(system, rest, mode)
+    measure = measured(system, found, at)
+    swing = Swing.of(system, rest, found, measure)
+    scale = (2 * np.pi * found.frequency) ** 2 / measure.unit
+    rows = []
+    for level in levels:
+        with naming(f"mode {mode} at amplitude {level:g}"):
+            rows.append(swing.cycle(float(scale * level), increments // 2))
+    return _assembled(system, mode, found, measure, rows, masing=masing)
+
+
+def _checked(
+    system: System, mode: int, amplitudes: Sequence[float] | Vector, increments: int
+) -> Vector:
+    wrong = []
+    levels = np.atleast_1d(np.asarray(amplitudes, dtype=float))
+    if not len(system.contact.rubbing):
+        wrong.append("no interface has friction; give it with model.with_friction")
+    if mode < 1 or mode > system.K.shape[0] - 1:
+        wrong.append(f"there is no mode {mode}; modes are counted from 1")
+    if levels.ndim != 1 or not len(levels) or not ((levels > 0) & (levels < np.inf)).all():
+        wrong.append(f"the amplitudes are {levels.tolist()}; give positive numbers")
+    if increments < 4 or increments % 2:
+        wrong.append(f"a cycle has {increments} increments; give an even number from 4")
+    if wrong:
+        raise ModelError("; ".join(wrong))
+    return levels
+
+
+def _assembled(
+    system: System,
+    mode: int,
+    found: StuckMode,
+    measure: Measure,
+    rows: Sequence[ModalCycle],
+    *,
+    masing: bool,
+) -> Backbone:
+    def column(name: str) -> Vector:
+        return np.array([getattr(row, name) for row in rows])
+
+    load, modal, energy = column("load"), column("modal"), column("energy")
+    circular = np.sqrt(load / modal)
+    friction = energy / (2 * np.pi * load * modal)
+    linear = float(found.shape @ (system.C @ found.shape)) / (2 * circular)
+    first = column("first_modal")
+    # Masing: both halves of a loop are its first loading, twice as large.
+    lost = 8 * column("first_loop") - 4 * load * first
+    return Backbone(
+        mode=mode,
+        small_frequency=found.frequency,
+        measured_at=measure.name,
+        amplitude=column("reached"),
+        load=load,
+        modal_amplitude=modal,
+        frequency=circular / (2 * np.pi),
+        damping_ratio=friction + linear,
+        friction_damping=friction,
+        linear_damping=linear,
+        energy_per_cycle=energy,
+        loop_area=column("loop"),
+        stick_share=column("stick_share"),
+        macroslip=np.array([row.macroslip for row in rows]),
+        cycles=np.array([row.cycles for row in rows]),
+        stationary=np.array([row.stationary for row in rows]),
+        masing_frequency=np.sqrt(load / first) / (2 * np.pi) if masing else None,
+        masing_damping=lost / (2 * np.pi * load * first) if masing else None,
+        remarks=_remarks(found, mode, rows),
+    )
+
+
+def _remarks(found: StuckMode, mode: int, rows: Sequence[ModalCycle]) -> tuple[str, ...]:
+    remarks = []
+    if found.contact_share < AWAY:
+        remarks.append(
+            f"mode {mode} does not move the joint: its contact holds {found.contact_share:.1e} of "
+            "the strain energy, so friction does not damp it"
+        )
+    elif not any(row.energy > 0 for row in rows):
+        remarks.append(f"nothing slips in mode {mode} up to the largest amplitude")
+    if any(row.macroslip for row in rows):
+        reached = min(row.reached for row in rows if row.macroslip)
+        remarks.append(
+            f"an interface slips as a whole from an amplitude of {reached:.3g}: beyond, the joint "
+            "is held by its bolts alone, and quasi-static cycles of one mode are a rough picture"
+        )
+    changing = [row.reached for row in rows if not row.stationary]
+    if changing:
+        remarks.append(
+            f"cycles still changed after {MOST_CYCLES} at an amplitude of {min(changing):.3g}"
+        )
+    return tuple(remarks)

@@ -1,0 +1,217 @@
+"""Cycles of a preloaded joint in the shape of one of its modes, seen through its contact."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self, final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.assessment.stuck_modes import StuckMode
+from faying.exceptions import ModelError
+from faying.joint.system import System, boundary_slices
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
+from faying.simulation.path import PathStep, follow, path_start
+from faying.simulation.solution import Solution
+
+AT_BOUND = 1e-6
+"""Distance from the friction bound, over it, within which a point slips."""
+
+STILL = 1e-6
+"""Displacement at a boundary, over that of the structure, below which a mode leaves it still."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Measure:
+    """Where amplitudes are measured.
+
+    Attributes
+    ----------
+    name
+    rows : (n_boundary,)
+        Direction of the mode there, over the boundary degrees of freedom of all boundaries.
+    unit : [length]
+        How far the mode moves along it.
+    """
+
+    name: str
+    rows: Vector
+    unit: float
+
+
+def measured(system: System, mode: StuckMode, at: str | None) -> Measure:
+    """Return the direction in which a mode moves a boundary."""
+    name, _, component = (at or "").partition(".")
+    if at is not None and name not in system.boundaries:
+        message = (
+            f"there is no boundary '{name}'; the boundaries are "
+            f"{', '.join(system.boundaries) or 'none'}"
+        )
+        raise ModelError(message)
+    wanted = [DISPLACEMENT_NAMES.index(component)] if component in DISPLACEMENT_NAMES else [0, 1, 2]
+    if component and len(wanted) > 1:
+        message = (
+            f"boundary '{name}' has no component '{component}'; they are "
+            f"{', '.join(DISPLACEMENT_NAMES)}"
+        )
+        raise ModelError(message)
+    names = list(system.boundaries) if at is None else [name]
+    found = [_direction(system, one, wanted, mode.shape) for one in names]
+    if not found:
+        message = "the model has no boundary, where amplitudes are measured; give it one"
+        raise ModelError(message)
+    best = max(range(len(found)), key=lambda i: found[i].unit)
+    chosen = found[best]
+    moves = np.abs(mode.shape).max(initial=0.0)
+    if not chosen.unit > STILL * moves:
+        message = (
+            f"the mode of {mode.frequency:.6g} leaves '{chosen.name}' still; measure its amplitude "
+            f"where it moves: at = a boundary, or one of its components as '{chosen.name}.rx'"
+        )
+        raise ModelError(message)
+    return Measure(name=at or chosen.name, rows=chosen.rows, unit=chosen.unit)
+
+
+def _direction(system: System, name: str, wanted: Sequence[int], shape: Vector) -> Measure:
+    """Return the direction of the node of a boundary that a mode moves most."""
+    boundary = system.boundaries[name]
+    moved = np.where(np.isin(boundary.components, wanted), shape[boundary.dofs], 0.0)
+    sizes = {node: np.linalg.norm(moved[boundary.nodes == node]) for node in set(boundary.nodes)}
+    node = max(sorted(sizes), key=lambda one: sizes[one])
+    own = np.where(boundary.nodes == node, moved, 0.0)
+    unit = float(sizes[node])
+    rows = np.zeros(system.port_compliance.n_boundary)
+    rows[boundary_slices(system.boundaries)[name]] = own / unit if unit > 0 else own
+    return Measure(name=name, rows=rows, unit=unit)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModalCycle:
+    """What one amplitude gave."""
+
+    load: float
+    modal: float
+    reached: float
+    energy: float
+    loop: float
+    stick_share: float
+    macroslip: bool
+    cycles: int
+    stationary: bool
+    first_modal: float
+    first_loop: float
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Swing:
+    """The preloaded joint under α M φ, seen through its contact and what is measured.
+
+    Attributes
+    ----------
+    start
+        The preloaded joint.
+    moved : (n_relative,) [length]
+        What M φ alone moves the pairs.
+    own, own_at
+        What M φ alone moves of q, and of the measured displacement.
+    at : (n_relative,) [length/force]
+        Measured displacement per force between the pairs.
+    """
+
+    system: System
+    start: PathStep
+    moved: Vector
+    own: float
+    own_at: float
+    at: Vector
+
+    @classmethod
+    def of(cls, system: System, rest: Solution, mode: StuckMode, measure: Measure) -> Self:
+        """Solve for the static response of the bare structure to the load."""
+        force = np.asarray(system.M @ mode.shape)
+        answer = system.factorize_static().solve(force)
+        ports = system.port_compliance
+        at = measure.rows @ ports.contact_columns[: ports.n_boundary]
+        boundary = np.concatenate([answer[one.dofs] for one in system.boundaries.values()])
+        return cls(
+            system=system,
+            start=path_start(system, rest),
+            moved=np.asarray(system.contact.relative_operator @ answer),
+            own=float(force @ answer),
+            own_at=float(measure.rows @ boundary),
+            at=at,
+        )
+
+    def cycle(self, load: float, half: int) -> ModalCycle:
+        """Load once, then go to and fro until cycles repeat, each half in so many increments."""
+        rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
+        down = 1 - 2 * np.arange(1, half + 1) / half
+        solver = self.system.static_contact.frictional
+
+        def walk(shares: Vector, here: PathStep) -> list[PathStep]:
+            targets = self.start.relative + load * np.outer(shares, self.moved)
+            return list(follow(solver, targets, here))
+
+        steps = walk(rise, self.start)
+        first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
+        first_loop = area(np.concatenate([[0.0], load * rise]), first)
+        factors = np.concatenate([down, -down])
+        loads = load * np.concatenate([[1.0], factors])
+        stationary, count, energy = False, 0, np.inf
+        while not stationary and count < MOST_CYCLES:
+            before, last = steps[-1], energy
+            steps, count = walk(factors, before), count + 1
+            modal = self._modal([before, *steps], loads)
+            energy = sum(step.dissipation for step in steps)
+            left = np.abs(steps[-1].slip - before.slip) * np.abs(steps[-1].increment.forces[1:])
+            change = min(abs(energy - last), float(left.sum()))
+            stationary = change <= max(STATIONARY * energy, NO_LOSS * load * np.ptp(modal))
+        sticking = np.array([self._sticking(step) for step in steps])
+        return ModalCycle(
+            load=load,
+            modal=(modal[-1] - modal[half]) / 2,
+            reached=np.ptp(self._at([before, *steps], loads)) / 2,
+            energy=energy if energy > NO_LOSS * load * np.ptp(modal) else 0.0,
+            loop=area(loads, modal),
+            stick_share=float(sticking[:, 0].min()),
+            macroslip=bool(sticking[:, 1].any()),
+            cycles=count,
+            stationary=stationary,
+            first_modal=float(first[-1]),
+            first_loop=first_loop,
+        )
+
+    def _pairs(self, steps: Sequence[PathStep]) -> Matrix:
+        """Return how the forces between pairs changed since the preload (n_step, n_relative)."""
+        forces = np.array([step.increment.forces - self.start.increment.forces for step in steps])
+        return self.system.contact.at_pairs(forces[:, 0], forces[:, 1:]).T
+
+    def _modal(self, steps: Sequence[PathStep], loads: Vector) -> Vector:
+        """Return q (n_step,)."""
+        return np.asarray(self.own * loads + self._pairs(steps) @ self.moved)
+
+    def _at(self, steps: Sequence[PathStep], loads: Vector) -> Vector:
+        """Return the measured displacement since the preload (n_step,)."""
+        return np.asarray(self.own_at * loads + self._pairs(steps) @ self.at)
+
+    def _sticking(self, step: PathStep) -> tuple[float, bool]:
+        """Return the share of the closed area that sticks, and whether an interface has none."""
+        contact, forces = self.system.contact, step.increment.forces
+        friction = self.system.static_contact.frictional.friction
+        closed = (forces[0] > 0) & (friction > 0)
+        sticks = closed & (np.hypot(forces[1], forces[2]) < (1 - AT_BOUND) * friction * forces[0])
+        area = float(contact.weights[closed].sum())
+        gross = [
+            bool(closed[points].any() and not sticks[points].any())
+            for points in contact.slices.values()
+        ]
+        return float(contact.weights[sticks].sum()) / area if area > 0 else 0.0, any(gross)
+
+
+def area(loads: Vector, along: Vector) -> float:
+    """Return ∫ load d(along) by trapezoids."""
+    return float(((loads[1:] + loads[:-1]) / 2) @ np.diff(along))
