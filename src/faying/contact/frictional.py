@@ -63,6 +63,12 @@ FEW_BACK = 0.1
 EARLY, LOOSE, TIGHT = 0.1, 1e-2, 1e-7
 """Relative residuals to which first and last linear systems of an increment are solved."""
 
+BOLD = 1e3
+"""How often its first residual the next ones may be where residuals may rise."""
+
+SOFTEST, MOST_PROXIMAL = 1.0, 40
+"""First yield of proximal points over that of the structure, and how many of them are tried."""
+
 MOST_BOUNDS = 100
 """Fixed friction bounds tried where Newton's method on Coulomb's law stalls."""
 
@@ -180,12 +186,10 @@ class FrictionalContact:
         if start is not None:
             x, factors = self._predicted(z_free, start)
         x, steps, left = self._newton(z_free, x, None, factors=factors)
-        if left > SOLVED:
-            x, more, left = self._newton(z_free, x, None, watched=WATCHED)
-            steps += more
-        if left > SOLVED:
-            x, more, left = self._with_fixed_bounds(z_free, x)
-            steps += more
+        for other in (self._boldly, self._by_proximal_points, self._with_fixed_bounds):
+            if left > SOLVED:
+                x, more, left = other(z_free, x)
+                steps += more
         if left > SOLVED:
             message = (
                 f"an increment with friction was not solved in {steps} Newton steps (natural "
@@ -199,8 +203,9 @@ class FrictionalContact:
         """Return the gap (n_point,) [length] after an increment."""
         return np.asarray(increment.slack[0] - self.laws.closure(increment.forces)[0][0])
 
-    def _slack(self, x: Matrix, z_free: Matrix) -> Matrix:
-        return self.steps.moved(x) + self.laws.closure(x)[0] + z_free
+    def _slack(self, x: Matrix, z_free: Matrix, added: float = 0.0) -> Matrix:
+        slack: Matrix = self.steps.moved(x) + self.laws.closure(x)[0] + z_free
+        return slack + added * self.steps.own * x if added else slack
 
     def _predicted(self, z_free: Matrix, start: Matrix) -> tuple[Matrix, Factors | None]:
         """Return where forces go in an increment if no point changes sides.
@@ -239,25 +244,28 @@ class FrictionalContact:
         pressing: Vector | None,
         watched: int = 1,
         factors: Factors | None = None,
+        added: float = 0.0,
     ) -> tuple[Matrix, int, float]:
         """Return forces, Newton steps, and the residual that is left over the largest force.
 
-        Steps are halved until the residual is below the largest of those of the last ``watched``.
+        Steps are halved until the residual is below the largest of those of the last ``watched``;
+        where these are several, the first of them may rise by far. ``added`` lets every point
+        yield by so much of what the structure yields at it.
         """
-        z, step = self._slack(x, z_free), 0
+        z, step = self._slack(x, z_free, added), 0
         wrong = self._residual(x, z, pressing)
-        norms = [float(np.linalg.norm(wrong))]
+        norms = [float(np.linalg.norm(wrong)) * (BOLD if watched > 1 else 1.0)]
         while step < MOST_STEPS:
             step += 1
             try:
                 tolerance = min(LOOSE, max(TIGHT, EARLY * _relative(wrong, x)))
-                dx, factors = self._step(x, z, wrong, pressing, factors, tolerance)
+                dx, factors = self._step(x, z, wrong, pressing, factors, tolerance, added)
             except la.LinAlgError:
                 break
             fraction, found = 1.0, None
             for _ in range(MOST_HALVINGS):
                 tried = x + fraction * dx
-                slack = self._slack(tried, z_free)
+                slack = self._slack(tried, z_free, added)
                 residual = self._residual(tried, slack, pressing)
                 if np.linalg.norm(residual) < (1 - 1e-4 * fraction) * max(norms[-watched:]):
                     found = tried, slack, residual
@@ -279,11 +287,38 @@ class FrictionalContact:
         pressing: Vector | None,
         factors: Factors | None = None,
         tolerance: float = 0.0,
+        added: float = 0.0,
     ) -> tuple[Matrix, Factors | None]:
         """Return the Newton step dx (3, n_point), and the factors it was made with."""
         slope = self.laws.derivative(x - self.scale * z, pressing)
-        compliance = self.laws.closure(x)[1]
+        compliance = self.laws.closure(x)[1] + added * self.steps.own
         return self.steps.step(wrong, slope, self.scale, compliance, factors, tolerance)
+
+    def _boldly(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
+        """Let residuals rise between steps."""
+        return self._newton(z_free, x, None, watched=WATCHED)
+
+    def _by_proximal_points(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
+        """Let points yield as much as the structure does, from where they are, then less and less.
+
+        Each problem is better conditioned than the one wanted, and begins near its solution
+        (Rockafellar 1976, doi:10.1137/0314056).
+        """
+        steps, added, left = 0, SOFTEST, np.inf
+        for _ in range(MOST_PROXIMAL):
+            near = z_free - added * self.steps.own * x
+            found, more, left = self._newton(near, x, None, WATCHED, added=added)
+            steps += more
+            x = found if left <= SOLVED else x
+            added *= 0.1 if left <= SOLVED else 20.0
+            if added > 1e3:
+                break
+            if added < 1e-3 and left <= SOLVED:
+                found, more, left = self._newton(z_free, x, None)
+                steps += more
+                if left <= SOLVED:
+                    return found, steps, left
+        return x, steps, _relative(self._residual(x, self._slack(x, z_free), None), x)
 
     def _with_fixed_bounds(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Solve for fixed friction bounds, a convex problem, and renew the bounds (Tresca)."""

@@ -1,0 +1,36 @@
+"""Increments with friction that nobody chose: solved to the residual promised, or refused."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from faying.contact.frictional import SOLVED
+from random_friction import Joints, outcomes
+
+
+@pytest.fixture(scope="module")
+def joints():
+    return Joints()
+
+
+@settings(max_examples=12, deadline=None)
+@given(index=st.integers(0, 10**6))
+def test_increments_are_solved_or_refused_with_the_reason(joints, index):
+    """The residual is computed by the law written out again; twice for the sums in another order.
+
+    `benchmarks/friction_robustness.py` runs thousands.
+    """
+    for one in outcomes(index, joints):
+        if one.refused:
+            assert "natural residual" in one.refused
+            assert "take smaller increments, or a smaller coefficient of friction" in one.refused
+        else:
+            assert one.residual <= 2 * SOLVED
+
+
+@pytest.mark.parametrize("index", [0, 1, 23, 57])
+def test_paths_that_newton_steps_alone_do_not_solve(joints, index):
+    """Rank-deficient and stiff: full steps, or points that yield at first, lead to the end."""
+    found = list(outcomes(index, joints))
+    assert len(found) == 5
+    assert all(not one.refused and one.residual <= 2 * SOLVED for one in found)
