@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, StudyError
 from faying.io.nastran import read_deck, write_deck
 from faying.model.assembly import Assembly
 from faying.model.constraints import constrain
@@ -16,6 +16,8 @@ from faying.model.matrices import (
     rigid_body_motions,
     used_components,
 )
+from faying.study.load_model import load_model
+from faying.study.schema import read_study
 
 NODES = "".join(
     f"GRID,{i},,{x}.,{y}.,{z}.\n"
@@ -366,3 +368,18 @@ def test_lines_have_the_shear_modulus_they_are_given(read: Read) -> None:
 def test_areas_of_zero_at_the_far_end_are_blanks(read: Read) -> None:
     card = "PBEAM,1,9,3.,4.,5.,,6.\n,0.,0.\n,YESA,1.,0.,0.,0."
     assert read(card, "CBEAM,1,1,1,2,0.,1.,0.").beams[0].section.area == 3.0
+
+
+def test_a_study_does_not_change_the_material_of_solids_alone(read: Read, tmp_path: Path) -> None:
+    read(
+        "GRID,6,,0.,0.,1.\nCTETRA,1,5,1,2,3,6\nPSOLID,5,9",
+        "PSHELL,1,9,.5\nCTRIA3,2,1,1,2,3",
+        "CONROD,3,1,6,8,1.\nMAT1,8,7.,,.3",
+    )
+    path = tmp_path / "study.toml"
+    study = 'title = "a"\nunits = "mm-t-s"\n[model]\nsource = "nastran"\nfile = "a.bdf"\n'
+    path.write_text(f"{study}[material.8]\nE = 1.0\n")
+    load_model(read_study(path))  # of the rod alone
+    path.write_text(f"{study}[material.9]\nE = 1.0\n")
+    with pytest.raises(StudyError, match="shells are made of material '9' too"):
+        load_model(read_study(path))

@@ -22,15 +22,15 @@ class ShellSection:
     mass : [mass/length²]
     inertia : [mass]
         Rotary inertia about axes in the surface, ∫ ρ z² dz.
-    name
-        Of its material, for tables.
+    materials
+        Names of the materials in it.
     """
 
     stiffness: Matrix
     shear: Matrix | None
     mass: float
     inertia: float = 0.0
-    name: str = ""
+    materials: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "stiffness", frozen(self.stiffness))
@@ -72,7 +72,7 @@ class ShellBlock:
 
 
 def plate_section(
-    youngs_modulus: float, poissons_ratio: float, density: float, thickness: float, name: str = ""
+    youngs_modulus: float, poissons_ratio: float, density: float, thickness: float
 ) -> ShellSection:
     """Return the section of a homogeneous isotropic plate, its shear correction being 5/6.
 
@@ -91,7 +91,6 @@ def plate_section(
         shear=5 / 6 * thickness * shear,
         mass=density * thickness,
         inertia=density * thickness**3 / 12,
-        name=name,
     )
 
 

@@ -227,6 +227,13 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
             place = study.source.table(("material", name))
             message = f"{place}: the deck has no material '{name}'; {nearest(name, known)}"
             raise StudyError(message)
+        if any(name in section.materials for section in assembly.shell_sections.values()):
+            place = study.source.table(("material", name))
+            message = (
+                f"{place}: shells are made of material '{name}' too, whose sections keep the "
+                "constants of the deck; change it there"
+            )
+            raise StudyError(message)
 
     def chosen(material: Material, number: int) -> Material:
         section = study.materials.get(str(number), study.materials.get(material.name))

@@ -92,7 +92,7 @@ def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
             shear=None if sideways is None else shear_ratio * t * np.asarray(sideways.shear),
             mass=membrane.density * t + line_mass,
             inertia=membrane.density * t**3 / 12,
-            name=card.text(1),
+            materials=tuple(card.text(field) for field in (1, 3, 5, 10) if card.text(field)),
         )
 
     _check(card, section(thickness))
@@ -111,7 +111,7 @@ def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
     law = np.zeros((6, 6))
     law[:3, :3] = thickness * material.law
     mass = material.density * thickness + extra
-    section = ShellSection(stiffness=law, shear=None, mass=mass, name=card.text(1))
+    section = ShellSection(stiffness=law, shear=None, mass=mass, materials=(card.text(1),))
     _check(card, section)
     return ShellProperty(thickness=thickness, section=lambda _: section, card=card)
 
@@ -197,7 +197,7 @@ def _stacked(
         shear=None if card.text(7) == "MEM" else _shear(own, laws, angle, t, low),
         mass=mass + extra,
         inertia=float(density @ (t * (middle - centre) ** 2 + t**3 / 12)),
-        name=str(card.integer(0)),
+        materials=tuple(dict.fromkeys(str(ply.material) for ply in plies)),
     )
 
 
