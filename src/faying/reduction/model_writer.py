@@ -35,7 +35,7 @@ from faying.units import Units, units_of
 MODEL = Format(
     name="reduced model",
     version=1,
-    wanted="a file that ReducedModel.save wrote",
+    wanted="a file that faying reduce or ReducedModel.save wrote",
     remedy="save the model again",
     description=(
         "A jointed structure in a few generalized coordinates, with its contact and what recovers "
