@@ -2,12 +2,14 @@
 
 import json
 import re
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import faying as fy
+from faying import cli
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ModelError, StudyError
 from faying.report.figures.slip import plot_slip_states
@@ -96,6 +98,18 @@ def finished(study, tmp_path_factory):
 @pytest.fixture(scope="module")
 def results(finished):
     return read_results(finished / "results.h5")
+
+
+def test_check_shows_friction_and_what_loads_do(study, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["faying", "check", str(study.path)])
+    monkeypatch.setenv("COLUMNS", "200")  # wide enough that rich does not wrap what is looked for
+    with pytest.raises(SystemExit, match="0"):
+        cli.main()
+    out = capsys.readouterr().out
+    assert re.search(r"joint +0\.2 +800000", out)
+    assert "increments of way.csv" in out
+    assert "cycles of 1.5, 0.5 times the loads until they repeat" in out
+    assert "None" not in out
 
 
 def test_the_summary_tells_what_friction_does(finished):

@@ -8,6 +8,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from faying.contact.laws import Coulomb
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import FreeParts
 from faying.joint.model import Model
@@ -45,6 +46,8 @@ def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[
     if model.interfaces:
         yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
         yield _sides(model)
+    if model.contact.components > 1:
+        yield _friction(model)
     if model.bolts:
         yield _bolts(study, loaded, model)
     if model.boundaries:
@@ -201,6 +204,15 @@ def _interfaces(model: Model, title: str) -> Table:
     return _table(title, columns, rows)
 
 
+def _friction(model: Model) -> Table:
+    rows = (
+        (interface.name, law.friction, float(law.tangential_penalty))
+        for interface in model.interfaces.values()
+        if isinstance(law := interface.law, Coulomb)
+    )
+    return _table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
+
+
 def _sides(model: Model) -> Table:
     """List the bodies each interface joins; matrices have none that could be named."""
     label = bodies(model.assembly.mesh)
@@ -351,6 +363,11 @@ def _force(force: ForceSection) -> str:
 
 
 def _timing(case: LoadCaseSection) -> str:
+    if case.kind == "path":
+        return f"increments of {case.factors.name}" if case.factors else ""
+    if case.kind == "cycle":
+        amplitudes = ", ".join(f"{amplitude:g}" for amplitude in case.amplitudes or (1.0,))
+        return f"cycles of {amplitudes} times the loads until they repeat"
     if case.kind == "static":
         return ""
     step = f"{case.steps_per_period} per period" if case.step is None else f"{case.step:g}"
