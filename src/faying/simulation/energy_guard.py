@@ -204,8 +204,8 @@ def gain_message(gain: float) -> str:
     share = f"{gain:.0%} of" if np.isfinite(gain) else "many times"
     return (
         f"the time integration gained {share} the energy in motion from nothing, so its "
-        "pressures mean nothing; take EnergyDecaying (in a study integrator = "
-        '"energy-decaying"), which cannot, or ImplicitEuler, or a smaller step'
+        "pressures mean nothing; take ImplicitEuler, or without residual compliance EnergyDecaying "
+        '(in a study integrator = "energy-decaying"), which cannot, or a smaller step'
     )
 
 

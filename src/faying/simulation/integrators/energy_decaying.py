@@ -25,8 +25,8 @@ class EnergyDecaying(SpectralRadius):
 
     d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds, or
     :class:`~.FrictionalMean`: it never works more than the contact's stored energy gives. The
-    proof is in
-    ``docs/theory/time_integration.md``.
+    proof is in ``docs/theory/time_integration.md``. Models with residual compliance have poor
+    pressures under it (``docs/theory/transient_accuracy.md``): take another scheme for them.
 
     Attributes
     ----------
