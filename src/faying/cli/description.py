@@ -46,8 +46,8 @@ def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[
     if model.interfaces:
         yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
         yield _sides(model)
-    if model.contact.components > 1:
-        yield _friction(model)
+        if model.contact.components > 1:
+            yield _friction(model)
     if model.bolts:
         yield _bolts(study, loaded, model)
     if model.boundaries:

@@ -195,9 +195,6 @@ def _mesh(points: Matrix, ids: Indices) -> Mesh:
     if (count > 1).any():
         message = f"node table: node {unique[count > 1][0]} occurs twice; keep one row"
         raise ModelError(message)
-    if not np.isfinite(points).all():
-        message = f"node table: node {ids[~np.isfinite(points).all(axis=1)][0]} is not finite"
-        raise ModelError(message)
     return mesh
 
 

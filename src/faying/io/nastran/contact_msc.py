@@ -279,9 +279,9 @@ def _friction(
     ignored: dict[str, None],
 ) -> float:
     """Return the coefficient of a pair: its own, or that of both its bodies."""
+    first, second = (_body_friction(cards, bodies[number], ignored) for number in pair)
     if group.parameters.friction is not None:
         return group.parameters.friction
-    first, second = (_body_friction(cards, bodies[number], ignored) for number in pair)
     if first != second:
         text = (
             f"bodies {pair[0]} and {pair[1]} have coefficients of friction {first:g} and "
