@@ -114,7 +114,14 @@ def test_interrupted_run_says_how_to_go_on(study):
     )
     study.write_text(text)
     arguments = [sys.executable, "-m", "faying.cli", "run", study.name, "--out", "a folder"]
-    process = subprocess.Popen(arguments, cwd=study.parent, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        arguments,
+        cwd=study.parent,
+        stderr=subprocess.PIPE,
+        text=True,
+        # Shells tell what they start in the background to ignore it, tests and all.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
     while not (study.parent / "a folder" / "unfinished").exists():
         assert process.poll() is None
         time.sleep(0.05)
