@@ -190,6 +190,9 @@ def _given_faces(faces: _Path | None) -> dict[str, Indices]:
 
 
 def _mesh(points: Matrix, ids: Indices) -> Mesh:
+    if not np.isfinite(points).all():
+        message = f"node table: node {ids[~np.isfinite(points).all(axis=1)][0]} is not finite"
+        raise ModelError(message)
     mesh = Mesh(nodes=points, node_ids=ids)
     unique, count = np.unique(ids, return_counts=True)
     if (count > 1).any():
