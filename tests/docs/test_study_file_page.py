@@ -1,57 +1,25 @@
 """docs/study-file.md lists every key of the study file with its default, and no other."""
 
 import inspect
-import re
 from collections.abc import Iterator
 
 import pytest
-from pages import DOCS
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
+from study_schema import SECTIONS, page_rows
 
 from faying.joint.lap_joint import lap_joint_assembly
-from faying.study import model_tables, tables
+from faying.study import tables
 from faying.study.lap_joint_keys import ELSEWHERE
 
-SECTIONS: dict[str, type[BaseModel]] = {
-    "top level": tables.Study,
-    "[model]": model_tables.ModelSection,
-    "[model.files]": model_tables.MatrixFiles,
-    "[model.sets]": model_tables.NamedSet,
-    "[material.NAME]": model_tables.MaterialSection,
-    "[[interface]]": model_tables.InterfaceSection,
-    "[[bolt]]": model_tables.BoltSection,
-    "[[boundary]]": model_tables.BoundarySection,
-    "[[support]]": model_tables.SupportSection,
-    "[sticking]": model_tables.StickingSection,
-    "[damping]": model_tables.DampingSection,
-    "[reduction]": tables.ReductionSection,
-    "[reduction.training]": tables.TrainingSection,
-    "[reduction.training] box": tables.BoxSide,
-    "[validation]": tables.ValidationSection,
-    "[requirement]": tables.RequirementSection,
-    "[[load_case]]": tables.LoadCaseSection,
-    "[[load_case]] forces": tables.ForceSection,
-    "[output]": tables.OutputSection,
-}
 NOTHING = {"—", "none"}
 """How the page writes a default that is not a value."""
 
 
-def page_tables() -> dict[str, dict[str, str]]:
-    """Heading of docs/study-file.md to its keys and defaults as written."""
-    found: dict[str, dict[str, str]] = {}
-    heading = ""
-    for line in (DOCS / "study-file.md").read_text(encoding="utf-8").splitlines():
-        if line.startswith("## "):
-            heading = line.removeprefix("## ")
-        row = re.match(r"\| `(\w+)` \| (.*?) \|", line)
-        if row:
-            found.setdefault(heading, {})[row[1]] = row[2]
-    return found
-
-
-PAGE = page_tables()
+PAGE = {
+    heading: {key: default for key, (default, _) in rows.items()}
+    for heading, rows in page_rows().items()
+}
 
 
 def toml(value: object) -> str:

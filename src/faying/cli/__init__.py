@@ -12,6 +12,7 @@ from faying.cli.recover import recover
 from faying.cli.reduce import reduce
 from faying.cli.report import report
 from faying.cli.run import run
+from faying.cli.schema import schema
 from faying.cli.solve import solve
 from faying.exceptions import FayingError
 
@@ -27,7 +28,7 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
-for command in (demo, run, check, report, recover, export, reduce, solve):
+for command in (demo, run, check, report, recover, export, reduce, solve, schema):
     app.command()(command)
 
 

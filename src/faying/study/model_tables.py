@@ -88,6 +88,11 @@ class NamedSet(Section):
     elements: IdList | None = None
 
 
+AnySet = Annotated[
+    NamedSet, BeforeValidator(_named_set, json_schema_input_type=NamedSet | str | int | IdList)
+]
+
+
 class ModelSection(Section):
     """[model]: where the structure comes from.
 
@@ -118,9 +123,7 @@ class ModelSection(Section):
     files: MatrixFiles | None = None
     element: Literal["incompatible", "standard"] = "incompatible"
     separate: tuple[Name, ...] = ()
-    sets: Mapping[str, Annotated[NamedSet, BeforeValidator(_named_set)]] = Field(
-        default_factory=dict
-    )
+    sets: Mapping[str, AnySet] = Field(default_factory=dict)
     lap_joint: Mapping[str, Any] = Field(default_factory=dict)
 
 

@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
@@ -57,7 +57,7 @@ def name_in(known: Iterable[str]) -> BeforeValidator:
             return value
         raise refusal(one_of(value, names))
 
-    return BeforeValidator(checked)
+    return BeforeValidator(checked, json_schema_input_type=Literal[tuple(names)])
 
 
 def _existing_file(path: Path, info: ValidationInfo) -> Path:
@@ -139,9 +139,20 @@ Id = Annotated[int, Strict(), AfterValidator(identifying)]
 Switch = Annotated[bool, Strict()]
 Name = Annotated[str, Strict(), StringConstraints(min_length=1), AfterValidator(nameable)]
 ExistingFile = Annotated[Path, AfterValidator(_existing_file)]
-Penalty = Annotated[float | str, BeforeValidator(_penalty)]
-TangentialPenalty = Annotated[float | str, BeforeValidator(_tangential_penalty)]
-InitialGap = Annotated[float | Path, BeforeValidator(_initial_gap)]
-Selection = Annotated[str | int | tuple[int, ...], BeforeValidator(_selection)]
-IdOrName = Annotated[str | int, BeforeValidator(_id_or_name)]
+Penalty = Annotated[
+    float | str,
+    BeforeValidator(_penalty, json_schema_input_type=Positive | Literal["auto", "hard"]),
+]
+TangentialPenalty = Annotated[
+    float | str,
+    BeforeValidator(_tangential_penalty, json_schema_input_type=Positive | Literal["auto"]),
+]
+InitialGap = Annotated[
+    float | Path, BeforeValidator(_initial_gap, json_schema_input_type=Number | str)
+]
+Selection = Annotated[
+    str | int | tuple[int, ...],
+    BeforeValidator(_selection, json_schema_input_type=str | int | tuple[int, ...]),
+]
+IdOrName = Annotated[str | int, BeforeValidator(_id_or_name, json_schema_input_type=str | int)]
 Point = tuple[Number, Number, Number]

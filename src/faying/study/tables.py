@@ -68,7 +68,7 @@ def _load_name(value: Any) -> Any:
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-LoadName = Annotated[Name, BeforeValidator(_load_name)]
+LoadName = Annotated[Name, BeforeValidator(_load_name, json_schema_input_type=Name | int)]
 
 
 class Loading(Section):
@@ -138,6 +138,12 @@ def _joint_modes(value: Any) -> Any:
     return value
 
 
+JointModes = Annotated[
+    tuple[Count, ...],
+    BeforeValidator(_joint_modes, json_schema_input_type=tuple[Count, ...] | Literal["auto"]),
+]
+
+
 class ReductionSection(Section):
     """[reduction]: the bases to build and compare.
 
@@ -149,7 +155,7 @@ class ReductionSection(Section):
     """
 
     normal_modes: CountOrNone = 20
-    joint_modes: Annotated[tuple[Count, ...], BeforeValidator(_joint_modes)] = (5, 10, 20, 40)
+    joint_modes: JointModes = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
     training: TrainingSection = TrainingSection()

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,28 +25,13 @@ from faying.study.summary import summarize
 from faying.study.tables import Study
 from faying.study.validation import validate
 from faying.study.worker_tasks import compute_pieces
+from faying.workflow.outcome import Outcome
 
 CONFIRMED = 3
 """Static cases that the full model confirms where it is not the reference of all."""
 
 Solved = dict[str, tuple[CaseResult, list[str]]]
 """Load case name to its result, and what did not converge."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class RunSummary:
-    """Outcome of a run.
-
-    Attributes
-    ----------
-    converged
-        Whether every solution was found.
-    summary
-        Contents of ``summary.json``.
-    """
-
-    converged: bool
-    summary: Mapping[str, Any]
 
 
 def run(
@@ -57,7 +42,7 @@ def run(
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
     since: float | None = None,
-) -> RunSummary:
+) -> Outcome:
     """Compute a study and leave its results in a folder.
 
     Parameters
@@ -87,7 +72,7 @@ def run(
         checkpoint.discard()
         # Once more, for what the report took is known only now.
         summary = _write_summary(replace(results, timings=stages.account()), out)
-    return RunSummary(converged=converged, summary=summary)
+    return Outcome(converged=converged, summary=summary)
 
 
 def _computed(

@@ -24,6 +24,7 @@ from faying.study.metric_table import TableFormat, check_table_format, write_met
 from faying.study.progress import ProgressBar, Stages
 from faying.study.solved import SolvedFields, write_solved
 from faying.units import Units, units_of
+from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solved_pieces import Pieces
 
@@ -50,22 +51,6 @@ class SolveOptions:
     table: TableFormat = "csv"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SolveSummary:
-    """Outcome of many load cases.
-
-    Attributes
-    ----------
-    converged
-        Whether every solution was found.
-    summary
-        Contents of ``summary.json``.
-    """
-
-    converged: bool
-    summary: Mapping[str, Any]
-
-
 def solve_loads(
     rom: ReducedModel,
     loads: LoadSet,
@@ -74,7 +59,7 @@ def solve_loads(
     *,
     resume: bool = False,
     progress: ProgressBar | None = None,
-) -> SolveSummary:
+) -> Outcome:
     """Solve loads on a reduced model, without the full one.
 
     Parameters
@@ -131,7 +116,7 @@ def solve_loads(
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
         checkpoint.discard()
-    return SolveSummary(converged=not summary["not_converged"], summary=summary)
+    return Outcome(converged=not summary["not_converged"], summary=summary)
 
 
 def _written(
