@@ -572,6 +572,14 @@ def test_bad_options_are_one_message(monkeypatch, capsys, study, tmp_path, optio
     assert err.count("\n") == 1
 
 
+def test_no_client_is_started_for_an_address_that_does_not_answer(monkeypatch):
+    # What a failed client leaves behind waits half a minute in whichever thread collects it.
+    distributed = pytest.importorskip("distributed", reason="needs the extra 'cluster'")
+    monkeypatch.setattr(distributed, "Client", lambda *_, **__: pytest.fail("a client was started"))
+    with pytest.raises(CampaignError, match="no Dask scheduler answers"):
+        dask.DaskExecutor.connect("tcp://127.0.0.1:1")
+
+
 def test_a_missing_extra_is_named(monkeypatch, capsys, study, tmp_path):
     monkeypatch.setitem(sys.modules, "distributed", None)
     arguments = ["--out", tmp_path, "--scheduler", "tcp://127.0.0.1:8786"]

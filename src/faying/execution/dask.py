@@ -3,6 +3,7 @@
 import hashlib
 import json
 import pickle
+import socket
 import threading
 import uuid
 from collections import OrderedDict
@@ -104,12 +105,13 @@ class DaskExecutor:
         distributed = _package()
         address = _address(scheduler)
         try:
+            _knock(address)
             client = distributed.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             message = (
-                f"no Dask scheduler answers at {address} ({reason}); give the address that "
-                "'dask scheduler' printed, or the file it wrote with --scheduler-file"
+                f"no Dask scheduler answers at {address or 'an empty address'} ({reason}); give the"
+                " address that 'dask scheduler' printed, or the file it wrote with --scheduler-file"
             )
             raise CampaignError(message) from None
         executor = cls(client)
@@ -162,6 +164,20 @@ def _package() -> Any:
             "or use --workers"
         )
         raise CampaignError(message) from None
+
+
+def _knock(address: str) -> None:
+    """Open the address once and close it again; raises OSError or ValueError where nothing answers.
+
+    A client that could not connect leaves its event loop and threads behind in this process, so
+    none is started for an address that nobody listens at.
+    """
+    addressing = import_module("distributed.comm.addressing")
+    scheme, location = addressing.parse_address(address)
+    import_module("distributed.comm.registry").get_backend(scheme)
+    if scheme in {"tcp", "tls", "ws", "wss"}:
+        host, port = addressing.parse_host_port(location)
+        socket.create_connection((host, port), timeout=CONNECT_SECONDS).close()
 
 
 def _address(scheduler: str) -> str:
