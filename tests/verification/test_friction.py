@@ -7,6 +7,7 @@ import pytest
 from test_reference_cantilever import AXIAL, generated, node_map, reference_pressure
 
 import faying as fy
+from faying.assessment.stuck_modes import stuck_mode
 from faying.contact.frictional import ROUND_OFF, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
@@ -219,6 +220,21 @@ def test_the_preloaded_joint_vibrates_with_its_closed_points_stuck(gauss):
     # As the reference prints them, to 1e-3 Hz.
     expected = [648.665, 1217.276, 3769.198, 4333.889, 6197.799]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-3)
+
+
+def test_tangents_that_give_no_way_are_the_limit_of_stiff_ones():
+    joint = fy.preload(
+        fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0), {"bolt": 5e3}
+    )
+    rigid = joint.with_friction(0.2, tangential_penalty=float("inf"))
+    stiff = joint.with_friction(0.2, tangential_penalty=1e10)
+    found = fy.preloaded_frequencies(rigid, 3)
+    # Rigid tangents keep the millionth part of the points' own compliance: 1.1e-4 lower at most.
+    np.testing.assert_allclose(found, fy.preloaded_frequencies(stiff, 3), rtol=2e-4)
+    # Residual compliance gives a reduced model the stiffness; 20 modes the inertia.
+    rom = fy.reduce(rigid, fy.craig_bampton(rigid, normal_modes=20), compliance=True)
+    state = fy.solve_path(rom, [fy.Load()])
+    assert stuck_mode(rom, state, 1).frequency == pytest.approx(found[0], rel=2e-4)
 
 
 def rom_of(model):

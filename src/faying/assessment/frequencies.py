@@ -1,18 +1,17 @@
 """Natural frequencies of a preloaded joint, its contact linearized."""
 
+from typing import cast
+
 import numpy as np
-import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, Vector
+from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.model import Model
 from faying.linalg.factorization import factorize
 from faying.linalg.inertia import count_negative
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.solution import Solution
 from faying.simulation.start import at_rest, last_of
-
-NEARLY_RIGID = 1e-6
-"""Flexibility of a closed hard contact point, over its own compliance."""
 
 
 def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = None) -> Vector:
@@ -73,26 +72,5 @@ def count_frequencies_below(
 
 
 def _tangent(model: Model, state: Solution | None) -> SparseMatrix:
-    """Return K + Gᵀ D⁻¹ G over the closed points, tangential rows included where there are any."""
-    contact = model.contact
     about = at_rest(model) if state is None else last_of(state)
-    closed = about.contact_forces > 0
-    flexibility = np.maximum(contact.flexibility, NEARLY_RIGID * _own(model))[closed]
-    G = contact.gap_operator[closed]
-    tangent = model.K + G.T @ sp.diags_array(1 / flexibility) @ G
-    if contact.shear is not None:
-        stuck = np.tile(closed[contact.rubbing], 2)
-        own = np.tile(_own(model)[contact.rubbing], 2)[stuck]
-        yields = np.tile(contact.tangential_flexibility, 2)[stuck]
-        T = (contact.shear @ contact.relative_operator)[stuck]
-        tangent = tangent + T.T @ sp.diags_array(1 / np.maximum(yields, NEARLY_RIGID * own)) @ T
-    return tangent.tocsr()
-
-
-def _own(model: Model) -> Vector:
-    """Gap of every contact point per force at it (n_point,) [length/force], where some are hard."""
-    contact = model.contact
-    if np.isfinite(contact.penalty).all():
-        return np.zeros(contact.n_points)
-    S, N = model.port_compliance.relative, contact.interpolation
-    return np.asarray(N.multiply((S @ N.T.toarray()).T).sum(axis=1)).ravel()
+    return cast("SparseMatrix", stuck_stiffness(model, about))

@@ -158,7 +158,7 @@ class Swing:
 
         steps = walk(rise, self.start)
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
-        first_loop = area(np.concatenate([[0.0], load * rise]), first)
+        first_loop = float(np.trapezoid(np.concatenate([[0.0], load * rise]), first))
         factors = np.concatenate([down, -down])
         loads = load * np.concatenate([[1.0], factors])
         stationary, count, energy = False, 0, np.inf
@@ -176,7 +176,7 @@ class Swing:
             modal=(modal[-1] - modal[half]) / 2,
             reached=np.ptp(self._at([before, *steps], loads)) / 2,
             energy=energy if energy > NO_LOSS * load * np.ptp(modal) else 0.0,
-            loop=area(loads, modal),
+            loop=float(np.trapezoid(loads, modal)),
             stick_share=float(sticking[:, 0].min()),
             macroslip=bool(sticking[:, 1].any()),
             cycles=count,
@@ -210,8 +210,3 @@ class Swing:
             for points in contact.slices.values()
         ]
         return float(contact.weights[sticks].sum()) / area if area > 0 else 0.0, any(gross)
-
-
-def area(loads: Vector, along: Vector) -> float:
-    """Return ∫ load d(along) by trapezoids."""
-    return float(((loads[1:] + loads[:-1]) / 2) @ np.diff(along))

@@ -25,7 +25,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.assessment.frequencies import NEARLY_RIGID
+from faying.assessment.stuck_stiffness import NEARLY_RIGID
 from faying.joint.system import System, boundary_dofs, elongations, input_forces
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.reduction.reduced_model import ReducedModel

@@ -149,5 +149,4 @@ def loop_area(cycles: Cycles, load: Load) -> float:
     """
     factors = np.concatenate([[cycles.amplitude], cycles.factors])
     along = np.concatenate([load_work(cycles.start, load)[-1:], load_work(cycles.cycle, load)])
-    means = (factors[1:] + factors[:-1]) / 2
-    return float(means @ np.diff(along))
+    return float(np.trapezoid(factors, along))

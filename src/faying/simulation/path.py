@@ -157,9 +157,7 @@ def follow(solver: FrictionalContact, relative: Matrix, here: PathStep) -> Itera
 
 def _to(solver: FrictionalContact, here: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
-    z_free = solver.contact.moved(target)
-    z_free[0] += solver.contact.initial_gap
-    z_free[1:] -= here.slip
+    z_free = solver.contact.free_slack(target, here.slip)
     pressed = here.increment.forces[0].any()
     try:
         found = solver.solve(z_free, here.increment.forces if pressed else None)

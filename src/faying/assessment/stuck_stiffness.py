@@ -1,0 +1,63 @@
+"""Stiffness of a joint for small motions: what is closed stays closed and, with friction, stuck."""
+
+from typing import cast
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.joint.system import System
+from faying.simulation.solution import Solution
+
+NEARLY_RIGID = 1e-6
+"""Flexibility of a closed point that is hard in a direction, over its own compliance in it."""
+
+
+def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
+    """Return K + Pᵀ (B⁻¹ + R)⁻¹ P with the springs B between the pairs of closed points.
+
+    Closed points have the springs of their laws, 1/(c_n w) and with friction 1/(c_t w) along both
+    tangents; open ones have none. R is the residual compliance of a reduced model that has one.
+
+    Parameters
+    ----------
+    state
+        Solution to linearize about, or a path, about its end.
+
+    Returns
+    -------
+    (n_dof, n_dof)
+        Sparse of a full model, dense of a reduced one.
+
+    Notes
+    -----
+    Where a law is hard the compliance between the pairs is needed, which a system computes once.
+    """
+    contact = system.contact
+    closed = np.atleast_2d(state.contact_forces)[-1] > 0
+    parts, yields = [contact.interpolation[closed]], [contact.flexibility[closed]]
+    if contact.shear is not None:
+        stuck = np.tile(closed[contact.rubbing], 2)
+        parts.append(contact.shear[stuck])
+        yields.append(np.tile(contact.tangential_flexibility, 2)[stuck])
+    rows, flexibility = sp.vstack(parts).tocsr(), np.concatenate(yields)
+    if (flexibility == 0).any():
+        flexibility = np.maximum(flexibility, NEARLY_RIGID * _own_compliance(system, rows))
+    B = (rows.T @ sp.diags_array(1 / flexibility) @ rows).tocsr()
+    P = contact.relative_operator
+    if contact.residual_compliance is None:
+        tangent = system.K + P.T @ B @ P
+        return tangent if isinstance(tangent, np.ndarray) else tangent.tocsr()
+    R = np.asarray(contact.residual_compliance)
+    between = np.linalg.solve(np.eye(len(R)) + B @ R, B.toarray())
+    tangent = np.asarray(system.K + P.T @ between @ P)
+    return cast("Matrix", (tangent + tangent.T) / 2)
+
+
+def _own_compliance(system: System, rows: SparseMatrix) -> Vector:
+    """Return the displacement along each row per force along it [length/force]."""
+    forces, residual = rows.T.toarray(), system.contact.residual_compliance
+    moved = system.port_compliance.relative @ forces
+    if residual is not None:
+        moved = moved + residual @ forces
+    return np.asarray(rows.multiply(moved.T).sum(axis=1)).ravel()
