@@ -1,0 +1,32 @@
+"""What elastic and hard normal contact share: it presses and never pulls, Eq. (15.7)."""
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+
+
+class Unilateral:
+    """The half of a law that holds for every closure: one component and no friction."""
+
+    @property
+    def components(self) -> int:
+        """The normal component alone: no friction."""
+        return 1
+
+    @property
+    def friction(self) -> float:
+        """None."""
+        return 0.0
+
+    @property
+    def proportional(self) -> bool:
+        """What contact yields is in proportion to its force, or nothing."""
+        return True
+
+    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
+        """Return ⟨λ⟩: contact presses, it never pulls."""
+        return np.maximum(forces, 0.0)
+
+    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
+        """Return one where contact presses, else zero (n_point, 1, 1)."""
+        return np.asarray((forces > 0).astype(float)[0, :, None, None])
