@@ -5,10 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck
+from faying.io.nastran.parameters import LUMPED
 from faying.model.assembly import Assembly
+from faying.model.matrices import assemble_matrices
 
 NODES = "".join(
     f"GRID,{i},,{x},{y},{z}\n"
@@ -143,6 +146,33 @@ def test_wtmass_scales_density_and_masses(read: Read) -> None:
     assert assembly.ignored == ("PARAM POST",)
     with pytest.raises(FormatError, match=r"a\.bdf:3: PARAM: WTMASS = -2"):
         read(head=head.replace("2.", "-2."))
+
+
+def test_lumped_masses_of_nastran_are_said(read: Read) -> None:
+    brick = (BRICK, "PSOLID,1,9")
+    head = "SOL 103\nCEND\n{}BEGIN BULK\n"
+    assert LUMPED in read(*brick, head=head.format("")).ignored
+    assert LUMPED in read(*brick, "PARAM,COUPMASS,-1", head=head.format("")).ignored
+    assert LUMPED not in read(*brick, "PARAM,COUPMASS,1", head=head.format("")).ignored
+    assert LUMPED not in read(*brick, head=head.format("PARAM,COUPMASS,1\n")).ignored
+    with pytest.raises(FormatError, match="PARAM: field 3 holds 'YES'"):
+        read(*brick, "PARAM,COUPMASS,YES", head=head.format(""))
+
+
+@pytest.mark.parametrize(("to_a_wave", "more"), [(10, 0.03), (5, 0.14)])
+def test_what_lumped_masses_do_to_frequencies(to_a_wave: int, more: float, read: Read) -> None:
+    """The percentages of the note, for a rod held at both ends."""
+    n = 20
+    cards = [f"GRID,{100 + i},,{i}.,5.,0." for i in range(n + 1)]
+    cards += [f"CONROD,{i + 1},{100 + i},{101 + i},9,1." for i in range(n)]
+    assembly = read(*cards)
+    matrices = assemble_matrices(assembly)
+    axial = 6 * np.arange(9, 8 + n)
+    K, M = (matrix.toarray()[np.ix_(axial, axial)] for matrix in (matrices.K, matrices.M))
+    mode = 2 * n // to_a_wave - 1  # mode k from 1 has k half waves
+    consistent = eigh(K, M, eigvals_only=True)[mode]
+    lumped = eigh(K, np.diag(np.full(n - 1, 2 * M[0, 1] + M[0, 0])), eigvals_only=True)[mode]
+    assert np.sqrt(consistent / lumped) - 1 == pytest.approx(more, abs=0.005)  # as it is rounded
 
 
 def test_beams_and_sections(read: Read) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck
+from faying.io.nastran.parameters import LUMPED
 
 SMALL = """\
 GRID    1               0.      0.      0.
@@ -87,7 +88,7 @@ def test_sections_are_skipped_and_enddata_ends(tmp_path: Path) -> None:
     head = "NASTRAN X\nSOL 101\nCEND\nTITLE = GRID\nDISP = ALL\nBEGIN BULK\n"
     assembly = read_deck(deck(tmp_path / "a.bdf", head + SMALL + "ENDDATA\nNONSENSE,1\n"))
     assert len(assembly.mesh.nodes) == 4
-    assert assembly.ignored == ("case control requests DISP",)
+    assert assembly.ignored == ("case control requests DISP", LUMPED)
     with pytest.raises(FormatError, match="no BEGIN BULK"):
         read_deck(deck(tmp_path / "b.bdf", "SOL 101\nCEND\n" + SMALL))
     with pytest.raises(FormatError, match=r"c\.bdf:2: .*superelement"):

@@ -1,8 +1,16 @@
-"""PARAM: what scales masses, and what cannot be scaled."""
+"""PARAM: what scales and lumps masses, and what cannot be scaled."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
-from faying.io.nastran.cards import Bulk, Cards
+from faying.io.nastran.cards import Bulk, Card, Cards
+
+LUMPED = (
+    "masses are consistent here; Nastran lumps them unless PARAM,COUPMASS,1 is given, which lowers "
+    "frequencies: by about 3 % at 10 linear elements to a wave, 14 % at 5, and CBAR then have no "
+    "inertia against twist; compare with COUPMASS"
+)
+"""Elements of length h: consistent over lumped frequencies are
+√(3 / (2 + cos k h)), nearly 1 + 3.3 / n² with n elements to a wave."""
 
 _SCALES = frozenset(("CB1", "CB2", "CK1", "CK2", "CK3", "CM1", "CM2", "CP1", "CP2"))
 
@@ -24,8 +32,10 @@ def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -
     """
     factor = 1.0
     others: set[str] = set()
-    for card in (*control.cards().get("PARAM", ()), *cards.get("PARAM", ())):
+    for card in _parameters(cards, control):
         name = card.text(0)
+        if name == "COUPMASS":
+            continue
         if name == "WTMASS":
             factor = card.real(1)
             if not factor > 0:
@@ -40,3 +50,21 @@ def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -
     if others:
         ignored.append(f"PARAM {', '.join(sorted(others))}")
     return factor
+
+
+def lumps_masses(cards: Mapping[str, Cards], control: Bulk) -> bool:
+    """Whether Nastran lumps masses at the nodes, which it does unless PARAM,COUPMASS is positive.
+
+    Raises
+    ------
+    FormatError
+        If the parameter is no integer.
+    """
+    chosen = [card for card in _parameters(cards, control) if card.text(0) == "COUPMASS"]
+    return not chosen or chosen[-1].integer(1) <= 0
+
+
+def _parameters(cards: Mapping[str, Cards], control: Bulk) -> Iterator[Card]:
+    """Yield PARAM of case control, then those of the bulk data."""
+    yield from control.cards().get("PARAM", ())
+    yield from cards.get("PARAM", ())

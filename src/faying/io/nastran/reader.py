@@ -26,7 +26,7 @@ from faying.io.nastran.materials import (
     read_materials,
     shear_factors,
 )
-from faying.io.nastran.parameters import mass_factor
+from faying.io.nastran.parameters import LUMPED, lumps_masses, mass_factor
 from faying.io.nastran.plane_materials import read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
 from faying.io.nastran.rods import read_rods
@@ -124,6 +124,9 @@ def read_parts(
             message = f"{path}: coordinates are too large for a number; check the units"
             raise FormatError(message)
         materials = read_materials(cards, factor, ignored)
+        heavy = any(one.density > 0 for one in materials.values())
+        if control.present and heavy and lumps_masses(cards, parameters):
+            ignored.append(LUMPED)
         factors = shear_factors(cards)
         solids = read_solids(cards, grids, materials, ignored)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])

@@ -36,7 +36,10 @@ WEDGE6 = SolidElement(
     elsewhere=Elsewhere(
         nastran="CPENTA",
         nastran_scheme=("TWO", "FULL"),
-        nastran_lacks="bubble functions of CPENTA (the standard six-node wedge is used)",
+        nastran_lacks=(
+            "bubble functions of CPENTA: the standard six-node wedge is stiffer in bending, one "
+            "layer of them deflects a third to a half as far; use several, or CHEXA"
+        ),
         abaqus={"C3D6": "integrated with 3 x 2 points (both programs take 1 x 2, which is softer)"},
         meshio="wedge",
         vtk=13,
