@@ -17,6 +17,7 @@ from faying.assessment.imported_recovery import (
 from faying.assessment.imported_recovery import recover_from_modal as recover_from_modal
 from faying.assessment.joint_assessment import assess as assess
 from faying.assessment.load_path import load_path as load_path
+from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.recovery import recover_pressure as recover_pressure

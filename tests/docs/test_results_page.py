@@ -9,6 +9,7 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
+from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
@@ -43,6 +44,7 @@ GROUPS = {
     "/bolts/NAME": BoltRecord,
     "/cases/NAME": CaseResult,
     "/cases/NAME/reserve": SlipReserve,
+    "/cases/NAME/mesh_errors/INTERFACE": MeshError,
     "/cases/NAME/reference": Response,
     "/cases/NAME/reference/path": PathRecord,
     "/cases/NAME/reference/cycles/AMPLITUDE": CycleRecord,

@@ -5,6 +5,7 @@ import numpy as np
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
@@ -131,6 +132,7 @@ def _case(name, kind, points, nodes, times):
         methods=methods,
         half_step=None if times is None else _response(points, nodes, 0.05, half_times),
         half_step_times=half_times,
+        mesh_errors={"joint": MeshError(field=0.04, largest=0.3, peak=0.11)},
     )
 
 

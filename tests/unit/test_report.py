@@ -127,6 +127,14 @@ def test_what_limits_accuracy_is_said_of_this_joint_alone(written):
     assert "joint: 28 contact points by the rule nodal on 18 facets, 6.24 mm wide" in text
     # Nodal points are their own averages.
     assert "stands up to 0 % above the largest nodal average" in text
+    assert (
+        "joint: estimated from this mesh alone, its pressures are off by 4.0 % of the peak in the "
+        "root mean square"
+    ) in text
+    assert "single points by up to 30 %, the peak by up to 11 %" in text
+    assert "Under nodal quadrature the truth was up to three times the estimate." in text
+    assert "This is an estimate, no bound" in text
+    assert "discretization error, which the mesh alone is estimated to make 4.0 %" in text
     assert "LC2-step: a step of 1.00e-4 s; with half of it pressures change by up to" in text
     assert "LC1: a step" not in text
     assert "joint: pressure is 100000 N/mm³ times penetration, which reaches" in text
@@ -395,3 +403,11 @@ def test_fewer_joint_modes_than_asked_for_are_named():
     assert "compliance: 10" not in said
     for text in ("[reduction]\njoint_modes = [5, 7]\n", '[reduction]\njoint_modes = "auto"', "="):
         assert "asked for" not in " ".join(reservations(replace(asked, study_text=text)))
+
+
+def test_a_mesh_error_that_is_not_known_is_said_to_be_so():
+    cases = {name: replace(case, mesh_errors={}) for name, case in RESULTS.cases.items()}
+    unknown = replace(RESULTS, cases=cases)
+    said = limits(unknown)["Mesh and quadrature"]
+    assert "joint: what the mesh does to its pressures could not be estimated." in said
+    assert any(text.endswith("own discretization error.") for text in reservations(unknown))

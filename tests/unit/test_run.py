@@ -102,6 +102,9 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
         "iterations",
     } <= set(bend["reference"])
     opening = bend["reference"]["opening"]["joint"]
+    mesh_error = summary["load_cases"]["jump"]["reference"]["mesh_error"]["joint"]
+    assert 0 < mesh_error["field"] < mesh_error["largest"] < 1
+    assert 0 < mesh_error["peak"] <= mesh_error["largest"]
     assert set(opening) == {"opened_fraction", "closed_fraction", "max_gap", "max_gap_point"}
     # The joint is pressed around the bolt alone, so most of its area is open without any load.
     assert opening["opened_fraction"] < bend["reference"]["open_fraction"]
@@ -244,6 +247,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
         (validation, "best_possible_errors"),
         (cases, "certifier"),
         (cases, "recover_pressure"),
+        (cases, "mesh_errors"),
         (runs, "kept_models"),
     ):
         monkeypatch.setattr(module, name, broken)
@@ -258,6 +262,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
         "unseen loads: ",
         "certified bounds: ",
         "jump, compliance/0, recovered pressures: ",
+        "bend, mesh error: ",
         "matrices for recovery and export: ",
     ):
         assert extra in said
@@ -267,6 +272,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
     assert found.accuracy.max_relative_error < 0.5  # it is solved and compared, as without failures
     assert found.recovered_error is None
     assert results.cases["bend"].methods["jim-a"][4].certified_bound is None
+    assert results.cases["bend"].mesh_errors == {}
 
 
 def test_a_solution_without_contact_is_kept_though_nothing_compares_with_it(

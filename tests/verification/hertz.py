@@ -1,6 +1,7 @@
-"""Frictionless line contact of two elastic cylinders (Hertz 1882).
+"""Frictionless contact of elastic cylinders and spheres (Hertz 1882).
 
-Formulas after K. L. Johnson, Contact Mechanics, Cambridge 1985, §4.2(c), Eqs. (4.43) to (4.45).
+Formulas after K. L. Johnson, Contact Mechanics, Cambridge 1985: lines §4.2(c), Eqs. (4.43) to
+(4.45), spheres §4.2(a), Eqs. (4.22) to (4.24).
 """
 
 from dataclasses import dataclass
@@ -52,6 +53,45 @@ class LineContact:
     def initial_gap(self, x: Vector) -> Vector:
         """Gap x²/(2R) of the undeformed bodies [length]."""
         return np.asarray(np.square(x) / (2 * self.radius))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointContact:
+    """Two spheres, or a sphere on a plane, pressed together.
+
+    Attributes
+    ----------
+    load : [force]
+    radius : [length]
+        Relative radius; the gap of the undeformed bodies is r²/(2R).
+    modulus : [force/length²]
+        E*, see :func:`effective_modulus`.
+
+    Examples
+    --------
+    >>> contact = PointContact(load=100.0, radius=50.0, modulus=1e5)
+    >>> round(contact.contact_radius, 4), round(contact.peak_pressure, 1)
+    (0.3347, 426.1)
+    """
+
+    load: float
+    radius: float
+    modulus: float
+
+    @property
+    def contact_radius(self) -> float:
+        """Radius of the contact, (3 P R / (4 E*))^(1/3) [length]."""
+        return float(np.cbrt(3 * self.load * self.radius / (4 * self.modulus)))
+
+    @property
+    def peak_pressure(self) -> float:
+        """Largest pressure, 3 P / (2 π a²) [force/length²]."""
+        return 3 * self.load / (2 * np.pi * self.contact_radius**2)
+
+    def pressure(self, r: Vector) -> Vector:
+        """Pressure at distances r from the centre, p₀ √(1 − r²/a²) [force/length²]."""
+        inside = np.maximum(1 - (np.asarray(r) / self.contact_radius) ** 2, 0.0)
+        return np.asarray(self.peak_pressure * np.sqrt(inside))
 
 
 def effective_modulus(*materials: tuple[float, float]) -> float:

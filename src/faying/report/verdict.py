@@ -230,10 +230,22 @@ def reservations(results: Results) -> list[str]:
     said.append(
         f"Errors compare each reduced model with {against(results.cases.values())} on the same "
         "mesh, contact law, "
-        "quadrature and time step, for these load cases only. They say nothing of the full "
-        "model's own discretization error, nor of other loads."
+        "quadrature and time step, for these load cases only. They say nothing of other loads, "
+        f"nor of the full model's own discretization error{_mesh_error(results)}."
     )
     return said
+
+
+def _mesh_error(results: Results) -> str:
+    """Return what the mesh does to pressures at worst, estimated, to end a sentence with."""
+    errors = [error for case in results.cases.values() for error in case.mesh_errors.values()]
+    if not errors:
+        return ""
+    return (
+        f", which the mesh alone is estimated to make {percent(max(one.field for one in errors))} "
+        f"of the peak in the root mean square and {percent(max(one.peak for one in errors))} of "
+        "the peak itself"
+    )
 
 
 def _undetermined(results: Results) -> list[str]:

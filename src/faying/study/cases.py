@@ -9,11 +9,13 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
+from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
 from faying.assessment.recovery import recover_pressure
 from faying.assessment.slip_reserve import SlipReserve
 from faying.exceptions import ConvergenceError
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
+from faying.interface.smoothing import Smoothing
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
@@ -143,6 +145,7 @@ class CaseRunner:
             half_step_times=None if half_step is None else self._times(case, 2),
             reserve=reserve,
             reference_model=name,
+            mesh_errors=self._mesh_errors(case, reference),
         )
         return result, failures
 
@@ -156,6 +159,16 @@ class CaseRunner:
     def _steps(self, case: LoadCaseSection, refinement: int = 1) -> int:
         step = time_step(case, self.joint.period) / refinement
         return round(time_span(case, self.joint.period) / step)
+
+    def _mesh_errors(self, case: LoadCaseSection, response: Response) -> Mapping[str, MeshError]:
+        """Estimate what the mesh does to the pressures of a response."""
+        with self.stages.timed("mesh error"), self.extras.attempt(f"{case.name}, mesh error"):
+            return mesh_errors(self._smoothings, self.joint.model, response.pressure)
+        return {}
+
+    @cached_property
+    def _smoothings(self) -> dict[str, Smoothing]:
+        return smoothings(self.joint.model)
 
     @cached_property
     def _judge(self) -> Certifier | None:

@@ -8,6 +8,7 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment
+from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
@@ -118,6 +119,8 @@ class CaseResult:
         How far the load may grow until the joint slips, of static loads and cycles with friction.
     reference_model
         Which model the reference is of.
+    mesh_errors
+        Interface name to what the mesh does to the pressures of the reference, estimated.
     """
 
     name: str
@@ -130,6 +133,7 @@ class CaseResult:
     half_step_times: Vector | None = None
     reserve: SlipReserve | None = None
     reference_model: str = FULL_MODEL
+    mesh_errors: Mapping[str, MeshError] = field(default_factory=dict)
 
     @property
     def is_full(self) -> bool:

@@ -4,6 +4,7 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
+from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
@@ -140,6 +141,12 @@ MEANINGS: dict[type, Table] = {
         "half_step_times": Meaning("instants of half_step", "time", "(n_half_time,)"),
         "reserve": Meaning("load factors at which the joint slips"),
         "reference_model": Meaning("model that the reference is of"),
+        "mesh_errors": Meaning("by interface: estimated errors that the mesh makes"),
+    },
+    MeshError: {
+        "field": Meaning("root mean square over the area under pressure, over the peak", "1"),
+        "largest": Meaning("largest at a contact point, over the peak", "1"),
+        "peak": Meaning("of the largest pressure", "1"),
     },
     SlipReserve: {
         "first_slip": Meaning("load factor at which the first point slips", "1"),

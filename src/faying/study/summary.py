@@ -187,6 +187,7 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             "model": case.reference_model,
             **_reference(case.reference),
             "opening": _openings(results, case),
+            "mesh_error": {name: asdict(error) for name, error in case.mesh_errors.items()},
         },
         "methods": {
             name: {str(count): _method(result) for count, result in sizes.items()}
