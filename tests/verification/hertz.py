@@ -71,7 +71,7 @@ class PointContact:
     --------
     >>> contact = PointContact(load=100.0, radius=50.0, modulus=1e5)
     >>> round(contact.contact_radius, 4), round(contact.peak_pressure, 1)
-    (0.3347, 426.1)
+    (0.3347, 426.2)
     """
 
     load: float
