@@ -104,6 +104,8 @@ def rows(model: fy.Model, penalty: float, n_unseen: int = 100) -> Iterator[Row]:
 def table(entries: list[Row]) -> str:
     """Return the rows as a Markdown table; errors in per cent of the largest pressure."""
     lines = [
+        "# Errors of the seed's methods over modes and penalties",
+        "",
         "| c_n [N/mm³] | method | joint modes | LC1 | LC2 | unseen, median | unseen, worst "
         "| LC2 step, max | rms | peak ratio | tip error |",
         "|---|---|---|---|---|---|---|---|---|---|---|",

@@ -43,7 +43,7 @@ class Accuracy:
     Attributes
     ----------
     max_relative_error
-        Largest |p − p_ref| over all points and instants, over the largest p_ref.
+        Largest difference ``|p − p_ref|`` over all points and instants, over the largest p_ref.
     rms_relative_error
         Root mean square of the same over all points and instants.
     p999_relative_error
