@@ -28,6 +28,7 @@ ORDER = (
     "assessment",
     "execution",
     "study",
+    "draft",
     "export",
     "__init__",
     "report",

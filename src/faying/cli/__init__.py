@@ -8,6 +8,7 @@ import typer
 from faying.cli.check import check
 from faying.cli.demo import demo
 from faying.cli.export import export
+from faying.cli.init import init
 from faying.cli.recover import recover
 from faying.cli.reduce import reduce
 from faying.cli.report import report
@@ -28,7 +29,7 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
-for command in (demo, run, check, report, recover, export, reduce, solve, schema):
+for command in (demo, init, run, check, report, recover, export, reduce, solve, schema):
     app.command()(command)
 
 

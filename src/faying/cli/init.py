@@ -1,0 +1,46 @@
+"""``faying init``: a first study of a deck or mesh."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def init(
+    deck: Annotated[Path, typer.Argument(metavar="DECK", help="A deck or a mesh.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="STUDY.toml",
+            help="The study to write.  [default: beside DECK, by its name]",
+            show_default=False,
+        ),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace a study that is there.")
+    ] = False,
+    ignore: Annotated[
+        list[str] | None,
+        typer.Option(metavar="WORD", help="Leave out of a deck: plastic, friction, temperature."),
+    ] = None,
+) -> None:
+    """Look at a deck or mesh and write a commented study that runs where the file allows it."""
+    from faying.draft.first_study import first_study
+    from faying.draft.study_text import MARK
+    from faying.exceptions import StudyError
+    from faying.files.atomic import write_text
+
+    target = out or deck.with_suffix(".toml")
+    if target.suffix.lower() != ".toml":
+        message = f"--out {target}: the name of a study ends in .toml; add it"
+        raise StudyError(message)
+    if target.exists() and not overwrite:
+        message = f"{target} is there already; name another with --out, or give --overwrite"
+        raise StudyError(message)
+    study = first_study(deck, target, ignore or ())
+    write_text(target, study.text)
+    typer.echo(f"Wrote {target}; {study.undecided} lines to decide, marked {MARK[:-1]}")
+    if study.problem:
+        typer.echo(f"It does not run yet: {study.problem}")
+    else:
+        typer.echo(f"Next: faying check {target}")

@@ -1,0 +1,206 @@
+"""Bolts: beams and springs between bodies, and places where holes of several bodies line up."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices, Mask, Vector
+from faying.draft.cylinders import Cylinders
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Spring
+from faying.model.clamping import check_clamping, element_seats
+from faying.model.deck_bolt import bolt_axis_element
+from faying.model.specs import BoltSpec
+
+PARALLEL = 1 - 1e-4
+"""Cosine between axes that are one."""
+
+ASIDE = 0.25
+"""Largest distance of two axes that are one, over the smaller radius."""
+
+SIMILAR = 1.5
+"""Ratio of the radii of holes of one bolt: a thread's is smaller than the one it comes through."""
+
+SAME_SIZE = 0.02
+"""Relative difference of radii that are one."""
+
+ACROSS = 0.7
+"""Cosine between a spring and the normal of a face above which it may hold that closed."""
+
+MOST_CHAINS = 500
+"""Chains of beams beyond which they are a frame rather than bolts."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A chain of beams, or a spring, that holds together what it joins.
+
+    Attributes
+    ----------
+    elements
+        Ids.
+    spring
+        Whether it is one.
+    """
+
+    elements: tuple[int, ...]
+    spring: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hole:
+    """Holes of several bodies on one axis.
+
+    Attributes
+    ----------
+    bodies
+        Through which it goes.
+    ends : [length]
+        Centres of the outer ends.
+    radius : [length]
+        Of the narrowest.
+    filled
+        Whether a shank of solids is inside.
+    """
+
+    bodies: tuple[int, ...]
+    ends: tuple[tuple[float, float, float], tuple[float, float, float]]
+    radius: float
+    filled: bool
+
+
+def clamping_lines(assembly: Assembly, normals: Sequence[Vector]) -> list[Line]:
+    """Find chains of beams that clamp bodies; where there are none, single springs that do.
+
+    Parameters
+    ----------
+    normals
+        Of the faces of different bodies that face each other; springs along them may be bolts.
+    """
+    beams = [tuple(chain) for chain in _chains(assembly)]
+    found = [Line(elements=one, spring=False) for one in beams if _clamps(assembly, one)]
+    if found or len(beams) > MOST_CHAINS:
+        return found
+    springs = [(one,) for one in _lone_springs(assembly, normals)]
+    return [
+        Line(elements=one, spring=True)
+        for one in springs
+        if len(springs) <= MOST_CHAINS and _clamps(assembly, one)
+    ]
+
+
+def _clamps(assembly: Assembly, elements: tuple[int, ...]) -> bool:
+    """Tell whether elements form a chain that holds bodies together."""
+    spec = BoltSpec(name="bolt", elements=elements)
+    try:
+        seats = element_seats(assembly, bolt_axis_element(assembly, spec))
+        check_clamping(assembly.mesh, spec, seats)
+    except ModelError:
+        return False
+    return bool(len(seats[0]) and len(seats[1]))
+
+
+def _chains(assembly: Assembly) -> list[list[int]]:
+    """Return the ids of beams that hang together, by chain."""
+    if not assembly.beams:
+        return []
+    ends = np.array([beam.nodes for beam in assembly.beams])
+    nodes, at = np.unique(ends, return_inverse=True)
+    at = at.reshape(ends.shape)
+    graph = sp.coo_array((np.ones(len(ends)), (at[:, 0], at[:, 1])), shape=(len(nodes),) * 2)
+    _, label = connected_components(graph.tocsr(), directed=False)
+    chains: dict[int, list[int]] = defaultdict(list)
+    for beam, chain in zip(assembly.beams, label[at[:, 0]].tolist(), strict=True):
+        chains[chain].append(beam.id)
+    return list(chains.values())
+
+
+def _lone_springs(assembly: Assembly, normals: Sequence[Vector]) -> list[int]:
+    """Return the ids of springs across faces, where no other joins the same nodes."""
+    between = defaultdict(list)
+    for spring in assembly.springs:
+        nodes = frozenset(node for node, _ in spring.ends)
+        if len(nodes) == 2:
+            between[nodes].append(spring)
+    alone = [springs[0] for springs in between.values() if len(springs) == 1]
+    return [one.id for one in alone if _across(one, normals)]
+
+
+def _across(spring: Spring, normals: Sequence[Vector]) -> bool:
+    components = {component for _, component in spring.ends}
+    along = [abs(normal[c]) for normal in normals for c in components if c < 3]
+    return max(along, default=0.0) > ACROSS
+
+
+def holes_in_line(found: Cylinders) -> list[Hole]:
+    """Find the holes of at least two bodies that lie on one axis, end to end.
+
+    Notes
+    -----
+    All pairs of cylinders are compared.
+    """
+    holes = np.flatnonzero(found.holes)
+    if len(holes) < 2:
+        return []
+    sizes = found.radii[holes]
+    similar = sizes[:, None] <= SIMILAR * sizes[None]
+    linked = _in_line(found, holes, holes) & similar & similar.T
+    _, label = connected_components(sp.csr_array(linked), directed=False)
+    lines = []
+    for number in np.unique(label):  # bolts, of which there are few
+        members = holes[label == number]
+        if len(np.unique(found.bodies[members])) > 1:
+            lines.append(_hole(found, members))
+    return sorted(lines, key=lambda one: (one.radius, one.ends))
+
+
+def _in_line(found: Cylinders, some: Indices, others: Indices) -> Mask:
+    """Tell which cylinders (n_some, n_other) share an axis and follow each other on it."""
+    axes, points = found.axes[some], found.points[some]
+    away = found.points[others][None] - points[:, None]
+    along = np.einsum("abd,ad->ab", away, axes)
+    aside = np.linalg.norm(away - along[..., None] * axes[:, None], axis=2)
+    radius = np.minimum(found.radii[some][:, None], found.radii[others][None])
+    parallel = np.abs(axes @ found.axes[others].T) > PARALLEL
+    low, high = found.spans[some].T
+    other_low, other_high = found.spans[others].T
+    apart = np.maximum(
+        along + other_low[None] - high[:, None], low[:, None] - along - other_high[None]
+    )
+    return np.asarray(parallel & (aside < ASIDE * radius) & (apart <= radius))
+
+
+def _hole(found: Cylinders, members: Indices) -> Hole:
+    first = members[0]
+    origin, axis = found.points[first], found.axes[first]
+    along = (found.points[members] - origin) @ axis
+    low = float((along + found.spans[members, 0]).min())
+    high = float((along + found.spans[members, 1]).max())
+    inside = np.flatnonzero(~found.holes)
+    shank = _in_line(found, members, inside).any(axis=0)
+    shank &= found.radii[inside] <= found.radii[members].min() * (1 + SAME_SIZE)
+    ends = [tuple((origin + place * axis).tolist()) for place in (low, high)]
+    return Hole(
+        bodies=tuple(np.unique(found.bodies[members]).tolist()),
+        ends=(ends[0], ends[1]),
+        radius=float(found.radii[members].min()),
+        filled=bool(shank.any()),
+    )
+
+
+def pattern(holes: list[Hole]) -> list[Hole]:
+    """Return the holes that look like those of bolts: the most of one size, the smallest of equals.
+
+    A flange has many bolts and one bore.
+    """
+    groups: list[list[Hole]] = []
+    for hole in holes:
+        if groups and hole.radius <= groups[-1][0].radius * (1 + SAME_SIZE):
+            groups[-1].append(hole)
+        else:
+            groups.append([hole])
+    return max(groups, key=len, default=[])

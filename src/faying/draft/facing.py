@@ -1,0 +1,132 @@
+"""Faces of different bodies that face each other, found by proximity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import ModelError
+from faying.interface.candidate_facets import touching_tolerance
+from faying.interface.coupling import couple
+from faying.interface.pairing import pair_facets
+from faying.interface.segments import Segments, find_segments
+from faying.model.assembly import Assembly
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import Facets, exterior_facets, facet_area_vectors
+
+ACROSS = 0.5
+"""Largest gap of faces that are paired, over the median size of the facets."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Facing:
+    """Two bodies whose surfaces face each other.
+
+    Attributes
+    ----------
+    minus, plus
+        Bodies, by number. The minus side has the finer facets.
+    area : [length²]
+        Of the part that faces the other body.
+    gap : [length]
+        Smallest and largest; negative where they overlap.
+    touching
+        Whether they are as near as faces of an interface must be.
+    matching
+        Whether the facets lie node on node.
+    normal
+        Mean outward normal of the minus side.
+    nodes : (n,)
+        Corner nodes of the facets of both sides.
+    """
+
+    minus: int
+    plus: int
+    area: float
+    gap: tuple[float, float]
+    touching: bool
+    matching: bool
+    normal: tuple[float, float, float]
+    nodes: Indices
+
+
+def facing_bodies(assembly: Assembly) -> list[Facing]:
+    """Find all pairs of bodies whose faces touch, or face each other across a small gap.
+
+    Notes
+    -----
+    A k-d tree of the facets for each body; time grows with the number of facets that are near
+    others, times the number of bodies.
+    """
+    facets = exterior_facets(assembly.mesh)
+    vectors = facet_area_vectors(assembly.mesh.nodes, facets)
+    facets = facets.taken(np.linalg.norm(vectors, axis=1) > 0)
+    if len(np.unique(facets.bodies)) < 2:
+        return []
+    sizes = np.sqrt(np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1))
+    touching = touching_tolerance(assembly.mesh.nodes, facets, InterfaceSpec(name="joint"))
+    reach = max(ACROSS * float(np.median(sizes)), touching)
+    found = {(one.minus, one.plus): one for one in _within(assembly, facets, reach, touching)}
+    # Again and nearer: what lies beyond the tolerance is no part of an interface that touches.
+    near = {(one.minus, one.plus): one for one in _within(assembly, facets, touching, touching)}
+    return list((found | near).values())
+
+
+def _within(assembly: Assembly, facets: Facets, distance: float, touching: float) -> list[Facing]:
+    """Return the pairs of bodies with faces within a distance."""
+    nodes, found = assembly.mesh.nodes, []
+    for body in np.unique(facets.bodies)[:-1]:  # bodies, of which there are few
+        minus = facets.taken(facets.bodies == body)
+        plus = facets.taken(facets.bodies > body)
+        segments = find_segments(nodes, minus, plus, distance)
+        partner = _partners(segments)
+        for other in np.unique(partner):
+            pair = segments.touched(partner == other)
+            found.append(_described(assembly, pair, int(body), int(other), touching))
+    return found
+
+
+def _partners(segments: Segments) -> Indices:
+    """Return the body of the plus side of each triangle (n_triangle,)."""
+    owners: Indices = segments.plus.bodies[segments.plus_of]
+    return owners
+
+
+def _described(
+    assembly: Assembly, segments: Segments, body: int, other: int, touching: float
+) -> Facing:
+    nodes = assembly.mesh.nodes
+    gaps = couple(nodes, segments).gap
+    least, most = float(gaps.min()), float(gaps.max())
+    sizes = [
+        float(np.linalg.norm(facet_area_vectors(nodes, side), axis=1).mean())
+        for side in (segments.minus, segments.plus)
+    ]
+    normal = (
+        np.bincount(segments.minus_of, segments.areas, len(segments.minus)) @ segments.frames[:, 2]
+    )
+    normal = normal / (float(np.linalg.norm(normal)) or 1.0)
+    swapped = sizes[1] < sizes[0]
+    minus, plus = (other, body) if swapped else (body, other)
+    x, y, z = (-normal if swapped else normal).tolist()
+    return Facing(
+        minus=minus,
+        plus=plus,
+        area=float(segments.areas.sum()),
+        gap=(least, most),
+        touching=least <= touching,
+        matching=_matching(assembly, minus, plus),
+        normal=(x, y, z),
+        nodes=np.unique(
+            np.concatenate([segments.minus.corners.ravel(), segments.plus.corners.ravel()])
+        ),
+    )
+
+
+def _matching(assembly: Assembly, minus: int, plus: int) -> bool:
+    """Tell whether the facets of two bodies lie node on node."""
+    spec = InterfaceSpec(name="joint", minus=f"body {minus}", plus=f"body {plus}")
+    try:
+        return bool(pair_facets(assembly, spec))
+    except ModelError:
+        return False

@@ -1,0 +1,208 @@
+"""From a file to the text of a first study that runs, where the file allows it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Indices, Vector
+from faying.draft.bolts import Hole, clamping_lines, holes_in_line, pattern
+from faying.draft.cylinders import cylinders
+from faying.draft.facing import facing_bodies
+from faying.draft.held import HELD, LOADED, far_node, loose_groups, named, pins
+from faying.draft.look import Look, look_at
+from faying.draft.study_text import (
+    DIAMETER,
+    MARK,
+    STRAIN,
+    BoltEntry,
+    Findings,
+    hole_keys,
+    study_text,
+)
+from faying.exceptions import FayingError, ModelError
+from faying.interface.interface import Interface
+from faying.model.assembly import Assembly, Beam
+from faying.model.bolt_axis import bolt_direction
+from faying.model.boundary import FORCE_NAMES
+from faying.model.deck_bolt import bolt_axis_element
+from faying.model.specs import BoltSpec
+from faying.study.load_model import build
+from faying.study.schema import parse_study
+
+SHARE = 0.05
+"""Load that stands where none is said, over the sum of the preloads."""
+
+SOFT = 1e-7
+"""The same over E times the extent squared, where there are no bolts."""
+
+
+Direction = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstStudy:
+    """A first study.
+
+    Attributes
+    ----------
+    undecided
+        Number of lines that are marked.
+    problem
+        Why it does not run yet; empty where it does.
+    """
+
+    text: str
+    undecided: int
+    problem: str
+
+
+def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstStudy:
+    """Look at a deck or mesh and write the study that it is a study of.
+
+    Parameters
+    ----------
+    path
+        A deck or a mesh.
+    target
+        Where the study will stand; its paths are relative to that.
+    ignore
+        What a deck has and the model shall not.
+
+    Raises
+    ------
+    FayingError
+        If the file cannot be read.
+
+    Notes
+    -----
+    The model of the study is built to see that it can be, and to tell areas and gaps.
+    """
+    found = _findings(look_at(path, ignore))
+    built, problem = _tried(study_text(found, target, {}), target)
+    text = study_text(found, target, built, problem)
+    return FirstStudy(text=text, undecided=text.count(MARK), problem=problem)
+
+
+def _tried(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
+    """Build the model of a study; return its interfaces, or why there are none."""
+    try:
+        return build(parse_study(text, target)).interfaces, ""
+    except FayingError as error:
+        return {}, str(error)
+
+
+def _findings(look: Look) -> Findings:
+    """Look for interfaces, bolts, supports and loads where the file does not say them."""
+    described, assembly = look.described, look.described.assembly
+    faces = facing_bodies(assembly)
+    faces.sort(key=lambda one: (not one.touching, -one.area))
+    touching = sum(one.touching for one in faces)
+    active = 0 if described.has_joined_faces else touching or len(faces)
+    contact = np.unique(np.concatenate([np.empty(0, np.int64), *(one.nodes for one in faces)]))
+    bolts, holes, made, along = _bolts(look, [np.array(one.normal) for one in faces])
+    found = Findings(
+        look=look,
+        faces=tuple(faces),
+        active=0 if described.interfaces else active,
+        bolts=tuple(bolts),
+        holes=tuple(holes),
+        made=tuple(made),
+    )
+    if not assembly.supports:
+        names = named(assembly.mesh, HELD)
+        found = replace(
+            found, held=tuple(names), pins=() if names else tuple(pins(assembly, contact))
+        )
+    across = faces[0].normal if faces else (0.0, 0.0, 1.0)
+    return found if assembly.loads else _loaded(found, contact, along or across)
+
+
+def _bolts(
+    look: Look, normals: Sequence[Vector]
+) -> tuple[list[BoltEntry], list[Hole], list[Hole], Direction | None]:
+    """Return bolts, holes that may be those of others, those made use of, and where one points."""
+    described, assembly = look.described, look.described.assembly
+    if described.bolts:
+        untold = [one for one in described.bolts if one.name not in described.preloads]
+        entries = [BoltEntry(name=one.name, preload=_strained(assembly, one)) for one in untold]
+        return entries, [], [], _pointing(assembly, described.bolts[0])
+    entries, specs = [], []
+    for number, line in enumerate(clamping_lines(assembly, normals), start=1):
+        specs.append(BoltSpec(name=f"bolt-{number}", elements=line.elements))
+        entries.append(
+            BoltEntry(
+                name=specs[-1].name,
+                keys={"elements": f"[{', '.join(map(str, line.elements))}]"},
+                preload=_strained(assembly, specs[-1]),
+                remark=f"{'spring' if line.spring else 'beam'} that holds bodies together",
+            )
+        )
+    holes = holes_in_line(cylinders(assembly.mesh))
+    if specs:
+        return entries, holes, [], _pointing(assembly, specs[0])
+    empty = pattern([one for one in holes if not one.filled])
+    for number, hole in enumerate(empty, start=1):
+        area = np.pi * (DIAMETER * hole.radius) ** 2
+        entries.append(
+            BoltEntry(
+                name=f"bolt-{number}" if len(empty) > 1 else "bolt",
+                keys=hole_keys(hole),
+                preload=STRAIN * _modulus(assembly) * area,
+            )
+        )
+    along = _vector(np.array(empty[0].ends[1]) - empty[0].ends[0]) if empty else None
+    return entries, [one for one in holes if one not in empty], empty, along
+
+
+def _pointing(assembly: Assembly, spec: BoltSpec) -> Direction:
+    return _vector(bolt_direction(assembly, spec))
+
+
+def _vector(values: Vector) -> Direction:
+    x, y, z = values.tolist()
+    return x, y, z
+
+
+def _modulus(assembly: Assembly) -> float:
+    materials = list(assembly.materials.values())
+    return materials[0].youngs_modulus if materials else 1.0
+
+
+def _strained(assembly: Assembly, spec: BoltSpec) -> float:
+    """Return the force that stands for a preload: a strain of the shank; 0 of a spring."""
+    try:
+        cut = bolt_axis_element(assembly, spec)
+    except ModelError:
+        return 0.0
+    if isinstance(cut, Beam):
+        return STRAIN * cut.section.area * cut.material.youngs_modulus
+    return 0.0
+
+
+def _loaded(found: Findings, contact: Indices, along: Direction) -> Findings:
+    """Add where a load enters, and one that is small against the preloads."""
+    look, assembly = found.look, found.look.described.assembly
+    mesh = assembly.mesh
+    given = [*look.described.preloads.values(), *(one.preload or 0.0 for one in found.bolts)]
+    extent = float(np.ptp(mesh.nodes, axis=0).max())
+    force = SHARE * sum(given) or SOFT * _modulus(assembly) * extent**2
+    by_name = [one for one in named(mesh, LOADED) if one not in found.held]
+    sets = [*by_name, *loose_groups(assembly, [*found.held], contact)]
+    held = _held_nodes(found)
+    return replace(
+        found,
+        loaded_set=sets[0] if sets else None,
+        loaded_node=None if sets else far_node(assembly, held, contact),
+        component=FORCE_NAMES[int(np.abs(along).argmax())],
+        force=force,
+    )
+
+
+def _held_nodes(found: Findings) -> Indices:
+    mesh, supports = found.look.mesh, found.look.described.assembly.supports
+    nodes = [mesh.node_sets[name] for name in found.held]
+    nodes += [one.nodes for one in supports]
+    nodes += [mesh.node_index(np.array([pin.node])) for pin in found.pins]
+    return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *nodes]))

@@ -1,0 +1,130 @@
+"""What a file says by itself: the deck's joint, or the mesh with stand-ins for what it lacks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from faying.exceptions import FormatError, StudyError
+from faying.io.mesh_files import ANY_GROUP, read_mesh_file
+from faying.model.assembly import Material
+from faying.model.bodies import bodies
+from faying.model.description import JointDescription
+from faying.model.mesh import Mesh
+from faying.model.separate import separated
+from faying.sources import SOURCES, SourceKeys
+from faying.study.bare_deck import STUDY
+from faying.study.solid_constants import doubts
+
+UNITS = ("mm-t-s", "m-kg-s", "mm-kg-ms", "in-slinch-s")
+"""Unit sets that are tried, the usual one first."""
+
+METRES = 2.0
+"""Extent of a mesh below which its unit is taken for the metre."""
+
+STEELS = {
+    "mm-t-s": Material(youngs_modulus=210e3, poissons_ratio=0.3, density=7.85e-9, name=ANY_GROUP),
+    "m-kg-s": Material(youngs_modulus=210e9, poissons_ratio=0.3, density=7850.0, name=ANY_GROUP),
+}
+"""Steel, for meshes that say nothing of what they are made of."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Look:
+    """A file, read.
+
+    Attributes
+    ----------
+    source
+        As studies name it.
+    units
+        The first of :data:`UNITS` in which the materials are those of solids.
+    separate
+        Volume groups of a mesh that share nodes with others, taken as parts that touch.
+    stand_in
+        Material of a mesh that has none.
+    """
+
+    path: Path
+    source: str
+    described: JointDescription
+    units: str
+    ignore: tuple[str, ...] = ()
+    separate: tuple[str, ...] = ()
+    stand_in: Material | None = None
+
+    @property
+    def mesh(self) -> Mesh:
+        """Nodes and solids."""
+        return self.described.assembly.mesh
+
+
+def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
+    """Read a deck or a mesh.
+
+    Raises
+    ------
+    StudyError
+        If it is a study already, or a mesh is told to ignore something.
+    FormatError, ModelError
+        If it cannot be read.
+    """
+    if path.suffix.lower() == STUDY:
+        message = f"{path} is a study already; name the deck or mesh it begins with"
+        raise StudyError(message)
+    for source in SOURCES.values():
+        if path.suffix.lower() in source.suffixes:
+            keys = SourceKeys(file=path, ignore=tuple(ignore))
+            described = source.read(keys)
+            materials = described.assembly.materials
+            units = next((one for one in UNITS if not [*doubts(materials, one)]), UNITS[0])
+            return Look(
+                path=path,
+                source=source.name,
+                described=described,
+                units=units,
+                ignore=tuple(ignore),
+            )
+    if ignore:
+        message = f"{path} is no deck that could hold more than is read; leave --ignore out"
+        raise StudyError(message)
+    return _mesh(path)
+
+
+def _mesh(path: Path) -> Look:
+    """Read a mesh, with materials of its own or steel."""
+    stand_in: Material | None = None
+    try:
+        assembly = read_mesh_file(path, materials={})
+        units = next((one for one in UNITS if not [*doubts(assembly.materials, one)]), UNITS[0])
+    except FormatError:
+        # Whatever else is wrong with it is told by the second reading.
+        assembly = read_mesh_file(path, materials={ANY_GROUP: STEELS["mm-t-s"]})
+        units = "m-kg-s" if float(np.ptp(assembly.mesh.nodes, axis=0).max()) < METRES else UNITS[0]
+        stand_in = STEELS[units]
+        materials = dict.fromkeys(assembly.materials, stand_in)
+        assembly = replace(assembly, materials=materials)
+    apart = _sharing(assembly.mesh)
+    assembly = replace(assembly, mesh=separated(assembly.mesh, apart))
+    return Look(
+        path=path,
+        source="mesh",
+        described=JointDescription(assembly=assembly),
+        units=units,
+        separate=apart,
+        stand_in=stand_in,
+    )
+
+
+def _sharing(mesh: Mesh) -> tuple[str, ...]:
+    """Return the volume groups to separate where all solids hang together: all but the first."""
+    if len(np.unique(bodies(mesh)[bodies(mesh) >= 0])) != 1:
+        return ()
+    covered = np.empty(0, dtype=np.int64)
+    names = []
+    for name, elements in mesh.element_sets.items():
+        if len(elements) and not np.isin(elements, covered).any():
+            covered = np.concatenate([covered, elements])
+            names.append(name)
+    return tuple(names[1:])

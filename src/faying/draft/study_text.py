@@ -1,0 +1,351 @@
+"""The text of a first study: what a file says, and marked lines for what it does not."""
+
+import os
+import re
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from faying.draft.bolts import Hole
+from faying.draft.facing import Facing
+from faying.draft.held import Pin
+from faying.draft.look import Look
+from faying.interface.interface import Interface
+from faying.model.bodies import body_names
+from faying.study.bare_deck import quoted
+from faying.study.editor_schema import EDITOR_SCHEMA
+from faying.units import units_of
+
+MARK = "DECIDE:"
+"""Stands in every line that an engineer must decide."""
+
+STRAIN = 1.5e-3
+"""Strain of the shank by the preload that stands where none is said."""
+
+DIAMETER, WASHER = 0.9, 1.5
+"""Diameter of a bolt over that of its hole, radius of its washer over that of the hole."""
+
+MOST_LOADS = 10
+"""Loads of a deck that become load cases."""
+
+WIDTH = 96
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltEntry:
+    """A ``[[bolt]]`` of the study.
+
+    Attributes
+    ----------
+    keys
+        As TOML writes them, beside name and preload.
+    preload : [force] or None
+        What stands there until it is decided; None where the deck says it.
+    """
+
+    name: str
+    keys: Mapping[str, str] = field(default_factory=dict)
+    preload: float | None = None
+    remark: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Findings:
+    """Everything a first study is written from.
+
+    Attributes
+    ----------
+    faces
+        Bodies that face each other, those that touch first.
+    active
+        How many of these become interfaces.
+    bolts, holes
+        What is tightened, and holes where others may be.
+    made
+        Holes that bolts are made for.
+    held, pins
+        Sets and nodes that are held beside the supports of the file.
+    loaded_set, loaded_node
+        Where the load enters where the file has none.
+    component, force
+        Of that load.
+    """
+
+    look: Look
+    faces: tuple[Facing, ...] = ()
+    active: int = 0
+    bolts: tuple[BoltEntry, ...] = ()
+    holes: tuple[Hole, ...] = ()
+    made: tuple[Hole, ...] = ()
+    held: tuple[str, ...] = ()
+    pins: tuple[Pin, ...] = ()
+    loaded_set: str | None = None
+    loaded_node: int | None = None
+    component: str = "Fz"
+    force: float = 1.0
+
+
+def study_text(
+    found: Findings, target: Path, built: Mapping[str, Interface], problem: str = ""
+) -> str:
+    """Return the study.
+
+    Parameters
+    ----------
+    target
+        Where it will stand.
+    built
+        Interfaces of the model it makes, whose areas and gaps it then tells.
+    problem
+        Why it does not run yet.
+    """
+    lines = [f"#:schema {EDITOR_SCHEMA.as_uri()}"]
+    lines += _comment(
+        f"Begun by faying init from {found.look.path.name}. What that does not say is marked with "
+        f"the word {MARK[:-1]}: search for it, decide, and take the mark away. faying check "
+        f"{target.name} tells what was understood, faying run {target.name} computes it."
+    )
+    if problem:
+        lines += _comment(f"{MARK} it does not run yet: {problem}")
+    sections: tuple[Iterable[str], ...] = (
+        _head(found, target),
+        _materials(found.look),
+        _interfaces(found, built),
+        _bolts(found),
+        _held(found),
+        _loads(found),
+        _rest(found),
+    )
+    for section in sections:
+        lines += ["", *section]
+    text = "\n".join(lines) + "\n"
+    return re.sub(r"\n{3,}", "\n\n", text)
+
+
+def _comment(text: str) -> list[str]:
+    return [f"# {line}" for line in textwrap.wrap(text, WIDTH, break_long_words=False)]
+
+
+def _head(found: Findings, target: Path) -> Iterator[str]:
+    look, mesh = found.look, found.look.mesh
+    yield f"title = {quoted(look.path.stem)}"
+    yield f'units = "{look.units}"  # {MARK} the file does not say; suits its materials or size'
+    yield ""
+    yield "[model]"
+    yield f'source = "{look.source}"'
+    yield f"file = {quoted(_relative(look.path, target))}"
+    if look.ignore:
+        yield f"ignore = [{', '.join(map(quoted, look.ignore))}]"
+    if look.separate:
+        names = ", ".join(map(quoted, look.separate))
+        yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
+    parts = [quoted(name) for name in body_names(mesh)]
+    extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())
+    count = f"{len(parts)} bodies" if len(parts) != 1 else "one body"
+    shown = ", ".join(parts[:20]) + (", …" if len(parts) > 20 else "")
+    yield from _comment(f"{count}: {shown}; {mesh.n_elements} solids; {extent} over all")
+
+
+def _relative(path: Path, target: Path) -> str:
+    try:
+        return Path(os.path.relpath(path.resolve(), target.resolve().parent)).as_posix()
+    except ValueError:  # another drive
+        return path.resolve().as_posix()
+
+
+def _materials(look: Look) -> Iterator[str]:
+    if look.stand_in is not None:
+        yield f"[material.{look.stand_in.name}]  # {MARK} the mesh has none; this is steel"
+        yield f"E = {_number(look.stand_in.youngs_modulus)}"
+        yield f"nu = {_number(look.stand_in.poissons_ratio)}"
+        yield f"rho = {_number(look.stand_in.density)}"
+        return
+    materials = look.described.assembly.materials
+    shown = "; ".join(
+        f"{one.name or number}: E {one.youngs_modulus:g}, nu {one.poissons_ratio:g}, "
+        f"rho {one.density:g}"
+        for number, one in list(materials.items())[:10]
+    )
+    if shown:
+        yield from _comment(f"Materials of the file, which [material.NAME] overrides: {shown}")
+
+
+def _interfaces(found: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
+    declared = found.look.described.interfaces
+    if declared:
+        yield "# Contact the file declares; an [[interface]] of the same name overrides its keys."
+        for spec in declared:
+            yield from _comment(
+                f"  {spec.name}: minus {spec.minus}, plus {spec.plus}{_facts(spec.name, built)}"
+            )
+        return
+    names = body_names(found.look.mesh)
+    if not found.faces:
+        yield from _comment(f"{MARK} no faces of different bodies face each other: no interface")
+    if found.look.described.has_joined_faces and found.faces:
+        yield from _comment(
+            f"{MARK} bodies are tied or cut at bolts, so that faces below may be joined already"
+        )
+    for number, one in enumerate(found.faces):
+        name = "joint" if found.active == 1 and number == 0 else f"joint-{number + 1}"
+        gap = f"gap {one.gap[0]:.3g} to {one.gap[1]:.3g}"
+        off = "" if number < found.active else "# "
+        if off:
+            yield from _comment(f"{MARK} also near each other, area {one.area:.5g}, {gap}:")
+        yield f"{off}[[interface]]"
+        yield f"{off}name = {quoted(name)}" + ("" if off else _trailing(name, built))
+        yield f"{off}minus = {quoted(_body(names, found, one.minus))}"
+        yield f"{off}plus = {quoted(_body(names, found, one.plus))}"
+        if not one.matching:
+            yield f'{off}meshes = "non-matching"'
+        if not one.touching:
+            yield f"{off}search_distance = {_number(1.01 * one.gap[1])}  # {MARK} {gap}"
+        if not off:
+            yield 'penalty = "auto"  # or "hard", or a number'
+        yield ""
+
+
+def _body(names: Sequence[str], found: Findings, number: int) -> str:
+    """Return what selects a body: the set that is all of it, or its number."""
+    name = names[number]
+    taken = {*found.look.described.assembly.face_sets, *found.look.mesh.node_sets}
+    return f"body {number}" if name in taken else name
+
+
+def _facts(name: str, built: Mapping[str, Interface]) -> str:
+    one = built.get(name)
+    if one is None:
+        return ""
+    least, most = float(one.initial_gap.min()), float(one.initial_gap.max())
+    return f"; area {one.area:.5g}, gap {least:.3g} to {most:.3g}, {one.law.name}"
+
+
+def _trailing(name: str, built: Mapping[str, Interface]) -> str:
+    return f"  # {_facts(name, built)[2:]}" if name in built else ""
+
+
+def _bolts(found: Findings) -> Iterator[str]:
+    described = found.look.described
+    for spec in described.bolts:
+        if spec.name in described.preloads:
+            yield from _comment(
+                f"Bolt of the file: {spec.name}, preload {described.preloads[spec.name]:g}; a "
+                "[[bolt]] of that name with another preload overrides it"
+            )
+    if found.made:
+        yield from _comment(
+            f"{MARK} bolts are made for holes in line, of radius {found.made[0].radius:.4g}: their "
+            f"diameter is {DIAMETER:g} of the hole's, the radius of washers {WASHER:g} of it"
+        )
+    for bolt in found.bolts:
+        yield "[[bolt]]"
+        yield f"name = {quoted(bolt.name)}" + (f"  # {bolt.remark}" if bolt.remark else "")
+        for key, value in bolt.keys.items():
+            yield f"{key} = {value}"
+        if bolt.preload is not None:
+            text = f"a placeholder, {STRAIN:.2%} strain of the shank" if bolt.preload else "unknown"
+            yield f"preload = {_number(bolt.preload)}  # {MARK} {text}"
+        yield ""
+    for hole in found.holes:
+        what = "a shank of solids in a hole" if hole.filled else "holes of several bodies in line"
+        yield from _comment(
+            f"{MARK} {what}, radius {hole.radius:.4g}, not tightened; a bolt there would be"
+        )
+        for key, value in hole_keys(hole).items():
+            yield f"#   {key} = {value}"
+    if not (described.bolts or found.bolts or found.holes):
+        yield from _comment(f"{MARK} no bolt was found; [[bolt]] tightens beams, or makes one")
+
+
+def hole_keys(hole: Hole) -> dict[str, str]:
+    """Return the keys of a bolt in a hole."""
+    # Digits of the fit of a cylinder are no digits of the drawing.
+    places = np.round(hole.ends, 4 - int(np.floor(np.log10(hole.radius)))) + 0.0
+    ends = ", ".join(f"[{', '.join(map(_number, end))}]" for end in places.tolist())
+    return {
+        "axis": f"[{ends}]",
+        "diameter": _number(DIAMETER * 2 * hole.radius),
+        "washer_radius": _number(WASHER * hole.radius),
+    }
+
+
+def _number(value: float) -> str:
+    """Return a TOML number of seven digits."""
+    text = f"{value:.7g}"
+    return text if set(text) & set(".en") else f"{text}.0"
+
+
+def _held(found: Findings) -> Iterator[str]:
+    mesh, supports = found.look.mesh, found.look.described.assembly.supports
+    if supports:
+        count = len(np.unique(np.concatenate([one.nodes for one in supports])))
+        yield from _comment(f"The file holds {count} nodes; [[support]] holds more")
+    for name in found.held:
+        yield "[[support]]"
+        yield f"set = {quoted(name)}  # {MARK} held only for its name"
+        yield ""
+    if found.pins:
+        sets = ", ".join(map(quoted, [*mesh.node_sets][:12])) or "none"
+        yield from _comment(
+            f"{MARK} nothing says what is held. These three nodes keep the largest body in place "
+            f"and nothing more; hold a set instead (there are: {sets})"
+        )
+    for pin in found.pins:
+        yield "[[support]]"
+        yield f"node = {pin.node}"
+        yield f"components = [{', '.join(map(quoted, pin.components))}]"
+        yield ""
+
+
+def _loads(found: Findings) -> Iterator[str]:
+    described = found.look.described
+    loads = [*described.assembly.loads]
+    if described.selected_load in loads:
+        loads.sort(key=lambda name: name != described.selected_load)
+    for name in loads[:MOST_LOADS]:
+        yield "[[load_case]]"
+        case = name if name.startswith("step") else f"load {name}"
+        yield f"name = {quoted(case)}"
+        yield 'kind = "static"'
+        yield f"forces = [{{ deck_load = {quoted(name)}, value = 1.0 }}]"
+        yield ""
+    if len(loads) > MOST_LOADS:
+        rest = ", ".join(map(quoted, loads[MOST_LOADS:][:20]))
+        yield from _comment(f"{MARK} loads of the file without a load case: {rest}")
+    if loads or (found.loaded_set is None and found.loaded_node is None):
+        return
+    yield "[[boundary]]"
+    yield 'name = "load"'
+    if found.loaded_set is not None:
+        yield f"set = {quoted(found.loaded_set)}  # {MARK} where the load enters"
+        yield 'coupling = "rbe3"'
+    else:
+        yield f"node = {found.loaded_node}  # {MARK} where the load enters"
+    yield ""
+    yield "[[load_case]]"
+    yield 'name = "load"'
+    yield 'kind = "static"'
+    force = f'boundary = "load", component = "{found.component}", value = {_number(found.force)}'
+    yield f"forces = [{{ {force} }}]  # {MARK} a placeholder"
+
+
+def _rest(found: Findings) -> Iterator[str]:
+    yield "[reduction]"
+    yield "normal_modes = 10"
+    yield 'methods = ["craig-bampton", "compliance"]'
+    yield ""
+    yield "[validation]"
+    yield "penalty_sweep = false  # true: repeats static load cases over the penalty"
+    yield ""
+    yield from _comment(
+        f"{MARK} what the joint must hold in every load case; faying run then ends with status 3 "
+        "where it does not"
+    )
+    units = units_of(found.look.units)
+    yield "# [requirement]"
+    yield f"# min_clamp_force = ?  # [{units.force}]"
+    yield f"# max_pressure = ?  # [{units.pressure}]"
+    yield f"# no_opening_within = ?  # of the axis of every bolt [{units.length}]"

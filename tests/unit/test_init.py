@@ -1,0 +1,241 @@
+"""``faying init``: the first study of a deck or mesh says what is there and runs."""
+
+import tomllib
+
+import meshio
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from faying.cli import app
+from faying.draft.cylinders import cylinders
+from faying.draft.facing import facing_bodies
+from faying.draft.first_study import first_study
+from faying.draft.study_text import MARK
+from faying.exceptions import FayingError, StudyError
+from faying.model.assembly import Assembly, Material
+from faying.model.mesh import CellBlock, Mesh
+from faying.study.load_model import build
+from faying.study.schema import parse_study
+from small_abaqus_deck import DECK
+
+STEEL = Material(name="default", youngs_modulus=210e3, poissons_ratio=0.3, density=7.85e-9)
+AROUND = 16
+
+
+def washer(radii, heights, centre=(0.0, 0.0)):
+    """Nodes and bricks of a ring around z."""
+    turn = 2 * np.pi * np.arange(AROUND) / AROUND
+    grid = np.array(
+        [
+            [centre[0] + r * np.cos(a), centre[1] + r * np.sin(a), z]
+            for z in heights
+            for r in radii
+            for a in turn
+        ]
+    )
+    at = np.arange(len(grid)).reshape(len(heights), len(radii), AROUND)
+    on = np.roll(at, -1, axis=2)
+    corners = [at[:-1, :-1], at[:-1, 1:], on[:-1, 1:], on[:-1, :-1]]
+    corners += [at[1:, :-1], at[1:, 1:], on[1:, 1:], on[1:, :-1]]
+    return grid, np.stack(corners, axis=-1).reshape(-1, 8)
+
+
+def stacked(*parts):
+    """Mesh of several parts, each its own body and element set ``part 1``, ``part 2``, …."""
+    nodes = np.concatenate([grid for grid, _ in parts])
+    shift = np.cumsum([0, *(len(grid) for grid, _ in parts)])
+    cells = np.concatenate([table + first for (_, table), first in zip(parts, shift, strict=False)])
+    owner = np.repeat(np.arange(1, len(parts) + 1), [len(table) for _, table in parts])
+    ids = np.arange(1, len(cells) + 1)
+    sets = {f"part {n}": ids[owner == n] for n in range(1, len(parts) + 1)}
+    block = CellBlock(kind="hex8", nodes=cells, ids=ids, properties=owner)
+    return Mesh(
+        nodes=nodes,
+        node_ids=np.arange(1, len(nodes) + 1),
+        blocks=(block,),
+        element_sets=sets,
+    )
+
+
+LOWER = washer([5.5, 9.0, 14.0], [-8.0, -4.0, 0.0], (3.0, 1.0))
+UPPER = washer([5.5, 9.0, 14.0], [0.0, 4.0, 8.0], (3.0, 1.0))
+
+
+def written(folder, mesh):
+    """A mesh file of it, parts as groups by number."""
+    owner = mesh.element_properties
+    tables = [("hexahedron", mesh.blocks[0].nodes)]
+    tags = {"cell_tags": [owner]}
+    path = folder / "rings.vtu"
+    meshio.Mesh(mesh.nodes, tables, cell_data=tags).write(path)
+    return path
+
+
+def said(path):
+    study = first_study(path, path.with_suffix(".toml"))
+    return study, tomllib.loads(study.text)
+
+
+def test_two_rings_become_a_bolted_joint(tmp_path):
+    study, tables = said(written(tmp_path, stacked(LOWER, UPPER)))
+    assert study.problem == ""
+    (joint,) = tables["interface"]
+    assert {joint["minus"], joint["plus"]} == {"volume 1", "volume 2"}
+    (bolt,) = tables["bolt"]
+    assert bolt["axis"] == [[3.0, 1.0, -8.0], [3.0, 1.0, 8.0]]  # as drawn, all digits
+    assert bolt["diameter"] == pytest.approx(0.9 * 11.0, abs=1e-6)  # seven digits are written
+    assert tables["load_case"][0]["forces"][0]["component"] == "Fz"
+    assert len(tables["support"]) == 3
+    assert study.undecided == study.text.count(MARK) >= 5
+    assert study.text.startswith("#:schema file:")
+
+
+def test_the_study_checks_and_runs(tmp_path):
+    path = written(tmp_path, stacked(LOWER, UPPER))
+    runner = CliRunner()
+    assert runner.invoke(app, ["init", str(path)]).exit_code == 0
+    target = tmp_path / "rings.toml"
+    assert runner.invoke(app, ["check", str(target)]).exit_code == 0
+    target.write_text(target.read_text() + "[output]\nreport = false\n")
+    done = runner.invoke(app, ["run", str(target), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+
+
+def test_nothing_is_overwritten_unless_told(tmp_path):
+    path = written(tmp_path, stacked(LOWER, UPPER))
+    target = tmp_path / "rings.toml"
+    target.write_text("mine")
+    with pytest.raises(StudyError, match=r"rings\.toml is there already; .*--overwrite"):
+        CliRunner().invoke(app, ["init", str(path)], catch_exceptions=False)
+    assert target.read_text() == "mine"
+    CliRunner().invoke(app, ["init", str(path), "--overwrite"], catch_exceptions=False)
+    assert tomllib.loads(target.read_text())["bolt"]
+
+
+def test_what_a_deck_declares_is_not_repeated(tmp_path):
+    path = tmp_path / "bricks.inp"
+    path.write_text(DECK)
+    study, tables = said(path)
+    assert study.problem == ""
+    assert "interface" not in tables
+    assert "bolt" not in tables
+    assert "support" not in tables
+    assert "Joint" in study.text or "JOINT" in study.text
+    assert "preload 400" in study.text
+    assert "area 6, gap 0 to 0" in study.text  # 2 by 3
+    (case,) = tables["load_case"]
+    assert case["forces"] == [{"deck_load": "step 1", "value": 1.0}]
+
+
+def test_beams_that_clamp_bodies_are_bolts(tmp_path):
+    lines = DECK.splitlines()
+    at = lines.index("*PRE-TENSION SECTION, ELEMENT=3, NODE=104")
+    gone = {at, lines.index("104, 9., 9., 9."), lines.index("104, 1, 400.")}
+    path = tmp_path / "bricks.inp"
+    path.write_text("\n".join(line for row, line in enumerate(lines) if row not in gone))
+    study, tables = said(path)
+    assert study.problem == ""
+    (bolt,) = tables["bolt"]
+    assert bolt["elements"] == [3]
+    # The placeholder: 0.15 % strain of a shank of radius 0.5.
+    assert bolt["preload"] == pytest.approx(1.5e-3 * 210e3 * np.pi * 0.25, rel=1e-6)
+
+
+def test_faces_across_a_gap_are_marked(tmp_path):
+    grid, table = UPPER
+    mesh = stacked(LOWER, (grid + np.array([0, 0, 0.05]), table))
+    assembly = Assembly(mesh=mesh, materials={1: STEEL, 2: STEEL})
+    (face,) = facing_bodies(assembly)
+    assert not face.touching
+    assert face.gap == pytest.approx((0.05, 0.05), abs=1e-12)  # round-off of coordinates
+    outer, inner = 14.0, 5.5
+    area = AROUND / 2 * np.sin(2 * np.pi / AROUND) * (outer**2 - inner**2)
+    assert face.area == pytest.approx(area, rel=1e-12)
+    study, tables = said(written(tmp_path, mesh))
+    assert study.problem == ""
+    assert tables["interface"][0]["search_distance"] > 0.05
+    assert f"{MARK} gap 0.05" in study.text
+
+
+def test_cylinders_are_found_whatever_their_place():
+    rng = np.random.default_rng(3)
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    mesh = stacked(LOWER)
+    moved = Mesh(nodes=1e3 + mesh.nodes @ turn.T, node_ids=mesh.node_ids, blocks=mesh.blocks)
+    found = cylinders(moved)
+    order = np.argsort(found.radii)
+    # Corners lie on the circles to the digits of coordinates of 1e3.
+    assert found.radii[order] == pytest.approx([5.5, 14.0], rel=1e-9)
+    assert found.holes[order].tolist() == [True, False]
+    assert np.abs(found.axes @ turn[:, 2]) == pytest.approx(1.0, abs=1e-9)
+    assert np.ptp(found.spans, axis=1) == pytest.approx(8.0, rel=1e-9)
+
+
+def test_a_shank_of_solids_is_said_and_no_bolt_is_made(tmp_path):
+    shank = washer([1.0, 5.2], [-8.0, 0.0, 8.0], (3.0, 1.0))
+    study, tables = said(written(tmp_path, stacked(LOWER, UPPER, shank)))
+    assert "bolt" not in tables
+    assert "a shank of solids in a hole, radius 5.5" in study.text
+    assert study.problem  # the upper ring is held by nothing
+    assert "it does not run yet" in " ".join(study.text.split())
+
+
+def test_parts_that_share_nodes_are_separated(tmp_path):
+    rings = washer([5.5, 9.0, 14.0], [-8.0, -4.0, 0.0, 4.0, 8.0])
+    mesh = stacked(rings)
+    upper = mesh.nodes[mesh.blocks[0].nodes].mean(axis=1)[:, 2] > 0
+    path = tmp_path / "rings.vtu"
+    tables = [("hexahedron", mesh.blocks[0].nodes)]
+    meshio.Mesh(mesh.nodes, tables, cell_data={"cell_tags": [1 + upper.astype(int)]}).write(path)
+    study, tables = said(path)
+    assert tables["model"]["separate"] == ["volume 2"]
+    assert study.problem == ""
+
+
+def test_sets_are_taken_by_their_names(tmp_path):
+    path = tmp_path / "bricks.inp"
+    held, load = DECK.index("*BOUNDARY\n102, 1, 6\n"), DECK.index("*CLOAD\n")
+    cut = DECK[:held] + DECK[held:load].replace("*BOUNDARY\n102, 1, 6\n", "")
+    text = cut + "*CLOAD\n104, 1, 400.\n*END STEP\n"
+    path.write_text(
+        text.replace("NSET=Bottom", "NSET=Clamped")
+        .replace("\nBOTTOM, TOP", "\nCLAMPED, LOADED")
+        .replace("NSET=BOTTOM", "NSET=CLAMPED")
+        .replace("NSET=TOP", "NSET=LOADED")
+    )
+    _, tables = said(path)
+    assert [one["set"].upper() for one in tables["support"]] == ["CLAMPED"]
+    assert tables["boundary"][0]["set"].upper() == "LOADED"
+
+
+def test_a_single_body_is_said_to_have_no_interface(tmp_path):
+    study, tables = said(written(tmp_path, stacked(LOWER)))
+    assert "interface" not in tables
+    assert f"{MARK} no faces of different bodies face each other" in study.text
+    assert "contact interface" in study.problem
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("study.toml", "", "is a study already"),
+        ("mesh.vtu", "nothing", "cannot be read"),
+        ("none.inp", None, "none.inp"),
+    ],
+)
+def test_bad_input_is_one_message(tmp_path, name, text, message):
+    path = tmp_path / name
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(FayingError, match=message):
+        first_study(path, tmp_path / "new.toml")
+
+
+def test_units_follow_the_materials(tmp_path):
+    path = tmp_path / "bricks.inp"
+    path.write_text(DECK.replace("210000., 0.3", "2.1E11, 0.3").replace("7.85E-9", "7850."))
+    study, tables = said(path)
+    assert tables["units"] == "m-kg-s"
+    text = study.text.replace("DECIDE:", "")
+    assert build(parse_study(text, tmp_path / "bricks.toml")).units == "m-kg-s"
