@@ -35,6 +35,8 @@ from faying.report.tables import (
 )
 from faying.report.unseen_loads import choice_table, load_space_table, worst_case_table
 from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
+from faying.report.view.scene import scene
+from faying.report.view.scripts import own, three
 from faying.study.results import CaseResult, Results
 from faying.study.step_check import StepCheck, step_check
 from faying.units import Units, units_of
@@ -122,6 +124,10 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         limits=limits(results),
         reference=against(results.cases.values()).removeprefix("the "),
         sharpness=sharpness(results),
+        view=scene(results),
+        three=three(),
+        own=own(),
+        still=[entry for entry in figures if entry.path.stem == "model"],
         figures={
             section: [entry for entry in figures if entry.section == section]
             for section in ("model", "preload", "convergence", "beyond")

@@ -1,0 +1,101 @@
+"""The outer surface of the solids, as triangles and the sharp edges between them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.model.mesh import Mesh
+from faying.model.surface import exterior_facets
+
+TRIANGLES = {
+    "tri3": ((0, 1, 2),),
+    "quad4": ((0, 1, 2), (0, 2, 3)),
+    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
+    "quad8": ((0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)),
+}
+"""Triangles of a facet by its kind, turning like the facet."""
+
+SHARP = np.cos(np.radians(30.0))
+"""Cosine of the angle between facets from which the edge between them is drawn."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OuterSurface:
+    """What is seen of the solids.
+
+    Attributes
+    ----------
+    nodes : (n,)
+        Which nodes of the mesh are on it, in the order in which the triangles first name them.
+    triangles : (n_triangle, 3)
+        Indices of ``nodes``, counter-clockwise seen from outside.
+    edges : (n_edge, 2)
+        Indices of ``nodes``: edges of one triangle only, or between triangles at an angle.
+    """
+
+    nodes: Indices
+    triangles: Indices
+    edges: Indices
+
+    def outline(self, more: Indices) -> "OuterSurface":
+        """Return the edges alone, with the nodes on them and more nodes of the mesh."""
+        kept, inverse = np.unique(
+            np.concatenate([self.nodes[self.edges].ravel(), np.ravel(more)]), return_inverse=True
+        )
+        return OuterSurface(
+            nodes=kept,
+            triangles=np.empty((0, 3), dtype=np.int64),
+            edges=inverse.ravel()[: self.edges.size].reshape(-1, 2),
+        )
+
+
+def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
+    """Return the outer surface of the solids of a mesh.
+
+    Parameters
+    ----------
+    more
+        Nodes that are wanted too, wherever they are.
+    """
+    faces = exterior_facets(mesh).by_kind()
+    parts = [triangles_of(kind, facets.nodes) for kind, facets in faces.items()]
+    triangles = np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
+    nodes, first, inverse = np.unique(
+        np.concatenate([triangles.ravel(), np.ravel(more)]), return_index=True, return_inverse=True
+    )
+    order = np.argsort(first)
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    own = place[inverse.ravel()[: triangles.size]].reshape(-1, 3)
+    return OuterSurface(
+        nodes=nodes[order], triangles=own, edges=sharp_edges(mesh.nodes[nodes[order]], own)
+    )
+
+
+def triangles_of(kind: str, facets: Indices) -> Indices:
+    """Divide facets of one kind (n_facet, at least n_node_per_face) into triangles (n, 3)."""
+    return np.asarray(facets)[:, np.array(TRIANGLES[kind])].reshape(-1, 3)
+
+
+def sharp_edges(points: Matrix, triangles: Indices) -> Indices:
+    """Return the edges (n_edge, 2) that bound a surface or at which it turns by 30° or more."""
+    corners = points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals /= np.where(length > 0, length, 1.0)
+    edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    owner = np.repeat(np.arange(len(triangles)), 3)
+    order = np.lexsort(edges.T[::-1])
+    edges, owner = edges[order], owner[order]
+    fresh = np.ones(len(edges), dtype=bool)
+    fresh[1:] = (edges[1:] != edges[:-1]).any(axis=1)
+    starts = np.flatnonzero(fresh)
+    counts = np.diff(np.append(starts, len(edges)))
+    smooth = np.zeros(len(starts), dtype=bool)
+    two = counts == 2
+    pair = starts[two]
+    turn = np.einsum("ij,ij->i", normals[owner[pair]], normals[owner[pair + 1]])
+    smooth[two] = turn > SHARP
+    kept: Indices = edges[starts[~smooth]]
+    return kept

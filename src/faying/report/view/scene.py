@@ -1,0 +1,224 @@
+"""The joint as a page draws it: bodies, contact faces, bolts, and fields while there is room."""
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import to_hex
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices
+from faying.model.mesh import Mesh
+from faying.report.figures.plane import best_plane
+from faying.report.style import (
+    BODY_COLOURS,
+    BOLT_COLOUR,
+    ERROR_MAP,
+    GAP_MAP,
+    OPEN_COLOUR,
+    PRESSURE_MAP,
+    SLIP_MAP,
+)
+from faying.report.view.explosion import explosion
+from faying.report.view.fields import averages, fields, models
+from faying.report.view.frames import Frames, frames
+from faying.report.view.outer_surface import OuterSurface, outer_surface, triangles_of
+from faying.report.view.packing import packed_integers, packed_numbers
+from faying.study.comparison import increments
+from faying.study.interface_surface import pair_facets
+from faying.study.results import CaseResult, InterfaceRecord, Response, Results
+from faying.units import units_of
+
+ROOM = 4_000_000
+"""Bytes of a page for what its view shows; with scripts, text and tables it stays below 5 MB."""
+
+MOST_NODES = 150_000
+"""Nodes of an outer surface beyond which only its edges are drawn."""
+
+COLOURS = 33
+"""Colours of a scale, between which the page interpolates."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneText:
+    """A scene as JSON.
+
+    Attributes
+    ----------
+    text
+        Safe within a script element.
+    notes
+        What there was no room for.
+    """
+
+    text: str
+    notes: tuple[str, ...]
+
+
+def scene(results: Results, room: int = ROOM) -> SceneText | None:
+    """Return what the page draws, at most about ``room`` bytes; None where there is no surface.
+
+    Parameters
+    ----------
+    results
+        The outer surface of their solids is shown, and nodal averages on the contact faces.
+    room
+        Fields are kept in their order until one does not fit.
+    """
+    pairs = [record.pairs for record in results.interfaces.values()]
+    surface = outer_surface(
+        Mesh(nodes=results.nodes, node_ids=np.arange(len(results.nodes)), blocks=results.blocks),
+        np.concatenate([*(one.ravel() for one in pairs), np.empty(0, dtype=np.int64)]),
+    )
+    if not len(surface.nodes):
+        return None
+    notes = []
+    if len(surface.nodes) > MOST_NODES:
+        notes.append("The surface of the bodies is too large for a page; their edges are drawn.")
+        surface = surface.outline(np.concatenate(pairs).ravel())
+    units = units_of(results.units)
+    frames_of = {name: frames(case, units) for name, case in results.cases.items()}
+    shown: dict[str, Any] = {
+        "units": {
+            "length": units.length,
+            "pressure": units.pressure,
+            "force": units.force,
+        },
+        "colours": {
+            "pressure": _scale(PRESSURE_MAP),
+            "gap": _scale(GAP_MAP),
+            "slip": _scale(SLIP_MAP),
+            "error": _scale(ERROR_MAP),
+            "open": OPEN_COLOUR,
+            "bolt": BOLT_COLOUR,
+            "bodies": BODY_COLOURS,
+        },
+        "bodies": _bodies(results, surface),
+        "contact": _contact(results, surface),
+        "bolts": _bolts(results, surface),
+        "cases": [_case(case, frames_of[name]) for name, case in results.cases.items()],
+    }
+    peaks = [one["peak"] for one in shown["cases"]]
+    shown["start"] = peaks.index(max(peaks)) if peaks else 0
+    if results.interfaces:
+        shown["cases"].append(_preload(results))
+    room -= len(json.dumps(shown))
+    left_out = 0
+    for field in fields(results, frames_of, surface.nodes):
+        if left_out:
+            left_out += 1
+            continue
+        packed = {"at": field.at, **packed_numbers(field.values())}
+        room -= len(json.dumps({field.name: packed}))
+        if room < 0:
+            left_out += 1
+            continue
+        shown["cases"][field.case]["models"][field.model]["fields"][field.name] = packed
+    if left_out:
+        notes.append(
+            f"{left_out} more fields are in results.h5 alone, for the page is to stay below 5 MB."
+        )
+    # A name may hold what would end the script.
+    text = json.dumps(shown, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+    return SceneText(text=text, notes=tuple(notes))
+
+
+def _scale(name: str) -> list[str]:
+    return [to_hex(colour) for colour in mpl.colormaps[name](np.linspace(0.0, 1.0, COLOURS))]
+
+
+def _bodies(results: Results, surface: OuterSurface) -> dict[str, Any]:
+    return {
+        "points": packed_numbers(results.nodes[surface.nodes]),
+        "owner": packed_integers(np.maximum(results.body[surface.nodes], 0)[:, None]),
+        "triangles": packed_integers(surface.triangles),
+        "edges": packed_integers(surface.edges),
+        "moves": explosion(results.interfaces, results.body).round(6).tolist() or [[0, 0, 0]],
+    }
+
+
+def _contact(results: Results, surface: OuterSurface) -> list[dict[str, Any]]:
+    place = np.zeros(len(results.nodes), dtype=np.int64)
+    place[surface.nodes] = np.arange(len(surface.nodes))
+    return [_sides(name, record, results, place) for name, record in results.interfaces.items()]
+
+
+def _sides(name: str, record: InterfaceRecord, results: Results, place: Indices) -> dict[str, Any]:
+    parts = [triangles_of(kind, nodes) for kind, nodes in pair_facets(record)]
+    plane = best_plane(record)
+    # Meshes that do not match share one set of points: the plus nodes are neighbours only.
+    points = (
+        results.nodes[record.pairs.T]
+        if record.face_coverage is None
+        else np.stack([record.pair_points] * 2)
+    )
+    return {
+        "name": name,
+        "points": [packed_numbers(side) for side in points],
+        "nodes": [packed_integers(place[side][:, None]) for side in record.pairs.T],
+        "triangles": packed_integers(np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])),
+        "flat": packed_numbers(plane.project(record.pair_points)),
+        "labels": plane.labels,
+    }
+
+
+def _bolts(results: Results, surface: OuterSurface) -> list[dict[str, Any]]:
+    tree = cKDTree(results.nodes[surface.nodes])
+    return [
+        {
+            "name": name,
+            "ends": bolt.axis.tolist(),
+            "nodes": tree.query(bolt.axis)[1].tolist(),
+        }
+        for name, bolt in results.bolts.items()
+        if bolt.axis is not None
+    ]
+
+
+def _case(case: CaseResult, shown: Frames) -> dict[str, Any]:
+    found = increments(case.reference)
+    pressures = found[-1].pressure if found else case.reference.pressure
+    return {
+        "name": case.name,
+        "kind": case.kind,
+        "frames": {"label": shown.label, "unit": shown.unit, "values": _short(shown.values)},
+        "peak": float(np.max(pressures, initial=0.0)),
+        "models": [
+            {"name": name, "bolts": _forces(response, shown), "fields": {}}
+            for name, response in models(case)
+        ],
+    }
+
+
+def _forces(response: Response, shown: Frames) -> dict[str, list[float]]:
+    found = increments(response)
+    forces = found[-1].bolt_forces if found else response.bolt_forces
+    return {
+        name: _short(np.atleast_1d(force)[shown.chosen].tolist()) for name, force in forces.items()
+    }
+
+
+def _preload(results: Results) -> dict[str, Any]:
+    """Return the joint as tightened in the form of a load case."""
+    whole = np.concatenate([record.preload_pressure for record in results.interfaces.values()])
+    pressure = packed_numbers(averages(results, whole[None]))
+    return {
+        "name": "preload",
+        "kind": "bolts tightened, no load",
+        "frames": {"label": "", "unit": "", "values": [0.0]},
+        "peak": float(whole.max(initial=0.0)),
+        "models": [
+            {
+                "name": "full model",
+                "bolts": {name: [bolt.preload] for name, bolt in results.bolts.items()},
+                "fields": {"pressure": {"at": [0], **pressure}},
+            }
+        ],
+    }
+
+
+def _short(values: Any) -> list[float]:
+    """Return numbers to six digits, which no picture shows more of."""
+    return [float(f"{value:.6g}") for value in values]
