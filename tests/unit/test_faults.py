@@ -10,9 +10,9 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
-from fake_results import fake_results
 from rich.console import Console
 
+from fake_results import fake_results
 from faying.cli.outcome import show_outcome
 from faying.exceptions import FormatError, StudyError
 from faying.export.vtu import write_interface_vtu

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_results import NX, NY, fake_results
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
 import faying.sources
+from fake_results import NX, NY, fake_results
 from faying.exceptions import FormatError
 from faying.files.names import file_names
 from faying.interface.facets import reference_nodes, shape_functions

@@ -8,8 +8,8 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
-from fake_results import fake_results
 
+from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.report import style
 from faying.report.certified import sharpness

@@ -5,11 +5,11 @@ from dataclasses import fields, is_dataclass, replace
 import h5py
 import numpy as np
 import pytest
-from fake_results import fake_results
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.study import store
 from faying.study.store import read_results, write_results

@@ -5,10 +5,10 @@ import os
 import h5py
 import numpy as np
 import pytest
-from fake_results import fake_results
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.reduction.portable_joint import PortableJoint
 from faying.study.imported_history import read_imported_history

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fake_results import fake_results
 
+from fake_results import fake_results
 from faying.model.mesh import CellBlock, Mesh
 from faying.report.view.explosion import explosion
 from faying.report.view.outer_surface import outer_surface

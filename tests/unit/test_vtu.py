@@ -7,8 +7,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
-from fake_results import NX, NY, fake_results
 
+from fake_results import NX, NY, fake_results
 from faying.exceptions import FormatError
 from faying.export.vtu import write_interface_vtu
 from faying.interface.interface import FacePairs
