@@ -110,6 +110,17 @@ def _response(points, nodes, error, times):
         seconds=0.25,
         nodal_displacement=sagging if times is None else None,
         recovered_pressure=base * swing if error and times is not None else None,
+        estimate=_estimate(1.5 * error) if error and times is not None else None,
+    )
+
+
+def _estimate(error):
+    return Accuracy(
+        max_relative_error=error,
+        rms_relative_error=error / 20,
+        p999_relative_error=error / 2,
+        max_pressure_ratio=1.0,
+        displacement_error=error / 10,
     )
 
 

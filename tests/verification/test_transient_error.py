@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.assessment.transient_error import finer_model
+from faying.assessment.transient_error import PATTERNS, SWEEPS, finer_model
 from faying.exceptions import ModelError
 
 LC2 = {"tip.Fz": -500.0, "tip.Mx": 20e3}
@@ -19,46 +19,70 @@ def rising(part):
 
 
 @pytest.fixture(scope="module")
-def rom(joint):
-    return fy.reduce(joint, fy.craig_bampton(joint, normal_modes=10), compliance=True)
+def bases(joint):
+    return {count: fy.craig_bampton(joint, normal_modes=count) for count in (0, 10, 40)}
 
 
-@pytest.fixture(scope="module")
-def finer(joint, rom):
-    return finer_model(joint, rom)
+SCHEMES = [fy.ImplicitEuler(), fy.GeneralizedAlpha(0.8), fy.EnergyDecaying(0.8)]
 
 
-@pytest.mark.parametrize("scheme", [fy.ImplicitEuler(), fy.GeneralizedAlpha(0.8)])
+@pytest.mark.parametrize("scheme", SCHEMES)
 @pytest.mark.parametrize("load", [fy.Load(LC2), rising(0.1), rising(0.25)])
-def test_estimate_is_near_the_true_error(joint, rom, finer, load, scheme):
+def test_estimate_is_near_the_true_error(joint, bases, load, scheme):
     options = {**TIMES, "integrator": scheme}
-    motion = fy.solve_transient(rom, load, **options)
-    true = fy.compare(motion, fy.solve_transient(joint, load, **options))
-    found = fy.transient_error(finer, motion, load, integrator=scheme)
-    # Within a factor of 3: what was measured on three joints, docs/theory/transient_accuracy.md.
-    for name in ("max_relative_error", "rms_relative_error"):
-        assert 1 / 3 < getattr(found, name) / getattr(true, name) < 3, name
+    full = fy.solve_transient(joint, load, **options)
+    for count, basis in bases.items():
+        motion = fy.solve_transient(fy.reduce(joint, basis, compliance=True), load, **options)
+        found = fy.transient_error(joint, motion, load, integrator=scheme)
+        true = fy.compare(motion, full)
+        # Within a factor of 2.5: what was measured on three joints, and a little for the fourth,
+        # docs/theory/transient_accuracy.md.
+        for name in ("max_relative_error", "rms_relative_error"):
+            assert 1 / 2.5 < getattr(found, name) / getattr(true, name) < 2.5, (count, name)
+
+
+def test_estimate_of_a_model_without_residual_compliance_is_its_static_error(joint, bases):
+    load = fy.Load(LC2)
+    motion = fy.solve_transient(fy.reduce(joint, bases[10]), load, **TIMES)
+    true = fy.compare(motion, fy.solve_transient(joint, load, **TIMES))
+    found = fy.transient_error(joint, motion, load)
+    assert true.max_relative_error > 1.0
+    # What such a model lacks in statics the finer one has exactly; the rest is some percent of it.
+    assert found.max_relative_error == pytest.approx(true.max_relative_error, rel=0.05)
 
 
 def test_finer_model_holds_the_coarser_one(joint, classic):
-    """It has its joint modes, twice its normal modes and the same static solution."""
+    """It has its trial vectors, up to sixty more and the same static solution."""
     rom = fy.reduce(joint, fy.jim_a(joint, joint_modes=5, classic=classic), compliance=True)
-    finer = finer_model(joint, rom)
-    assert finer.joint_modes == 5
-    assert len(finer.basis) == len(rom.basis) + 10
-    both = [fy.solve_static(one, fy.Load(LC2)).pressure for one in (rom, finer)]
+    load = fy.Load(LC2)
+    motion = fy.solve_transient(rom, load, **TIMES)
+    finer = finer_model(joint, motion)
+    assert 5 + PATTERNS < finer.joint_modes <= 5 + PATTERNS * SWEEPS  # dependent ones dropped
+    seen = finer.basis.vectors.T @ (joint.K @ finer.basis.vectors)
+    inside = np.linalg.lstsq(seen, finer.basis.vectors.T @ (joint.K @ rom.trial_vectors))[0]
+    back = finer.basis.vectors @ inside
+    scale = np.abs(rom.trial_vectors).max()
+    np.testing.assert_allclose(back, rom.trial_vectors, rtol=0, atol=1e-8 * scale)  # round-off
+    both = [fy.solve_static(one, load).pressure for one in (rom, finer)]
     np.testing.assert_allclose(*both, rtol=0, atol=1e-8 * both[0].max())  # exact up to round-off
-    load, motion = fy.Load(LC2), fy.solve_transient(rom, fy.Load(LC2), **TIMES)
     one, other = (fy.transient_error(model, motion, load) for model in (joint, finer))
     assert one == other
 
 
-def test_what_cannot_be_judged(joint, rom):
+def test_a_load_that_moves_no_contact_is_without_error(joint, bases):
+    rom = fy.reduce(joint, bases[10], compliance=True)
+    motion = fy.solve_transient(rom, fy.Load({}), **TIMES)
+    assert fy.transient_error(joint, motion, fy.Load({})).max_relative_error < 1e-9  # round-off
+
+
+def test_what_cannot_be_judged(joint, bases):
+    rom = fy.reduce(joint, bases[10], compliance=True)
     static = fy.solve_static(rom, fy.Load(LC2))
     full = fy.solve_transient(joint, fy.Load(LC2), step=1e-5, duration=2e-5)
     for solution in (static, full):
         with pytest.raises(ModelError, match="only a transient of a reduced model"):
             fy.transient_error(joint, solution, fy.Load(LC2))
-    none = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=0), compliance=True)
-    with pytest.raises(ModelError, match="no normal modes to take twice of"):
-        finer_model(joint, none)
+    other = fy.lap_joint(element_size=6.0)
+    motion = fy.solve_transient(rom, fy.Load(LC2), step=1e-5, duration=2e-5)
+    with pytest.raises(ModelError, match="give the model that was reduced"):
+        fy.transient_error(other, motion, fy.Load(LC2))

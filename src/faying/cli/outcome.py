@@ -7,6 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from faying.assessment.transient_error import OBSERVED, OBSERVED_ON
 from faying.study.results import FULL_MODEL
 
 
@@ -24,6 +25,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     for method in methods:
         table.add_row(method, *_row(method, list(cases.values())))
     console.print(table)
+    for line in _estimates(cases):
+        console.print(line, highlight=False)
     if summary["reference"]["reason"]:
         console.print(f"Reference: {summary['reference']['reason']}", highlight=False)
     for verdict in _verdicts(summary):
@@ -60,6 +63,27 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     largest = max(sizes, key=int)
     found = [case["methods"].get(method, {}).get(largest) for case in cases]
     return [largest, *(_percent(entry) for entry in found)]
+
+
+def _estimates(cases: Mapping[str, Any]) -> list[str]:
+    """Say of each transient how far off the methods are estimated to be, their largest bases."""
+    said = []
+    for name, case in cases.items():
+        found = {
+            method: sizes[max(sizes, key=int)].get("estimated_max_relative_error")
+            for method, sizes in case["methods"].items()
+            if sizes
+        }
+        own = case["reference"].get("estimated_max_relative_error")
+        if own is not None:
+            found[f"the reference, {case['reference']['model']}"] = own
+        shown = [f"{method} {error:.2%}" for method, error in found.items() if error is not None]
+        if shown:
+            said.append(f"{name}, errors estimated without a full solution: {', '.join(shown)}")
+    if said:
+        low, high = OBSERVED
+        said.append(f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}.)")
+    return said
 
 
 def _percent(entry: Mapping[str, float] | None) -> str:

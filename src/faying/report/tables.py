@@ -257,8 +257,9 @@ def error_table(case: CaseResult) -> Table:
     """Return the errors of every method and size in one load case."""
     columns = (
         "method", "max error", "rms error", "99.9th percentile", "peak pressure ratio",
-        "displacement error", "max error of recovered pressures", "certified: energy error",
-        "certified: clamp force error", "certified: max error", "coordinates",
+        "displacement error", "max error of recovered pressures", "estimated max error",
+        "certified: energy error", "certified: clamp force error", "certified: max error",
+        "coordinates",
     )  # fmt: skip
     rows: list[tuple[str | Cell, ...]] = [
         (
@@ -275,6 +276,7 @@ def error_table(case: CaseResult) -> Table:
             ),
             percent(result.accuracy.displacement_error),
             _recovered(result),
+            _estimated(result),
             *_certified(result),
             f"{result.n_modes}",
         )
@@ -296,6 +298,13 @@ def _recovered(result: MethodResult) -> Cell:
     if result.recovered_error is None:
         return Cell(text="—")
     return Cell(text=percent(result.recovered_error), grade=grade(result.recovered_error))
+
+
+def _estimated(result: MethodResult) -> Cell:
+    if result.response.estimate is None:
+        return Cell(text="—")
+    error = result.response.estimate.max_relative_error
+    return Cell(text=percent(error), grade=grade(error))
 
 
 def timing_table(results: Results) -> Table:

@@ -1,10 +1,12 @@
 """What a run keeps of a solution, and how it is packed into named arrays until the run ends."""
 
 from collections.abc import Mapping
+from dataclasses import asdict, fields
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.assessment.accuracy import Accuracy
 from faying.joint.model import Model
 from faying.joint.system import input_forces
 from faying.reduction.projection import full_displacement
@@ -72,8 +74,8 @@ ARRAYS = (
 )
 
 
-PATH, CYCLES = "path", "cycles"
-"""Prefixes of the arrays of a path and of cycles."""
+PATH, CYCLES, ESTIMATE = "path", "cycles", "estimate"
+"""Prefixes of the arrays of a path, of cycles and of an estimated error."""
 
 FAILED = "failed"
 """Name of the sentences about extras that failed, beside the arrays of a response."""
@@ -88,6 +90,9 @@ def packed(response: Response) -> dict[str, Matrix]:
     }
     single = {field: getattr(response, field) for field in ARRAYS}
     arrays |= {field: np.asarray(value) for field, value in single.items() if value is not None}
+    if response.estimate is not None:
+        errors = asdict(response.estimate)
+        arrays |= {f"{ESTIMATE}/{name}": np.asarray(value) for name, value in errors.items()}
     if response.path is not None:
         arrays |= packed_record(response.path, PATH)
     for name, one in response.cycles.items():
@@ -115,6 +120,16 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         nodal_displacement=arrays.get("nodal_displacement"),
         recovered_pressure=arrays.get("recovered_pressure"),
         energy_gain=float(arrays["energy_gain"]),
+        estimate=_unpacked_estimate(arrays),
         path=unpacked_path(arrays, PATH) if f"{PATH}/factors" in arrays else None,
         cycles={name: unpacked_cycles(arrays, f"{CYCLES}/{name}") for name in amplitudes},
+    )
+
+
+def _unpacked_estimate(arrays: Mapping[str, Matrix]) -> Accuracy | None:
+    """Return the estimated errors of a response; None where there are none."""
+    if f"{ESTIMATE}/max_relative_error" not in arrays:
+        return None
+    return Accuracy(
+        **{one.name: float(arrays[f"{ESTIMATE}/{one.name}"]) for one in fields(Accuracy)}
     )

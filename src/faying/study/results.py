@@ -45,6 +45,9 @@ class Response:
         :mod:`faying.assessment.recovery`.
     energy_gain
         Of transients: share of the energy in motion that the time integration gained from nothing.
+    estimate
+        Of transients of reduced models: errors estimated without a full solution, see
+        :mod:`faying.assessment.transient_error`.
     path
         The increments of a case that is a path, or a static load with friction; the other fields
         are those of the last one.
@@ -64,6 +67,7 @@ class Response:
     nodal_displacement: Matrix | None = None
     recovered_pressure: Matrix | None = None
     energy_gain: float = 0.0
+    estimate: Accuracy | None = None
     path: PathRecord | None = None
     cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
 

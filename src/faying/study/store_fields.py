@@ -197,6 +197,7 @@ MEANINGS: dict[type, Table] = {
         "energy_gain": Meaning(
             "share of the energy in motion that the time integration gained from nothing", "1"
         ),
+        "estimate": Meaning("of transients of reduced models: errors without a full solution"),
         "path": Meaning("increments of a path, or of a static load with friction"),
         "cycles": Meaning("amplitude to cycles of that amplitude"),
     },

@@ -186,6 +186,7 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
         "reference": {
             "model": case.reference_model,
             **_reference(case.reference),
+            **_estimated(case.reference),
             "opening": _openings(results, case),
             "mesh_error": {name: asdict(error) for name, error in case.mesh_errors.items()},
         },
@@ -268,8 +269,19 @@ def _reference(response: Response) -> dict[str, Any]:
     }
 
 
+def _estimated(response: Response) -> dict[str, float]:
+    """Return the errors of a reduced transient that were estimated without a full solution."""
+    found = response.estimate
+    if found is None:
+        return {}
+    return {
+        "estimated_max_relative_error": found.max_relative_error,
+        "estimated_rms_relative_error": found.rms_relative_error,
+    }
+
+
 def _method(result: MethodResult) -> dict[str, float]:
-    figures = asdict(result.accuracy)
+    figures = {**asdict(result.accuracy), **_estimated(result.response)}
     if result.recovered_error is not None:
         figures["recovered_max_relative_error"] = result.recovered_error
     optional = {

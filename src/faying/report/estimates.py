@@ -1,0 +1,55 @@
+"""What is said of the errors of reduced transients that no full solution tells."""
+
+import numpy as np
+
+from faying.assessment.transient_error import OBSERVED, OBSERVED_ON
+from faying.report.quantities import number, percent
+from faying.report.verdict import GOOD
+from faying.study.results import Results
+
+ROUND_OFF = 1e-6
+"""True errors below this fraction are left out of ratios: both figures are then rounding."""
+
+
+def estimate_note(results: Results) -> str:
+    """Say what the estimated errors of transients are; empty where there are none."""
+    found = [
+        (case.is_full, result.response.estimate, result.accuracy)
+        for case in results.cases.values()
+        for sizes in case.methods.values()
+        for result in sizes.values()
+        if result.response.estimate is not None
+    ]
+    if not found:
+        return ""
+    low, high = (number(factor, 2) for factor in OBSERVED)
+    said = (
+        "Estimated max error, of transients: how far the pressures move when the shapes that the "
+        "transient's own contact forces excite are given their inertia. It takes no full solution "
+        "and is an estimate, no bound; what the time step adds is not in it. Against full "
+        f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error."
+    )
+    ratios = [
+        estimate.max_relative_error / true.max_relative_error
+        for full, estimate, true in found
+        if full and true.max_relative_error > ROUND_OFF
+    ]
+    if not ratios:
+        return said
+    least, most = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
+    return f"{said} In this run it is {least} to {most} times the true one."
+
+
+def doubtful_references(results: Results) -> list[str]:
+    """Name the transients whose reduced reference is itself estimated to be off."""
+    low, high = (number(factor, 2) for factor in OBSERVED)
+    return [
+        f"{name}: pressures of the {case.reference_model}, which the errors of this load case are "
+        f"against, are themselves estimated to be off by up to {percent(error)} of the peak (an "
+        f"estimate, elsewhere {low} to {high} times the truth). Read the estimated errors of the "
+        "methods, not their differences to it."
+        for name, case in results.cases.items()
+        if not case.is_full
+        and case.reference.estimate is not None
+        and (error := case.reference.estimate.max_relative_error) > GOOD
+    ]
