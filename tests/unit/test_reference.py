@@ -4,10 +4,9 @@ import json
 
 import pytest
 
-from faying.exceptions import ModelError
 from faying.report.html import write_report
 from faying.report.reference import reference_note
-from faying.study import cases, reference
+from faying.study import reference
 from faying.study.load_model import build_loaded, load_model
 from faying.study.schema import parse_study
 from faying.study.store import read_results
@@ -141,19 +140,6 @@ def test_errors_of_transients_are_estimated_without_the_full_model(outcomes):
         assert summary["timings"]["stages"]["estimated errors"] > 0
         still = summary["load_cases"]["bend"]["methods"]["compliance"]["0"]
         assert "estimated_max_relative_error" not in still
-
-
-def test_an_estimate_that_fails_costs_no_result(tmp_path, monkeypatch):
-    def fail(*_, **__):
-        raise ModelError("no shapes")
-
-    monkeypatch.setattr(cases, "finer_model", fail)
-    found = run(study(tmp_path, 'reference = "none"\nhalf_step = false'), tmp_path / "out").summary
-    assert found["converged"]
-    assert "jump, compliance/0, estimated error: no shapes" in found["warnings"]
-    method = found["load_cases"]["jump"]["methods"]["compliance"]["0"]
-    assert "estimated_max_relative_error" not in method
-    assert method["recovered_max_relative_error"] > 0
 
 
 def test_full_transients_are_not_computed(outcomes, tmp_path):

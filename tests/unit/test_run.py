@@ -11,7 +11,16 @@ import pytest
 from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
 from faying.simulation.transient import solve_transient
-from faying.study import cases, comparison, offline, progress, record, validation, worker_tasks
+from faying.study import (
+    cases,
+    comparison,
+    offline,
+    progress,
+    record,
+    transient_judge,
+    validation,
+    worker_tasks,
+)
 from faying.study.checkpoint import open_checkpoint
 from faying.study.loads import case_load
 from faying.study.schema import read_study
@@ -246,7 +255,8 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
         (validation, "worst_case_load"),
         (validation, "best_possible_errors"),
         (cases, "certifier"),
-        (cases, "recover_pressure"),
+        (transient_judge, "recover_pressure"),
+        (transient_judge, "finer_model"),
         (cases, "mesh_errors"),
         (runs, "kept_models"),
     ):
@@ -262,6 +272,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
         "unseen loads: ",
         "certified bounds: ",
         "jump, compliance/0, recovered pressures: ",
+        "jump, compliance/0, estimated error: ",
         "bend, mesh error: ",
         "matrices for recovery and export: ",
     ):
@@ -358,7 +369,9 @@ def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monk
     methods = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
     path.write_text(STUDY.replace(methods, '"compliance"'))
     study, original = read_study(path), runs.validate
-    monkeypatch.setattr(cases, "recover_pressure", _raise(ValueError("nobody foresaw this")))
+    monkeypatch.setattr(
+        transient_judge, "recover_pressure", _raise(ValueError("nobody foresaw this"))
+    )
     monkeypatch.setattr(runs, "validate", _raise(KeyboardInterrupt()))
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)

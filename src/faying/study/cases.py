@@ -8,12 +8,9 @@ from functools import cached_property, partial
 import numpy as np
 
 from faying._typing import Matrix
-from faying.assessment.accuracy import Accuracy
 from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
 from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
-from faying.assessment.recovery import recover_pressure
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.transient_error import finer_model, transient_error
 from faying.exceptions import ConvergenceError
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
@@ -46,6 +43,7 @@ from faying.study.responses import FAILED, packed, respond, unpacked
 from faying.study.results import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.tables import LoadCaseSection
 from faying.study.timing import instants, time_span, time_step
+from faying.study.transient_judge import TransientJudge
 
 Models = Mapping[str, Mapping[int, System]]
 
@@ -178,6 +176,10 @@ class CaseRunner:
             return certifier(self.joint.model)
         return None
 
+    @property
+    def _transient_judge(self) -> TransientJudge:
+        return TransientJudge(joint=self.joint, stages=self.stages, extras=self.extras)
+
     @cached_property
     def _known_rest(self) -> dict[str, Solution]:
         """Preloaded states of the models, by what these are called; filled as they are needed."""
@@ -265,7 +267,15 @@ class CaseRunner:
                     )
                     response = respond(solution, self.joint.model, seconds)
             if case.transient and refinement == 1 and isinstance(system, ReducedModel):
-                response = self._judged(case, label, response, solution)
+                name, judge = f"{case.name}, {label}", self._transient_judge
+                response = judge.judged(
+                    name,
+                    response,
+                    solution,
+                    case_load(case),
+                    integrator_of(case),
+                    recovered=label != REDUCED,
+                )
             # Kept with the response, for a run that takes it over does not try again.
             return packed(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
 
@@ -273,30 +283,6 @@ class CaseRunner:
             arrays = self.checkpoint.bundle(response_key(case, label, refinement), compute)
         self.extras.repeat(arrays.get(FAILED, ()))
         return unpacked(arrays)
-
-    def _judged(
-        self, case: LoadCaseSection, label: str, response: Response, solution: Solution
-    ) -> Response:
-        """Add to the response of a reduced transient what else is known of its pressures."""
-        if label != REDUCED:
-            name = f"{case.name}, {label}, recovered pressures"
-            with self.stages.stage("recovery"), self.extras.attempt(name):
-                recovered = recover_pressure(self.joint.model, solution).pressure
-                response = replace(response, recovered_pressure=recovered)
-        name = f"{case.name}, {label}, estimated error"
-        estimate = None
-        with self.stages.stage("estimated errors"), self.extras.attempt(name):
-            estimate = self._estimate(case, solution)
-        return replace(response, estimate=estimate)
-
-    def _estimate(self, case: LoadCaseSection, solution: Solution) -> Accuracy:
-        """Estimate how far off a reduced transient is, without the full model."""
-        finer = finer_model(self.joint.model, solution)
-        rubs = has_friction(self.joint.model)
-        initial = rest_state(finer, self.joint.preload_path) if rubs else None
-        return transient_error(
-            finer, solution, case_load(case), integrator=integrator_of(case), initial=initial
-        )
 
 
 def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
