@@ -129,6 +129,7 @@ def test_the_summary_tells_what_friction_does(finished):
         assert "certified_bound" not in errors
     cases = summary["load_cases"]
     assert cases["pull"]["first_slip_factor"] == cases["pull"]["slip_reserve"]["first_slip"]
+    assert cases["pull"]["slip_onset_factor"] == cases["pull"]["slip_reserve"]["onset"]
     assert cases["pull"]["slip_reserve"]["share"] == 0.5
     assert cases["way"]["first_slip_factor"] is None
     assert set(cases["shake"]["cycles"]) == {"0.5", "1.5"}
@@ -233,6 +234,7 @@ def test_the_report_says_first_what_slips(results, tmp_path):
     reserve = results.cases["pull"].reserve
     assert rows["pull"][4] == f"{number(reserve.first_slip)} × the load"
     assert rows["pull"][5].startswith("joint (")
+    assert rows["pull"][6] == f"{number(reserve.onset)} × the load"
     assert rows["way"][4] == "—"
     assert rows["shake"][2].endswith("per cycle")
 

@@ -190,6 +190,11 @@ def test_a_path_goes_on_from_an_earlier_one(coarse):
     np.testing.assert_array_equal(rest.slip, whole.slip[2:])
 
 
+def test_a_path_without_loads_is_refused(coarse):
+    with pytest.raises(ModelError, match=r"the path has no loads; give at least one, fy\.Load"):
+        fy.solve_path(coarse, [])
+
+
 def test_a_newton_step_is_that_of_the_derivative(coarse):
     """The derivative of the natural residual by differences along the step."""
     solver = coarse.static_contact.frictional

@@ -126,6 +126,26 @@ def test_the_slip_reserve_is_where_single_increments_begin_to_slip(rubbing):
     assert 0 <= reserve.point < rubbing.contact.n_points
 
 
+def test_slip_sets_in_where_points_slip_that_tightening_left_stuck(smooth):
+    """By single increments: what is on its bound after tightening does not count."""
+    slippery = smooth.with_friction(0.02)  # tightening leaves eight points on their bounds
+    tight = fy.solve_path(slippery, [fy.Load()])
+    reserve = fy.slip_reserve(slippery, PULL, tight, increments=100)
+    assert 5 * reserve.first_slip < reserve.onset < reserve.gross_slip
+    before = [f for f in np.arange(1, 100) / 100 if f < reserve.onset]
+    last = fy.solve_path(slippery, [PULL.scaled(f) for f in before], initial=tight)
+    at_rest = np.linalg.norm(tight.traction[-1], axis=-1)
+    stuck = at_rest < 0.02 * tight.pressure[-1] * (1 - 1e-6)
+    assert np.count_nonzero(~stuck & (tight.contact_forces[-1] > 0)) > 0
+    weights, shares = slippery.contact.weights, []
+    for trial in (reserve.onset * (1 - 2e-3), reserve.onset):  # twice the precision of the search
+        after = fy.solve_path(slippery, [PULL.scaled(trial)], initial=last)
+        status = slip_states(after, last).status[-1]
+        slips = weights[(status == SLIP) & stuck].sum()
+        shares.append(slips / weights[status != OPEN].sum())
+    assert shares[0] <= 0.05 < shares[1] + 1e-12
+
+
 def test_at_gross_slip_friction_carries_what_it_can(rubbing):
     """Σ λ_t of a joint that slips along the load is μ Σ λ_n, but for points that turn aside."""
     released = released_state(rubbing)

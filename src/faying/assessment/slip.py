@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.contact import Contact
 from faying.simulation.solution import Solution
 
 OPEN, STICK, SLIP = 0, 1, 2
@@ -59,11 +60,25 @@ def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
     initial
         State it went on from; by default nothing had slipped.
     """
-    contact = path.system.contact
-    normal, n = path.contact_forces, contact.n_points
-    friction = np.zeros(n)
+    return point_states(
+        path.system.contact, path.contact_forces, path.shear_forces, slip_history(path, initial)
+    )
+
+
+def point_states(
+    contact: Contact, normal: Matrix, shear: Matrix | None, slip: Matrix
+) -> SlipStates:
+    """Tell what points do under given forces.
+
+    Parameters
+    ----------
+    normal, shear : (n_increment, n_point), (n_increment, 2, n_point) or None [force]
+    slip : (n_increment + 1, 2, n_point) [length]
+        Before the first increment and after each.
+    """
+    friction = np.zeros(contact.n_points)
     friction[contact.rubbing] = contact.friction
-    status = np.where(_slips(path, initial, friction), SLIP, STICK)
+    status = np.where(_slips(normal, shear, slip, friction), SLIP, STICK)
     status[:, friction == 0] = SLIP
     status = np.where(normal > 0, status, OPEN)
     shares = _shares(status, contact.weights, contact.rubbing)
@@ -101,17 +116,21 @@ def _slip(path: Solution) -> Matrix:
     return np.zeros(shape) if path.shear_slip is None else path.shear_slip.reshape(shape)
 
 
-def _slips(path: Solution, initial: Solution | None, friction: Vector) -> Mask:
+def _slips(normal: Matrix, shear: Matrix | None, slip: Matrix, friction: Vector) -> Mask:
     """Say where the traction is on its bound and the slip changes (n_increment, n_point)."""
-    normal, shear = path.contact_forces, path.shear_forces
     if shear is None:
         return np.zeros(normal.shape, dtype=bool)
-    slip = slip_history(path, initial)
     farthest = np.hypot(slip[:, 0], slip[:, 1]).max(initial=0.0)
+    change = np.diff(slip, axis=0)
+    moved = np.hypot(change[:, 0], change[:, 1]) > NOTICEABLE * farthest
+    return np.asarray(moved & on_the_bound(normal, shear, friction))
+
+
+def on_the_bound(normal: Matrix, shear: Matrix, friction: Vector) -> Mask:
+    """Say where tangential forces (n, 2, n_point) are at μ times normal ones (n, n_point)."""
     bound, size = friction * normal, np.hypot(shear[:, 0], shear[:, 1])
     slack = ON_THE_BOUND * bound + NOTICEABLE * normal.max(initial=0.0)
-    moved = slip_change(path, initial) > NOTICEABLE * farthest
-    return np.asarray(moved & (size >= bound - slack))
+    return np.asarray(size >= bound - slack)
 
 
 def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:

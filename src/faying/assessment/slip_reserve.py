@@ -2,14 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
-from faying.assessment.slip import SLIP, SlipStates, slip_change, slip_states
+from faying._typing import Mask, Vector
+from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
+from faying.simulation.path import (
+    PathStep,
+    follow,
+    moved_alone,
+    path_inputs,
+    path_start,
+    solve_path,
+)
 from faying.simulation.solution import Solution
 
 PRECISION = 1e-3
@@ -17,6 +26,13 @@ PRECISION = 1e-3
 
 MOST_BISECTIONS = 20
 """Bisections of an increment: what slips below a millionth of it slips at once."""
+
+ONSET = 0.05
+"""Share of the area in contact whose slip is called the onset of slip.
+
+Of points that tightening left sticking. Tractions that tightening leaves go up to their bounds
+without a gap, so that a first point can slip under next to no load.
+"""
 
 LARGEST = 10.0
 """Load factor at which the search is given up."""
@@ -33,6 +49,9 @@ class SlipReserve:
     interface, point
         Where: the interface, and the number of the point among its points (the one that slips
         farthest if several begin together); empty and -1 where none does.
+    onset
+        At which a twentieth of the area in contact slips, counting only points that tightening
+        left within their bounds; None where less does.
     share
         Share of the area in contact that ``share_slip`` is about.
     share_slip
@@ -49,19 +68,12 @@ class SlipReserve:
     first_slip: float | None
     interface: str
     point: int
+    onset: float | None
     share: float
     share_slip: float | None
     gross_slip: float | None
     largest: float
     stopped: bool
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Found:
-    """A load factor at which something happens for the first time, and the state there."""
-
-    factor: float
-    after: Solution
 
 
 def slip_reserve(
@@ -104,42 +116,45 @@ def slip_reserve(
 
     Notes
     -----
-    Some 35 increments up to a factor of ten, and ten for each factor found. Tightening with
-    friction leaves points on their bounds, which slip under almost any load: where that is not
-    wanted, look at the share.
+    Some 35 increments up to a factor of ten, and ten for each factor found; no displacements are
+    computed. Tightening with friction leaves points on their bounds, which slip under almost any
+    load, so that ``first_slip`` can be next to nothing: ``onset`` counts the others.
     """
     _check(system, load, share, increments, largest)
-    here = solve_path(system, [Load()]) if initial is None else initial
+    rest = solve_path(system, [Load()]) if initial is None else initial
+    search = _Search.of(system, load, rest)
+    stuck = search.stuck()
     events: dict[str, Callable[[SlipStates], bool]] = {
         "first": lambda states: bool(states.slip_share[-1] > 0),
+        "onset": lambda states: search.share(states, stuck) >= ONSET,
         "share": lambda states: bool(states.slip_of_closed[-1] >= share),
         "gross": lambda states: bool(states.macroslip[-1]),
     }
-    found: dict[str, _Found] = {}
+    found: dict[str, float] = {}
     interface, point = "", -1
-    factor, stopped = 0.0, False
+    here, factor, stopped = search.start, 0.0, False
     while factor < largest and len(found) < len(events):
         target = min(_next(factor, increments), largest)
         try:
-            after = solve_path(system, [load.scaled(target)], initial=here)
+            after = search.at(target, here)
         except ConvergenceError:
             stopped = True
             break
-        states = slip_states(after, here)
+        states = search.states(after, here)
         for name, happens in events.items():
             if name not in found and happens(states):
-                found[name] = _bisected(system, load, here, (factor, target), happens)
+                found[name], begun = search.bisected(here, after, (factor, target), happens)
                 if name == "first":
-                    interface, point = _farthest(found[name], here)
+                    interface, point = search.farthest(begun, here)
         here, factor = after, target
-    factors = {name: one.factor for name, one in found.items()}
     return SlipReserve(
-        first_slip=factors.get("first"),
+        first_slip=found.get("first"),
         interface=interface,
         point=point,
+        onset=found.get("onset"),
         share=share,
-        share_slip=factors.get("share"),
-        gross_slip=factors.get("gross"),
+        share_slip=found.get("share"),
+        gross_slip=found.get("gross"),
         largest=factor,
         stopped=stopped,
     )
@@ -168,35 +183,81 @@ def _next(factor: float, increments: int) -> float:
     return factor * (1 + 1 / increments)
 
 
-def _bisected(
-    system: System,
-    load: Load,
-    here: Solution,
-    between: tuple[float, float],
-    happens: Callable[[SlipStates], bool],
-) -> _Found:
-    """Find where between two factors something begins to happen, by single increments."""
-    low, high = between
-    after = solve_path(system, [load.scaled(high)], initial=here)
-    for _ in range(MOST_BISECTIONS):
-        if high - low <= PRECISION * high:
-            break
-        middle = (low + high) / 2
-        trial = solve_path(system, [load.scaled(middle)], initial=here)
-        if happens(slip_states(trial, here)):
-            high, after = middle, trial
-        else:
-            low = middle
-    return _Found(factor=high, after=after)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Search:
+    """A load that grows from the preloaded joint, seen through its contact.
 
+    Attributes
+    ----------
+    start
+        The preloaded joint.
+    fixed, growing : (n_relative,) [length]
+        What the locked bolts move the pairs, and what the load at factor one adds.
+    """
 
-def _farthest(found: _Found, here: Solution) -> tuple[str, int]:
-    """Return the interface, and the point of it, that slips farthest in an increment."""
-    contact = found.after.system.contact
-    change = slip_change(found.after, here)[-1]
-    change[slip_states(found.after, here).status[-1] != SLIP] = 0.0
-    point = int(change.argmax())
-    for name, points in contact.slices.items():
-        if points.start <= point < points.stop:
-            return name, point - points.start
-    return "", -1
+    system: System
+    start: PathStep
+    fixed: Vector
+    growing: Vector
+
+    @classmethod
+    def of(cls, system: System, load: Load, rest: Solution) -> Self:
+        """Begin at a preloaded state."""
+        inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
+        fixed, full = moved_alone(system, inputs)
+        start = path_start(system, rest)
+        return cls(system=system, start=start, fixed=fixed, growing=full - fixed)
+
+    def at(self, factor: float, here: PathStep) -> PathStep:
+        """Go on to a load factor in one increment."""
+        target = self.fixed + factor * self.growing
+        return next(follow(self.system.static_contact.frictional, target[None], here))
+
+    def states(self, after: PathStep, here: PathStep) -> SlipStates:
+        """Tell what the points do in one increment."""
+        forces, slip = after.increment.forces, np.array([here.slip, after.slip])
+        return point_states(self.system.contact, forces[:1], forces[None, 1:], slip)
+
+    def stuck(self) -> Mask:
+        """Return the points (n_point,) whose traction the preload leaves within its bound."""
+        forces = self.start.increment.forces
+        friction = self.system.static_contact.frictional.friction
+        return np.asarray(~on_the_bound(forces[:1], forces[None, 1:], friction)[0])
+
+    def share(self, states: SlipStates, points: Mask) -> float:
+        """Return the area of some points that slips, over that of all that touches and rubs."""
+        contact = self.system.contact
+        status, area = states.status[-1, contact.rubbing], contact.weights[contact.rubbing]
+        touching = float(area[status > 0].sum())
+        slipping = float(area[(status == SLIP) & points[contact.rubbing]].sum())
+        return slipping / touching if touching > 0 else 0.0
+
+    def bisected(
+        self,
+        here: PathStep,
+        after: PathStep,
+        between: tuple[float, float],
+        happens: Callable[[SlipStates], bool],
+    ) -> tuple[float, PathStep]:
+        """Find where between two factors something begins to happen, by single increments."""
+        low, high = between
+        for _ in range(MOST_BISECTIONS):
+            if high - low <= PRECISION * high:
+                break
+            middle = (low + high) / 2
+            trial = self.at(middle, here)
+            if happens(self.states(trial, here)):
+                high, after = middle, trial
+            else:
+                low = middle
+        return high, after
+
+    def farthest(self, after: PathStep, here: PathStep) -> tuple[str, int]:
+        """Return the interface, and the point of it, that slips farthest in an increment."""
+        change = np.hypot(*(after.slip - here.slip))
+        change[self.states(after, here).status[-1] != SLIP] = 0.0
+        point = int(change.argmax())
+        for name, points in self.system.contact.slices.items():
+            if points.start <= point < points.stop:
+                return name, point - points.start
+        return "", -1

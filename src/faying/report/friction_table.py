@@ -15,7 +15,7 @@ def friction_table(results: Results) -> Table:
     units = units_of(results.units)
     columns = (
         "load case", "max traction", "energy taken by friction", "most slip at once",
-        "first slip at", "where", "a share slips at", "all slips at",
+        "first slip at", "where", "slip sets in at", "a share slips at", "all slips at",
     )  # fmt: skip
     rows = []
     for name, case in results.cases.items():
@@ -35,17 +35,22 @@ def friction_table(results: Results) -> Table:
     return table(columns, rows)
 
 
-def _reserve(results: Results, case: CaseResult) -> tuple[str, str, str, str]:
+def _reserve(results: Results, case: CaseResult) -> tuple[str, ...]:
     """Return the load factors of a slip reserve, and where it begins."""
     reserve = case.reserve
     if reserve is None:
-        return "—", "—", "—", "—"
+        return ("—",) * 5
     beyond = f"above {number(reserve.largest)} ×"
     if reserve.stopped:
         beyond = f"no solution above {number(reserve.largest)} ×"
-    first, share, gross = (
+    first, onset, share, gross = (
         beyond if factor is None else f"{number(factor)} × the load"
-        for factor in (reserve.first_slip, reserve.share_slip, reserve.gross_slip)
+        for factor in (
+            reserve.first_slip,
+            reserve.onset,
+            reserve.share_slip,
+            reserve.gross_slip,
+        )
     )
     where = "—"
     if reserve.interface in results.interfaces:
@@ -53,4 +58,4 @@ def _reserve(results: Results, case: CaseResult) -> tuple[str, str, str, str]:
         size = float(np.ptp(record.points, axis=0).max())
         point = place(record.points[reserve.point], units_of(results.units).length, size)
         where = f"{reserve.interface} {point}"
-    return first, where, f"{percent(reserve.share)}: {share}", gross
+    return first, where, onset, f"{percent(reserve.share)}: {share}", gross

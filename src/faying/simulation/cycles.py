@@ -8,7 +8,14 @@ from faying._typing import Vector
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
+from faying.simulation.path import (
+    assembled,
+    follow,
+    moved_alone,
+    path_inputs,
+    path_start,
+    solve_path,
+)
 from faying.simulation.solution import Solution
 
 STATIONARY = 1e-3
@@ -98,25 +105,53 @@ def solve_cycles(
     rise = np.arange(1, increments + 1) / increments
     steps = np.arange(1, 2 * increments + 1) / increments
     factors = amplitude * np.concatenate([1 - steps, steps - 1])
-    here = solve_path(system, [Load()]) if initial is None else initial
-    start = here = solve_path(system, scaled_loads(load, amplitude * rise), initial=here)
-    energies: list[float] = []
-    stationary = False
-    while len(energies) < (count or MOST_CYCLES) and (count is not None or not stationary):
-        start = here
-        here = solve_path(system, scaled_loads(load, factors), initial=start)
-        energies.append(float(np.sum(here.dissipation)))
-        work = float(np.ptp(load_work(here, load))) * amplitude
-        change = abs(energies[-1] - energies[-2]) if len(energies) > 1 else energies[-1]
-        stationary = change <= max(STATIONARY * energies[-1], NO_LOSS * work)
+    start = solve_path(system, [Load()]) if initial is None else initial
+    if system.contact.forgets:
+        start = solve_path(system, scaled_loads(load, amplitude * rise), initial=start)
+        cycle = solve_path(system, scaled_loads(load, factors), initial=start)
+        energies, stationary = np.zeros(count or 1), True
+    else:
+        start, cycle, energies, stationary = _repeated(
+            system, load, (amplitude * rise, factors), start, count
+        )
     return Cycles(
         amplitude=amplitude,
         factors=factors,
-        cycle=here,
+        cycle=cycle,
         start=start,
-        energies=np.array(energies),
+        energies=energies,
         stationary=stationary,
     )
+
+
+def _repeated(
+    system: System,
+    load: Load,
+    factors: tuple[Vector, Vector],
+    rest: Solution,
+    count: int | None,
+) -> tuple[Solution, Solution, Vector, bool]:
+    """Return where the last cycle starts, the cycle, the energies of all, and whether they repeat.
+
+    Displacements are computed of the last cycle alone, and where the others reverse.
+    """
+    solver = system.static_contact.frictional
+    rise, cycle = (path_inputs(system, scaled_loads(load, one)) for one in factors)
+    steps = list(follow(solver, moved_alone(system, rise), path_start(system, rest)))
+    relative = moved_alone(system, cycle)
+    ends = cycle[[len(cycle) // 2 - 1, -1]]
+    start, energies, stationary = steps[-1], list[float](), False
+    while len(energies) < (count or MOST_CYCLES) and (count is not None or not stationary):
+        start = steps[-1]
+        steps = list(follow(solver, relative, start))
+        energies.append(float(np.sum([step.dissipation for step in steps])))
+        reversals = assembled(system, ends, [steps[len(steps) // 2 - 1], steps[-1]], "reversals")
+        work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())
+        change = abs(energies[-1] - energies[-2]) if len(energies) > 1 else energies[-1]
+        stationary = change <= max(STATIONARY * energies[-1], NO_LOSS * work)
+    begun = assembled(system, rise[-1:], [start], load.name)
+    last = assembled(system, cycle, steps, load.name)
+    return begun, last, np.array(energies), stationary
 
 
 def scaled_loads(load: Load, factors: Vector) -> list[Load]:

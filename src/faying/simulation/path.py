@@ -43,8 +43,8 @@ def solve_path(
     Raises
     ------
     ModelError
-        If a load does not fit the system, ``initial`` is of another joint, or the structure is not
-        held.
+        If there is no load, or one does not fit the system, ``initial`` is of another joint, or the
+        structure is not held.
     ConvergenceError
         If an increment is not solved even when it is divided; the message names it.
 
@@ -57,15 +57,40 @@ def solve_path(
     for n relative displacements in contact, and a back-substitution. Without friction nothing is
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
-    times, start = np.zeros(1), path_start(system, initial)
-    inputs = np.concatenate([load.inputs(system, times) for load in loads])
+    inputs = path_inputs(system, loads)
     if system.contact.forgets:
         solved = solve_static_inputs(system, inputs, name)
         return replace(solved, dissipation=np.zeros(len(inputs)))
-    solver = system.static_contact.frictional
+    start, relative = path_start(system, initial), moved_alone(system, inputs)
+    steps = list(follow(system.static_contact.frictional, relative, start))
+    return assembled(system, inputs, steps, name)
+
+
+def path_inputs(system: System, loads: Sequence[Load]) -> Matrix:
+    """Return the inputs of a sequence of loads (n_load, n_input).
+
+    Raises
+    ------
+    ModelError
+        If there is none, or one does not fit the system.
+    """
+    if not loads:
+        message = "the path has no loads; give at least one, fy.Load() for the bolts alone"
+        raise ModelError(message)
+    start = np.zeros(1)
+    return np.concatenate([load.inputs(system, start) for load in loads])
+
+
+def moved_alone(system: System, inputs: Matrix) -> Matrix:
+    """Return what inputs (n_load, n_input) alone move the pairs (n_load, n_relative) [length]."""
     ports = system.port_compliance
-    relative = port_forces(ports, inputs) @ ports.contact_columns
-    steps = list(follow(solver, relative, start))
+    relative: Matrix = port_forces(ports, inputs) @ ports.contact_columns
+    return relative
+
+
+def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name: str) -> Solution:
+    """Return the solution of a path that was followed, one back-substitution for each load."""
+    solver = system.static_contact.frictional
     normal = np.array([step.increment.forces[0] for step in steps])
     shear = np.array([step.increment.forces[1:] for step in steps])
     gap = np.array([solver.gap(step.increment) for step in steps])
@@ -132,8 +157,7 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
         forces[1:] = initial.shear_forces.reshape(shape)[-1]
         slip = initial.shear_slip.reshape(shape)[-1]
     forces[0] = normal
-    inputs = np.atleast_2d(initial.inputs)[-1]
-    relative = port_forces(ports, inputs) @ ports.contact_columns
+    relative = moved_alone(system, np.atleast_2d(initial.inputs)[-1])
     return PathStep(relative=relative, increment=replace(nothing, forces=forces), slip=slip)
 
 

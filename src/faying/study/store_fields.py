@@ -152,6 +152,7 @@ MEANINGS: dict[type, Table] = {
         "first_slip": Meaning("load factor at which the first point slips", "1"),
         "interface": Meaning("interface of that point"),
         "point": Meaning("its number among the points of the interface; -1 where none", "1"),
+        "onset": Meaning("load factor at which 5 % of the area slips that preload left stuck", "1"),
         "share": Meaning("share of the area in contact that share_slip is about", "1"),
         "share_slip": Meaning("load factor at which that share slips", "1"),
         "gross_slip": Meaning("load factor at which all that is closed slips", "1"),

@@ -222,6 +222,7 @@ def _slip(case: CaseResult) -> dict[str, Any]:
         "dissipated_energy": float(largest.dissipation.sum()),
         "macroslip": any(bool(one.macroslip.any()) for one in found),
         "first_slip_factor": None if case.reserve is None else case.reserve.first_slip,
+        "slip_onset_factor": None if case.reserve is None else case.reserve.onset,
     }
     if case.reserve is not None:
         summary["slip_reserve"] = asdict(case.reserve)
