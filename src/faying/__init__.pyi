@@ -21,6 +21,7 @@ from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.recovery import recover_pressure as recover_pressure
+from faying.assessment.requirements import ClosedRing as ClosedRing
 from faying.assessment.requirements import Requirements as Requirements
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve

@@ -30,6 +30,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[reduction.training] box": tables.BoxSide,
     "[validation]": tables.ValidationSection,
     "[requirement]": tables.RequirementSection,
+    "[requirement] closed_ring": tables.RingSection,
     "[[load_case]]": tables.LoadCaseSection,
     "[[load_case]] forces": tables.ForceSection,
     "[output]": tables.OutputSection,

@@ -15,6 +15,7 @@ from faying.assessment.case_metrics import metrics_of
 from faying.cli import app
 from faying.exceptions import ConvergenceError, FormatError, StudyError
 from faying.execution.checkpoint import Checkpoint
+from faying.study.assessing import requirements_of
 from faying.study.load_set import read_loads
 from faying.study.load_table import read_load_table
 from faying.study.schema import read_load_cases, read_study
@@ -376,3 +377,82 @@ def test_commands(study, tmp_path, monkeypatch):
     assert isinstance(wrong.exception, StudyError)
     other = runner.invoke(app, ["solve", str(study.path), "many.csv"])
     assert isinstance(other.exception, FormatError)
+
+
+REQUIRED = """
+[requirement]
+min_clamp_force = LIMIT
+max_pressure = 1e3
+no_opening_within = 8.0
+min_opening_factor = 1.0
+closed_ring = [{ around = [0.0, 0.0, 0.0] }]
+"""
+
+
+def test_requirements_are_those_that_an_assessment_judges(rom, tmp_path):
+    path = tmp_path / "loads.toml"
+    path.write_text(
+        LOADS.partition('[[load_case]]\nname = "jump"')[0] + REQUIRED.replace("LIMIT", "1.0")
+    )
+    loads = read_loads(path, rom)
+    wanted = requirements_of(loads.requirement)
+    options = SolveOptions(requirements=wanted)
+    found = solve_loads(rom, loads, tmp_path / "out", options).summary["assessment"]["verdicts"]
+    each = [fy.Load({"tip.Fz": -150.0}, name="bend"), fy.Load({"tip.Fx": 900.0}, name="pull")]
+    expected = {one.requirement: one for one in fy.assess(rom, each, wanted).verdicts}
+    assert [one["requirement"] for one in found] == [
+        "min_clamp_force",
+        "max_pressure",
+        "no_opening_within",
+        "closed_ring",
+        "min_opening_factor",
+    ]
+    for one in found:
+        other = expected[one["requirement"]]
+        assert (one["met"], one["place"], one["case"]) == (other.met, other.place, other.case)
+        # Solved together and one by one, to round-off of the largest pressure.
+        value = np.inf if one["value"] is None else one["value"]
+        assert value == pytest.approx(other.value, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(("limit", "status"), [("1.0", 0), ("9e9", 3)])
+def test_requirements_of_the_study_in_the_file_decide_the_status(tmp_path, limit, status):
+    study = tmp_path / "tiny.toml"
+    study.write_text(STUDY + f"[requirement]\nmin_clamp_force = {limit}\n")
+    runner = CliRunner()
+    model = str(tmp_path / "tiny.faying")
+    assert runner.invoke(app, ["reduce", str(study), "--out", model]).exit_code == 0
+    loads = tmp_path / "loads.csv"
+    loads.write_text("case,tip.Fz\na,-10\nb,-150\n")
+    done = runner.invoke(app, ["solve", model, str(loads), "--out", str(tmp_path / "out")])
+    assert done.exit_code == status, done.output
+    assert "Requirement min_clamp_force" in done.output
+    assert ("NOT MET" in done.output) == (status == 3)
+
+
+def test_a_requirement_that_cannot_be_judged_is_not_met(model_file, tmp_path):
+    loads = tmp_path / "loads.toml"
+    loads.write_text(LOADS + "[requirement]\nmin_slip_safety = 1.5\n")
+    done = CliRunner().invoke(
+        app, ["solve", str(model_file), str(loads), "--out", str(tmp_path / "out")]
+    )
+    assert done.exit_code == 3
+    assert "min_slip_safety is judged by faying run" in done.output
+
+
+def test_histories_are_judged_too(model_file, tmp_path):
+    loads = tmp_path / "loads.toml"
+    jump = LOADS.partition('[[load_case]]\nname = "jump"')
+    loads.write_text(
+        jump[1]
+        + jump[2]
+        + REQUIRED.replace("LIMIT", "1.0").replace("min_opening_factor = 1.0\n", "")
+    )
+    rom = fy.load(model_file)
+    read = read_loads(loads, rom)
+    options = SolveOptions(requirements=requirements_of(read.requirement))
+    summary = solve_loads(rom, read, tmp_path / "out", options).summary
+    clamp = summary["assessment"]["verdicts"][0]
+    worst = summary["transients"]["jump"]["worst"]["clamp_force.joint"][0]
+    assert clamp["value"] == worst["value"]
+    assert clamp["case"] == f"jump at {worst['case']}"

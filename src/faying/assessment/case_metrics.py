@@ -1,13 +1,15 @@
 """What an engineer asks of every load case or instant: a few numbers, not fields."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
+from faying.assessment.sealing import Ring, ring_pressure
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
@@ -36,7 +38,11 @@ class Metric:
 
 
 def metrics_of(
-    system: System, interfaces: Mapping[str, ContactSurface], *, certified: bool
+    system: System,
+    interfaces: Mapping[str, ContactSurface],
+    *,
+    certified: bool,
+    rings: Collection[str] = (),
 ) -> list[Metric]:
     """Return the metrics of a system, in the order of :func:`case_metrics`.
 
@@ -46,6 +52,8 @@ def metrics_of(
         Geometry of the contact points, by name.
     certified
         Whether there are certificates.
+    rings
+        Names of rings around holes.
     """
     found: list[Metric] = []
     for name in interfaces:
@@ -68,6 +76,15 @@ def metrics_of(
             )
             for component in _components(boundary)
         ]
+    found += [
+        Metric(
+            name=f"ring_pressure.{name}",
+            description="smallest pressure on the best closed ring around a hole",
+            dimension="force/length²",
+            worst="smallest",
+        )
+        for name in rings
+    ]
     if certified:
         found += [
             Metric(
@@ -131,6 +148,7 @@ def case_metrics(
     solution: Solution,
     interfaces: Mapping[str, ContactSurface],
     certificate: Certificate | None = None,
+    rings: Mapping[str, Ring] = MappingProxyType({}),
 ) -> Matrix:
     """Return the metrics (n_case, n_metric) of many load cases or instants.
 
@@ -140,6 +158,8 @@ def case_metrics(
         With one entry per case or instant.
     certificate
         Of the same cases.
+    rings
+        Around holes, by name.
     """
     columns: list[Vector] = []
     for name, surface in interfaces.items():
@@ -148,6 +168,7 @@ def case_metrics(
     for name, boundary in solution.system.boundaries.items():
         moved = solution.displacement(name)
         columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
+    columns += [ring_pressure(ring, solution.pressure) for ring in rings.values()]
     if certificate is not None:
         columns += [certificate.energy_error, certificate.max_relative_error]
     return np.column_stack(columns)

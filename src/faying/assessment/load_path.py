@@ -141,8 +141,12 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
     One factorization of the closed points, n³/3 for n of them, at each kink; a kink for each point
     that opens or closes, some hundreds on a joint.
     """
+    return input_path(system, load.inputs(system, np.zeros(1))[0], most=most)
+
+
+def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPath:
+    """Follow the contact as :func:`load_path`, of a load given by its inputs (n_input,)."""
     ports, condensed = system.port_compliance, system.static_contact
-    inputs = load.inputs(system, np.zeros(1))[0]
     start, growing = inputs.copy(), inputs.copy()
     start[: ports.n_boundary] = 0.0
     start[ports.bolts.stop :] = 0.0

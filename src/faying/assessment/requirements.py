@@ -5,6 +5,25 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)
+class ClosedRing:
+    """A ring around a hole that must stay pressed, see :mod:`faying.assessment.sealing`.
+
+    Attributes
+    ----------
+    around : [length]
+        A point in the hole: that with the nearest edge is meant.
+    pressure : [force/length²]
+        Least pressure of the ring, which must be above zero in any case.
+    interface
+        Where it is; None is the only one.
+    """
+
+    around: tuple[float, float, float]
+    pressure: float = 0.0
+    interface: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class Requirements:
     """What is demanded of every load case; None is nothing.
 
@@ -20,6 +39,8 @@ class Requirements:
         Least factor of a static load at which an interface carries no force any more.
     min_slip_safety
         Least factor of a static load or cycle at which an interface slips as a whole.
+    closed_ring
+        Rings around holes that must stay pressed.
     """
 
     min_clamp_force: float | Mapping[str, float] | None = None
@@ -27,6 +48,7 @@ class Requirements:
     no_opening_within: float | None = None
     min_opening_factor: float | None = None
     min_slip_safety: float | None = None
+    closed_ring: tuple[ClosedRing, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,10 +1,11 @@
 """Requirements judged where they are nearest to failing."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from faying.assessment.bolt_surroundings import pressed_near
 from faying.assessment.joint_record import CaseState, InterfaceAssessment
-from faying.assessment.requirements import Requirements, Verdict
+from faying.assessment.requirements import ClosedRing, Requirements, Verdict
+from faying.assessment.sealing import ring_around, ring_pressure
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.model.bolt import Bolt
@@ -31,21 +32,15 @@ def verdicts(
     yield from _opening_verdict(wanted.no_opening_within, surfaces, bolts, rest, cases)
     yield from _factor_verdict(wanted.min_opening_factor, interfaces)
     yield from _slip_verdict(wanted.min_slip_safety, slip)
+    for ring in wanted.closed_ring:
+        yield _ring_verdict(ring, surfaces, cases)
 
 
 def _clamp_verdict(
     limit: float | Mapping[str, float] | None, interfaces: Mapping[str, InterfaceAssessment]
 ) -> Iterator[Verdict]:
     """Judge the least clamp force by the lower end of its certified interval, where it has one."""
-    if limit is None:
-        return
-    limits = limit if isinstance(limit, Mapping) else dict.fromkeys(interfaces, limit)
-    unknown = sorted(set(limits) - set(interfaces))
-    if unknown:
-        known = ", ".join(interfaces)
-        message = f"min_clamp_force: there is no interface '{unknown[0]}'; there are {known}"
-        raise ModelError(message)
-    for name, least in limits.items():
+    for name, least in wanted_clamps(limit, interfaces).items():
         one = interfaces[name]
         value = one.least_clamp if one.certified is None else float(one.certified[0])
         yield Verdict(
@@ -56,6 +51,27 @@ def _clamp_verdict(
             value=value,
             limit=least,
         )
+
+
+def wanted_clamps(
+    limit: float | Mapping[str, float] | None, interfaces: Iterable[str]
+) -> Mapping[str, float]:
+    """Return the least clamp force of each interface that has one.
+
+    Raises
+    ------
+    ModelError
+        If an interface is not there.
+    """
+    if limit is None:
+        return {}
+    limits = limit if isinstance(limit, Mapping) else dict.fromkeys(interfaces, limit)
+    unknown = sorted(set(limits) - set(interfaces))
+    if unknown:
+        known = ", ".join(interfaces)
+        message = f"min_clamp_force: there is no interface '{unknown[0]}'; there are {known}"
+        raise ModelError(message)
+    return limits
 
 
 def _pressure_verdict(
@@ -87,22 +103,35 @@ def _opening_verdict(
         return
     for bolt_name, bolt in bolts.items():
         near = pressed_near(surfaces, bolt, radius, rest.pressure[0])
-        if not near.any():
-            message = (
-                f"the preload presses no contact point within {radius:g} of bolt '{bolt_name}', so "
-                "nothing can open there; give a larger radius for no_opening_within"
-            )
-            raise ModelError(message)
-        lows = {case: one.pressure[:, near].min() for case, one in cases.items()}
-        least = min(lows, key=lows.__getitem__)
-        yield Verdict(
-            requirement="no_opening_within",
-            met=bool(lows[least] > 0),
-            place=bolt_name,
-            case=least,
-            value=float(lows[least]),
-            limit=radius,
+        lows = [
+            (case, float(one.pressure[:, near].min())) for case, one in cases.items() if near.any()
+        ]
+        yield no_opening(bolt_name, radius, lows)
+
+
+def no_opening(bolt: str, radius: float, lows: Sequence[tuple[str, float]]) -> Verdict:
+    """Judge the smallest pressures around a bolt, each with its case.
+
+    Raises
+    ------
+    ModelError
+        If there is none, because nothing is pressed there.
+    """
+    if not lows:
+        message = (
+            f"the preload presses no contact point within {radius:g} of bolt '{bolt}', so "
+            "nothing can open there; give a larger radius for no_opening_within"
         )
+        raise ModelError(message)
+    case, value = min(lows, key=lambda one: one[1])
+    return Verdict(
+        requirement="no_opening_within",
+        met=value > 0,
+        place=bolt,
+        case=case,
+        value=value,
+        limit=radius,
+    )
 
 
 def _factor_verdict(
@@ -151,3 +180,43 @@ def _slip_verdict(limit: float | None, slip: Mapping[str, float]) -> Iterator[Ve
         value=slip[case],
         limit=limit,
     )
+
+
+def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> str:
+    """Return the interface of a ring.
+
+    Raises
+    ------
+    ModelError
+        If it is not there, or not the only one where none is named.
+    """
+    known = ", ".join(surfaces)
+    if ring.interface is not None and ring.interface not in surfaces:
+        message = f"closed_ring: there is no interface '{ring.interface}'; there are {known}"
+        raise ModelError(message)
+    if ring.interface is None and len(surfaces) > 1:
+        message = f"closed_ring: there are several interfaces, {known}; add 'interface'"
+        raise ModelError(message)
+    return ring.interface or next(iter(surfaces))
+
+
+def ring_verdict(ring: ClosedRing, place: str, case: str, value: float) -> Verdict:
+    """Judge the smallest pressure on a ring."""
+    return Verdict(
+        requirement="closed_ring",
+        met=0 < value >= ring.pressure,
+        place=place,
+        case=case,
+        value=value,
+        limit=ring.pressure,
+    )
+
+
+def _ring_verdict(
+    wanted: ClosedRing, surfaces: Mapping[str, ContactSurface], cases: Mapping[str, CaseState]
+) -> Verdict:
+    name = ring_surface(wanted, surfaces)
+    ring = ring_around(surfaces[name], wanted.around)
+    lows = {case: float(ring_pressure(ring, one.pressure).min()) for case, one in cases.items()}
+    least = min(lows, key=lows.__getitem__)
+    return ring_verdict(wanted, name, least, lows[least])

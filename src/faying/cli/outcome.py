@@ -29,8 +29,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
         console.print(line, highlight=False)
     if summary["reference"]["reason"]:
         console.print(f"Reference: {summary['reference']['reason']}", highlight=False)
-    for verdict in _verdicts(summary):
-        console.print(_verdict_line(verdict), highlight=False, soft_wrap=True)
+    for line in verdict_lines(summary):
+        console.print(line, highlight=False, soft_wrap=True)
     report = out / "report.html"
     console.print(f"Results are in {out}", highlight=False, soft_wrap=True)
     if report.exists():
@@ -45,6 +45,11 @@ def met(summary: Mapping[str, Any]) -> bool:
 
 def _verdicts(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return list((summary.get("assessment") or {}).get("verdicts", []))
+
+
+def verdict_lines(summary: Mapping[str, Any]) -> list[str]:
+    """Return a line for each requirement that was judged."""
+    return list(map(_verdict_line, _verdicts(summary)))
 
 
 def _verdict_line(verdict: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from faying.cli.arguments import usable_folder
-from faying.cli.run import INTERRUPTED, NOT_CONVERGED
+from faying.cli.run import INTERRUPTED, NOT_CONVERGED, NOT_MET
 from faying.exceptions import StudyError
 
 if TYPE_CHECKING:
@@ -60,10 +60,13 @@ def solve(
     """Solve many loads on a reduced model: metrics of all, fields of the worst, envelopes."""
     from rich.console import Console
 
+    from faying.cli.outcome import met
     from faying.cli.progress import progress_bar
-    from faying.reduction.model_reader import load
+    from faying.reduction.model_reader import load, study_of
     from faying.simulation.integrators import named_integrator
+    from faying.study.assessing import requirements_of
     from faying.study.load_set import read_loads
+    from faying.study.schema import stored_requirement
     from faying.workflow.solve import SolveOptions, solve_loads
 
     folder = out or Path(f"{loads.stem}-solved")
@@ -74,7 +77,11 @@ def solve(
     wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
     usable_folder(folder)
     options = SolveOptions(
-        worst=worst, named=tuple(keep or ()), certificates=certificates, table=table
+        worst=worst,
+        named=tuple(keep or ()),
+        certificates=certificates,
+        table=table,
+        requirements=requirements_of(wanted.requirement or stored_requirement(study_of(model))),
     )
     try:
         with progress_bar(Console(stderr=True), remaining=True) as bar:
@@ -89,6 +96,8 @@ def solve(
         message = f"Some cases did not converge; {folder / 'summary.json'} names them"
         typer.echo(message, err=True)
         raise typer.Exit(NOT_CONVERGED)
+    if not met(result.summary):
+        raise typer.Exit(NOT_MET)
 
 
 def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
@@ -96,6 +105,8 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
     from rich import box
     from rich.console import Console
     from rich.table import Table
+
+    from faying.cli.outcome import verdict_lines
 
     console = Console(markup=False, highlight=False)
     sets = {"static cases": summary["static"]} if "static" in summary else {}
@@ -111,6 +122,8 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
             for entry in worst[:1]:
                 table.add_row(label, f"{entry['value']:.5g}", entry["case"])
         console.print(table)
+    for line in verdict_lines(summary):
+        console.print(line, soft_wrap=True)
     for warning in summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)
     console.print(f"Results are in {folder}", soft_wrap=True)

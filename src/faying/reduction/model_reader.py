@@ -284,5 +284,18 @@ def _optional(group: h5py.Group, name: str, shape: tuple[int, ...]) -> Matrix | 
     return numbers(group, name, shape) if name in group else None
 
 
+def study_of(path: Path | str) -> str:
+    """Return the text of the study that a file of a reduced model was made from; empty if none.
+
+    Raises
+    ------
+    FormatError
+        As :func:`load`.
+    """
+    with described_file(Path(path), MODEL) as file:
+        made = member(file, "provenance")
+        return _text(made, "study") if "study" in made else ""
+
+
 def _text(group: h5py.Group, name: str) -> str:
     return str(read_member(member(group, name), str, TABLES))

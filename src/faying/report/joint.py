@@ -18,6 +18,7 @@ MEANINGS = {
     "no_opening_within": ("smallest pressure around the bolt", "nothing open within", "length"),
     "min_opening_factor": ("nothing is pressed any more at", "at least", "1"),
     "min_slip_safety": ("slips as a whole at", "at least", "1"),
+    "closed_ring": ("smallest pressure on the ring", "at least", "force/length²"),
 }
 """Requirement to what is judged, how it is limited, and the dimension of the limit."""
 

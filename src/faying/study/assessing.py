@@ -9,7 +9,7 @@ from faying.assessment.certificate import certifier
 from faying.assessment.joint_assessment import judged
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.load_path import LoadPath, load_path
-from faying.assessment.requirements import Requirements
+from faying.assessment.requirements import ClosedRing, Requirements
 from faying.reduction.projection import contact_surfaces
 from faying.study.extras import Extras
 from faying.study.loads import case_load
@@ -61,7 +61,9 @@ def assess_run(
 
 def requirements_of(section: RequirementSection) -> Requirements:
     """Return what a study demands."""
-    return Requirements(**{name: getattr(section, name) for name in type(section).model_fields})
+    keys = {name: getattr(section, name) for name in type(section).model_fields}
+    rings = tuple(ClosedRing(**ring.model_dump()) for ring in section.closed_ring)
+    return Requirements(**{**keys, "closed_ring": rings})
 
 
 def _state(case: CaseResult, certified: Mapping[str, Vector] | None) -> CaseState:

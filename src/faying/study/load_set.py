@@ -1,7 +1,7 @@
 """Loads for a reduced model: static cases as one matrix, and transients one by one."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from faying.simulation.load import History, Load
 from faying.study.load_table import LoadTable, read_load_table, table_inputs
 from faying.study.loads import case_load
 from faying.study.schema import read_load_cases
-from faying.study.tables import LoadCaseSection
+from faying.study.tables import LoadCaseSection, RequirementSection
 from faying.study.timing import time_span, time_step
 
 TABLES = (".csv", ".parquet")
@@ -50,11 +50,14 @@ class LoadSet:
         Of the static cases.
     transients
         Loads over time.
+    requirement
+        What the file of the loads demands of the joint; None if it says nothing.
     """
 
     names: tuple[str, ...]
     inputs: Matrix
     transients: tuple[TimedLoad, ...]
+    requirement: RequirementSection | None = None
 
 
 def read_loads(
@@ -101,7 +104,8 @@ def read_loads(
             return _of_histories(rom, [table], step, integrator)
         names = tuple(table.row_name(row) for row in range(table.n_row))
         return LoadSet(names=names, inputs=table_inputs(table, rom), transients=())
-    return _of_cases(read_load_cases(path), rom)
+    cases, requirement = read_load_cases(path)
+    return replace(_of_cases(cases, rom), requirement=requirement)
 
 
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:

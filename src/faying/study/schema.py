@@ -13,7 +13,7 @@ from faying.files.contents import file_text
 from faying.study.consistency import inconsistencies
 from faying.study.errors import Problem, StudySource, reject, translated
 from faying.study.positions import line_numbers
-from faying.study.tables import LoadCaseSection, Study
+from faying.study.tables import LoadCaseSection, RequirementSection, Study
 
 __all__ = ["Study", "parse_study", "read_load_cases", "read_study"]
 
@@ -50,8 +50,16 @@ def parse_study(text: str, path: Path) -> Study:
     return _checked(_tables(text, path), StudySource(path.resolve(), text, line_numbers(text)))
 
 
-def read_load_cases(path: Path | str) -> tuple[LoadCaseSection, ...]:
-    """Read the load cases of a file that has nothing else, or of a study.
+def read_load_cases(
+    path: Path | str,
+) -> tuple[tuple[LoadCaseSection, ...], RequirementSection | None]:
+    """Read the load cases of a file that has nothing else but requirements, or of a study.
+
+    Returns
+    -------
+    tuple of LoadCaseSection
+    RequirementSection or None
+        If there is one.
 
     Raises
     ------
@@ -62,19 +70,27 @@ def read_load_cases(path: Path | str) -> tuple[LoadCaseSection, ...]:
     source = StudySource(Path(path).resolve(), text, line_numbers(text))
     tables = _tables(text, Path(path))
     if "model" not in tables:
-        known = ["title", "load_case"]
+        known = ["title", "load_case", "requirement"]
         unknown = [key for key in tables if key not in known]
         if unknown:
             place = source.place((unknown[0],))
-            message = f"unknown key {place}; a file of load cases has [[load_case]] and a title"
+            message = (
+                f"unknown key {place}; a file of load cases has [[load_case]], [requirement] and a "
+                "title"
+            )
             raise StudyError(message)
         # A load case is checked as in a study, whose model is a file here.
         tables = {**tables, "model": {"source": "lap-joint"}}
-    cases = _checked(tables, source).load_cases
-    if not cases:
+    study = _checked(tables, source)
+    if not study.load_cases:
         message = f"{source.path.name} has no [[load_case]]; add one, there is nothing to compute"
         raise StudyError(message)
-    return cases
+    return study.load_cases, study.requirement if "requirement" in tables else None
+
+
+def stored_requirement(text: str) -> RequirementSection:
+    """Return what a study that was checked before demands; its files need not be here."""
+    return RequirementSection.model_validate(tomllib.loads(text).get("requirement", {}))
 
 
 def _tables(text: str, path: Path) -> dict[str, Any]:

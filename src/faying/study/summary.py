@@ -56,7 +56,7 @@ def summarize(results: Results) -> dict[str, Any]:
         },
         "reference": {"kind": results.reference, "reason": results.reference_reason},
         "load_cases": {name: _case(results, case) for name, case in results.cases.items()},
-        "assessment": None if results.assessment is None else _plain(asdict(results.assessment)),
+        "assessment": None if results.assessment is None else plain(asdict(results.assessment)),
         "requirements": required(results.study_text),
         "validation": _validation(results.validation),
         "timings": timings(results),
@@ -71,12 +71,12 @@ def required(study_text: str) -> list[str]:
         return []
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Return values as JSON has them; what is infinite or was never reached is null."""
     if isinstance(value, Mapping):
-        return {name: _plain(one) for name, one in value.items()}
+        return {name: plain(one) for name, one in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
-        return [_plain(one) for one in value]
+        return [plain(one) for one in value]
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, (float, np.floating)):

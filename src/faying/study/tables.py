@@ -31,6 +31,7 @@ from faying.study.section import (
     Name,
     NotNegative,
     Number,
+    Point,
     Positive,
     Section,
     Switch,
@@ -278,6 +279,14 @@ class ValidationSection(Section):
     reference: Literal["full", "worst", "none"] | None = None
 
 
+class RingSection(Section):
+    """[requirement] closed_ring: see :class:`faying.assessment.requirements.ClosedRing`."""
+
+    around: Point
+    pressure: NotNegative = 0.0
+    interface: Name | None = None
+
+
 class RequirementSection(Section):
     """[requirement]: what the joint must hold under every load case; status 3 if it does not.
 
@@ -293,6 +302,8 @@ class RequirementSection(Section):
         Factor of a static load case at which an interface carries nothing any more.
     min_slip_safety
         Factor of a static load case or cycle with friction at which an interface slips as a whole.
+    closed_ring
+        Holes around which a closed ring stays pressed.
     """
 
     min_clamp_force: Positive | Mapping[Name, Positive] | None = None
@@ -300,6 +311,7 @@ class RequirementSection(Section):
     no_opening_within: Positive | None = None
     min_opening_factor: Positive | None = None
     min_slip_safety: Positive | None = None
+    closed_ring: tuple[RingSection, ...] = ()
 
 
 def _units(label: str) -> str:

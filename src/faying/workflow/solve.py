@@ -3,13 +3,14 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from faying import __version__
+from faying.assessment.requirements import Requirements
 from faying.exceptions import StudyError
 from faying.files.atomic import write_text
 from faying.files.lock import held
@@ -23,10 +24,12 @@ from faying.study.load_set import LoadSet
 from faying.study.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.progress import ProgressBar, Stages
 from faying.study.solved import SolvedFields, write_solved
+from faying.study.summary import plain
 from faying.units import Units, units_of
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solved_pieces import Pieces
+from faying.workflow.solved_verdicts import rings_of, solved_verdicts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -43,12 +46,15 @@ class SolveOptions:
         Whether static cases are certified, where the model knows the full one's compliance.
     table
         Format of the tables of metrics.
+    requirements
+        What must hold.
     """
 
     worst: int = 1
     named: tuple[str, ...] = ()
     certificates: bool = True
     table: TableFormat = "csv"
+    requirements: Requirements = field(default_factory=Requirements)
 
 
 def solve_loads(
@@ -100,10 +106,15 @@ def solve_loads(
             extras=extras,
             worst=chosen.worst,
             certificates=chosen.certificates,
+            rings=rings_of(chosen.requirements, rom),
         )
         named = [loads.names.index(name) for name in chosen.named]
         static = solver.static(loads, named) if loads.names else None
         transients = {one.load.name: solver.transient(one) for one in loads.transients}
+        assessment = None
+        with stages.stage("requirements"), extras.attempt("requirements"):
+            judged = solved_verdicts(chosen.requirements, rom, loads, static, transients)
+            assessment = {"verdicts": plain([asdict(one) for one in judged])}
         with stages.stage("files"):
             found = _written(rom, static, transients, named, out, chosen)
         summary = {
@@ -111,12 +122,19 @@ def solve_loads(
             "model": {"name": rom.name, "method": rom.method, "joint_modes": rom.joint_modes},
             "units": rom.units,
             **found,
+            "requirements": stated(chosen.requirements),
+            "assessment": assessment,
             "warnings": extras.failed,
             "timings": stages.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
         checkpoint.discard()
     return Outcome(converged=not summary["not_converged"], summary=summary)
+
+
+def stated(requirements: Requirements) -> list[str]:
+    """Return the names of the requirements that demand something."""
+    return [name for name, value in vars(requirements).items() if value not in (None, ())]
 
 
 def _written(

@@ -1,14 +1,15 @@
 """The pieces of many static cases, or of a transient, solved on a reduced model one by one."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
 
 from faying._typing import Indices
-from faying.assessment.case_metrics import metrics_of
+from faying.assessment.case_metrics import Metric, metrics_of
 from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.sealing import Ring
 from faying.exceptions import ConvergenceError
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.reduction.reduced_model import ReducedModel
@@ -45,6 +46,8 @@ class CaseSolver:
         Cases of each metric whose fields may be wanted.
     certificates
         Whether static cases are certified, where the model knows the full one's compliance.
+    rings
+        Around holes that are judged, by name.
     """
 
     rom: ReducedModel
@@ -53,6 +56,7 @@ class CaseSolver:
     extras: Extras
     worst: int
     certificates: bool
+    rings: Mapping[str, Ring] = field(default_factory=dict)
 
     def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
         """Solve static cases, or take what an interrupted call has finished."""
@@ -69,7 +73,7 @@ class CaseSolver:
         return Pieces(
             checkpoint=self.checkpoint,
             keys=keys,
-            metrics=metrics_of(self.rom, self.rom.interfaces, certified=self._judge is not None),
+            metrics=self._metrics(certified=self._judge is not None),
             label=loads.names.__getitem__,
             failed=failed,
         )
@@ -81,10 +85,14 @@ class CaseSolver:
         return Pieces(
             checkpoint=self.checkpoint,
             keys=[f"{name} {number}" for number in range(int(known["count"]))],
-            metrics=metrics_of(self.rom, self.rom.interfaces, certified=False),
+            metrics=self._metrics(certified=False),
             label=lambda row: f"{row * one.step:.12g}",
             failed=known[FAILED].tolist(),
         )
+
+    def _metrics(self, *, certified: bool) -> list[Metric]:
+        interfaces = self.rom.interfaces
+        return metrics_of(self.rom, interfaces, certified=certified, rings=self.rings)
 
     @property
     def _length(self) -> int:
@@ -110,10 +118,11 @@ class CaseSolver:
         arrays = piece_of(
             judged,
             self.rom.interfaces,
-            metrics_of(self.rom, self.rom.interfaces, certified=judge is not None),
+            self._metrics(certified=judge is not None),
             rows=range(int(rows[0]), int(rows[-1]) + 1),
             count=self.worst,
             named=named,
+            rings=self.rings,
         )
         return arrays | {FAILED: np.array(failed, dtype=str)}
 
@@ -134,7 +143,7 @@ class CaseSolver:
     def _walked(self, one: TimedLoad) -> Arrays:
         """Keep the pieces of a transient; return their number, and what went wrong."""
         name, first, count, gain = one.load.name, 0, 0, 0.0
-        metrics = metrics_of(self.rom, self.rom.interfaces, certified=False)
+        metrics = self._metrics(certified=False)
         solver = transient_solver(self.rom, step=one.step, integrator=one.integrator)
         failed: list[str] = []
         with self.stages.stage(name, round(one.duration / one.step)) as advance:
@@ -151,6 +160,7 @@ class CaseSolver:
                         metrics,
                         rows=rows,
                         count=self.worst,
+                        rings=self.rings,
                     )
                     self.checkpoint.put(f"{name} {count}", arrays)
                     first, count, gain = rows.stop, count + 1, piece.energy_gain

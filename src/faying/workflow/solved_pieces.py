@@ -3,6 +3,7 @@
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import reduce
+from types import MappingProxyType
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.case_metrics import Metric, case_metrics
 from faying.assessment.certificate import Certificate
 from faying.assessment.envelope import Envelope, envelope_of, joined
+from faying.assessment.sealing import Ring
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.interface.surface import ContactSurface
 from faying.simulation.solution import Solution
@@ -97,6 +99,17 @@ class Pieces:
                 ]
         return [one for some in found.values() for one in some]
 
+    def extreme(self, metric: str, *, largest: bool) -> tuple[int, float] | None:
+        """Return the row of the largest or smallest value of a metric, and it; None of none."""
+        column = [one.name for one in self.metrics].index(metric)
+        found: list[tuple[int, float]] = []
+        for piece in self:
+            values = (1 if largest else -1) * piece["metrics"][:, column]
+            if not np.isnan(values).all():
+                row = int(np.nanargmax(values))
+                found.append((int(piece["first"]) + row, float(piece["metrics"][row, column])))
+        return (max if largest else min)(found, key=lambda one: one[1], default=None)
+
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
         """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""
         known: dict[int, tuple[Vector, Vector]] = {}
@@ -117,6 +130,7 @@ def piece_of(
     rows: range,
     count: int,
     named: Collection[int] = (),
+    rings: Mapping[str, Ring] = MappingProxyType({}),
 ) -> dict[str, Matrix]:
     """Return the arrays that are kept of some cases or instants.
 
@@ -130,10 +144,12 @@ def piece_of(
         Cases of each metric whose fields may be wanted.
     named
         Rows whose fields are wanted in any case.
+    rings
+        Around holes, by name.
     """
     table = np.full((len(rows), len(metrics)), np.nan)
     for own, solution, certificate in solved:
-        table[own - rows.start] = case_metrics(solution, interfaces, certificate)
+        table[own - rows.start] = case_metrics(solution, interfaces, certificate, rings)
     kept = {
         rows.start + row
         for column, metric in enumerate(metrics)

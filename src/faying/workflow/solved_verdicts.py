@@ -1,0 +1,153 @@
+"""Requirements judged over many solved cases, from their metrics and envelopes alone."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from faying.assessment.bolt_surroundings import pressed_near
+from faying.assessment.load_path import input_path
+from faying.assessment.requirements import ClosedRing, Requirements, Verdict
+from faying.assessment.sealing import Ring, ring_around
+from faying.assessment.verdicts import no_opening, ring_surface, ring_verdict, wanted_clamps
+from faying.exceptions import ModelError
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.static import solve_static
+from faying.study.load_set import LoadSet
+from faying.workflow.solved_pieces import Pieces
+
+MOST_PATHS = 200
+"""Static cases that are followed to their openings: up to seconds each."""
+
+
+def rings_of(wanted: Requirements, rom: ReducedModel) -> dict[str, Ring]:
+    """Return the rings that are demanded, by the name of their metric."""
+    named = _named(wanted, rom)
+    return {
+        name: ring_around(rom.interfaces[ring_surface(ring, rom.interfaces)], ring.around)
+        for name, ring in named.items()
+    }
+
+
+def _named(wanted: Requirements, rom: ReducedModel) -> dict[str, ClosedRing]:
+    places = [ring_surface(ring, rom.interfaces) for ring in wanted.closed_ring]
+    names = [
+        place if places.count(place) == 1 else f"{place}.{places[:number].count(place) + 1}"
+        for number, place in enumerate(places)
+    ]
+    return dict(zip(names, wanted.closed_ring, strict=True))
+
+
+def solved_verdicts(
+    wanted: Requirements,
+    rom: ReducedModel,
+    loads: LoadSet,
+    static: Pieces | None,
+    transients: Mapping[str, Pieces],
+) -> Iterator[Verdict]:
+    """Yield the verdicts on what is required, each where it is nearest to failing.
+
+    Raises
+    ------
+    ModelError
+        If a requirement names what is not there, or cannot be judged on a reduced model.
+    """
+    sets = {**({} if static is None else {"": static}), **transients}
+    for name, least in wanted_clamps(wanted.min_clamp_force, rom.interfaces).items():
+        case, value = _extreme(sets, f"clamp_force.{name}", largest=False)
+        yield Verdict(
+            requirement="min_clamp_force",
+            met=value >= least,
+            place=name,
+            case=case,
+            value=value,
+            limit=least,
+        )
+    if wanted.max_pressure is not None:
+        found = {name: _extreme(sets, f"max_pressure.{name}") for name in rom.interfaces}
+        place = max(found, key=lambda name: found[name][1])
+        case, value = found[place]
+        yield Verdict(
+            requirement="max_pressure",
+            met=value <= wanted.max_pressure,
+            place=place,
+            case=case,
+            value=value,
+            limit=wanted.max_pressure,
+        )
+    yield from _openings(wanted.no_opening_within, rom, sets)
+    for name, ring in _named(wanted, rom).items():
+        case, value = _extreme(sets, f"ring_pressure.{name}", largest=False)
+        yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
+    yield from _factors(wanted.min_opening_factor, rom, loads)
+    if wanted.min_slip_safety is not None:
+        message = (
+            "min_slip_safety is judged by faying run alone, which follows friction; leave it out "
+            "of the requirements of these loads"
+        )
+        raise ModelError(message)
+
+
+def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -> tuple[str, float]:
+    """Return the case, or history and instant, of an extreme value, and the value.
+
+    Of clamp forces of certified cases it is the lower end of the interval.
+    """
+    best: list[tuple[str, float]] = []
+    for name, pieces in sets.items():
+        known = {one.name for one in pieces.metrics}
+        low = metric.replace("clamp_force.", "clamp_force_low.", 1)
+        found = pieces.extreme(low if low in known else metric, largest=largest)
+        if found is not None:
+            best.append((_label(name, pieces, found[0]), found[1]))
+    if not best:
+        message = "no case was solved, so there is nothing to judge"
+        raise ModelError(message)
+    return (max if largest else min)(best, key=lambda one: one[1])
+
+
+def _label(name: str, pieces: Pieces, row: int) -> str:
+    return f"{name} at {pieces.label(row)}" if name else pieces.label(row)
+
+
+def _openings(
+    radius: float | None, rom: ReducedModel, sets: Mapping[str, Pieces]
+) -> Iterator[Verdict]:
+    if radius is None:
+        return
+    rest = solve_static(rom).pressure
+    envelopes = {name: pieces.envelope() for name, pieces in sets.items()}
+    for bolt_name, bolt in rom.bolts.items():
+        near = np.flatnonzero(pressed_near(rom.interfaces, bolt, radius, rest))
+        lows: list[tuple[str, float]] = []
+        for name, envelope in envelopes.items():
+            if envelope is not None and len(near):
+                point = near[envelope.min_pressure[near].argmin()]
+                case = _label(name, sets[name], int(envelope.min_pressure_case[point]))
+                lows.append((case, float(envelope.min_pressure[point])))
+        yield no_opening(bolt_name, radius, lows)
+
+
+def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
+    if limit is None:
+        return
+    if not 0 < len(loads.names) <= MOST_PATHS:
+        message = (
+            f"min_opening_factor follows each static case to its opening, and there are "
+            f"{len(loads.names)}; give up to {MOST_PATHS}, or leave the requirement out"
+        )
+        raise ModelError(message)
+    paths = [input_path(rom.joint, row) for row in loads.inputs]
+    lost = {
+        (place, case): path.loss_of_clamp(place)
+        for case, path in zip(loads.names, paths, strict=True)
+        for place in rom.interfaces
+    }
+    place, case = min(lost, key=lost.__getitem__)
+    yield Verdict(
+        requirement="min_opening_factor",
+        met=lost[place, case] >= limit,
+        place=place,
+        case=case,
+        value=lost[place, case],
+        limit=limit,
+    )
