@@ -261,3 +261,21 @@ LOWER, CENTRIF, 1.E6, 0., 0., 0., 0., 0., 1.
 NALL, 60.
 *END STEP
 """
+
+# Directions that differ, along axes of their own; a step that changes the structure.
+WOOD = (
+    TIED.replace("C3D8R", "C3D8")
+    .replace(
+        "*ELASTIC\n70000., 0.3",
+        "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n9., 8., 7., .1, .2, .3, 3., 4.,\n5.",
+    )
+    .replace("*ELASTIC\n210000., 0.3", "*ELASTIC, TYPE=ORTHO\n9., 1., 8., 1., 1., 7., 3., 4.,\n5.")
+    .replace("*TEMPERATURE\nNALL, 60.\n", "")
+    .replace("MATERIAL=COLD", "MATERIAL=COLD, ORIENTATION=ALONG")
+    .replace(
+        "*MATERIAL, NAME=Hot",
+        "*ORIENTATION, NAME=ALONG\n1., 2., 3., 3., -2., 1., .1, .2, .3\n2, 30.\n"
+        "*MATERIAL, NAME=Hot",
+    )
+    + "*STEP\n*STATIC\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nSLAVE, MASTER\n*END STEP\n"
+)

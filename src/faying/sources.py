@@ -267,9 +267,10 @@ class MaterialWishes(Protocol):
 
 
 def overridden(material: Material, wishes: MaterialWishes) -> Material:
-    """Return a material with the constants that a study gives."""
+    """Return a material with the constants that a study gives; E or nu make it isotropic."""
     return replace(
         material,
+        law=material.law if wishes.E is None and wishes.nu is None else None,
         youngs_modulus=material.youngs_modulus if wishes.E is None else wishes.E,
         poissons_ratio=material.poissons_ratio if wishes.nu is None else wishes.nu,
         density=material.density if wishes.rho is None else wishes.rho,

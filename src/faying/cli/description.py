@@ -160,7 +160,7 @@ def _materials(assembly: Assembly) -> Table:
     rows = [
         (
             number,
-            material.name,
+            material.name if material.law is None else f"{material.name} (anisotropic: means)",
             material.youngs_modulus,
             material.poissons_ratio,
             material.density,

@@ -16,6 +16,9 @@ def refuse_unwritten(assembly: Assembly) -> None:
         "shells": assembly.shells,
         "bushes": assembly.bushes,
         "scalar masses": assembly.scalar_masses,
+        "materials whose directions differ": [
+            one for one in assembly.materials.values() if one.law is not None
+        ],
     }
     found = [name for name, family in kinds.items() if family]
     if found:

@@ -13,46 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.exceptions import ModelError
+from faying.model.material import Material as Material
 from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock, ShellSection
-
-
-@dataclass(frozen=True, kw_only=True)
-class Material:
-    """Isotropic linear elastic material.
-
-    Attributes
-    ----------
-    youngs_modulus : [force/length²]
-    poissons_ratio : [-]
-    density : [mass/length³]
-    """
-
-    youngs_modulus: float
-    poissons_ratio: float
-    density: float
-    name: str = ""
-
-    def __post_init__(self) -> None:
-        label = f"material '{self.name}'" if self.name else "material"
-        if not self.youngs_modulus > 0:
-            message = f"{label}: Young's modulus is {self.youngs_modulus:g}; it must be positive"
-            raise ModelError(message)
-        if not -1 < self.poissons_ratio < 0.5:
-            message = (
-                f"{label}: Poisson's ratio is {self.poissons_ratio:g}; "
-                "it must lie strictly between -1 and 0.5"
-            )
-            raise ModelError(message)
-        if not self.density >= 0:
-            message = f"{label}: density is {self.density:g}; it must not be negative"
-            raise ModelError(message)
-
-    @property
-    def shear_modulus(self) -> float:
-        """G = E / (2 (1 + ν)) [force/length²]."""
-        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material, MatrixBlock
+from faying.model.elastic_law import isotropic_law, tensor
 from faying.model.elements import SolidElement, block_element
 from faying.model.elements.beam import beam_matrices
 from faying.model.elements.bush import bush_matrices
@@ -173,17 +174,30 @@ def _solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix,
     density = np.array([m.density for m in materials])[which]
     shear = youngs / (2 * (1 + poisson))
     lame = 2 * shear * poisson / (1 - 2 * poisson)
+    tensors = _tensors(materials)
     pattern = NodePairs.of(block.nodes, n_node)
     stiffness = np.zeros((pattern.n_pairs, 9))
     mass = np.zeros((pattern.n_pairs, 1))
     for part in _batches(len(block.ids), 3 * element.n_nodes):
         coordinates = assembly.mesh.nodes[block.nodes[part]]
         check_shapes(element, coordinates, block.ids[part])
-        blocks = stiffness_blocks(element, coordinates, lame[part], shear[part])
+        own = None if tensors is None else tensors[which[part]]
+        blocks = stiffness_blocks(element, coordinates, lame[part], shear[part], own)
         pattern.add(stiffness, part, blocks.reshape(-1, 9))
         coefficients = mass_coefficients(element, coordinates, density[part])
         pattern.add(mass, part, coefficients.reshape(-1, 1))
     return pattern.expanded_diagonal(mass[:, 0]), pattern.expanded(stiffness)
+
+
+def _tensors(materials: Sequence[Material]) -> Matrix | None:
+    """Return the elastic tensors (n_material, 3, 3, 3, 3) if directions differ in one of them."""
+    if all(one.law is None for one in materials):
+        return None
+    laws = [
+        isotropic_law(one.youngs_modulus, one.poissons_ratio) if one.law is None else one.law
+        for one in materials
+    ]
+    return np.stack([tensor(law) for law in laws])
 
 
 def _batches(n_cell: int, n_dof: int) -> Iterator[slice]:

@@ -12,7 +12,7 @@ from faying.io.abaqus.elements import ElementBlock, Elements
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.solid_sections import find_material
+from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Beam, BeamSection, Material
 
 TYPES = ("B31", "B31R", "B33", "B32", "B32R")
@@ -96,7 +96,7 @@ def _sections(
         rows = keyword.rows()
         if keyword.name == "BEAM SECTION":
             keyword.allow("ELSET", "MATERIAL", "SECTION", "POISSON", "TEMPERATURE")
-            material = find_material(materials, keyword)
+            material = find_isotropic(materials, keyword)
             section = _profile(keyword, rows, material.poissons_ratio)
         else:
             keyword.allow("ELSET", "SECTION", "DENSITY", "POISSON")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faying.io.abaqus.changing_steps import step_before_changes
 from faying.io.abaqus.deck import read_keyword_deck
 from faying.io.abaqus.model import description
 from faying.io.deck_lines import naming
@@ -25,7 +26,8 @@ def read_joint(
         The deck; *INCLUDE is relative to its folder.
     step
         Step whose boundary conditions, loads and bolt forces count, with what earlier steps leave
-        in force; the last general one unless given.
+        in force. Unless given it is the last general one in front of those that change the
+        structure (*MODEL CHANGE, *CHANGE …, *EQUATION with REMOVE).
 
     ignore
         What the deck has and the model shall not: words of
@@ -54,7 +56,8 @@ def read_joint(
     # Overflow is caught by the finiteness checks, where the culprit can be named.
     with np.errstate(over="ignore", invalid="ignore"), naming(path):
         deck = read_keyword_deck(path, ignored, checked_ignore(ignore))
-        return description(deck.until(step), ignored)
+        chosen = step_before_changes(deck, ignored) if step is None else step
+        return description(deck.until(chosen), ignored)
 
 
 def read_deck(path: str | PathLike[str]) -> Assembly:

@@ -13,7 +13,7 @@ READ = frozenset(
         *("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD", "EQUATION", "MPC", "RIGID BODY", "COUPLING"),
         *("KINEMATIC", "DISTRIBUTING", "DISTRIBUTING COUPLING", "PRE-TENSION SECTION"),
         *("CONTACT PAIR", "SURFACE INTERACTION", "SURFACE BEHAVIOR", "FRICTION", "CLEARANCE"),
-        *("GAP CONDUCTANCE", "AMPLITUDE", "TEMPERATURE", "TIE"),
+        *("GAP CONDUCTANCE", "AMPLITUDE", "TEMPERATURE", "TIE", "ORIENTATION"),
     )
 )
 """Keywords whose data are read, or refused for what they say."""

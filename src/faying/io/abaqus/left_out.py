@@ -34,7 +34,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     ),
     "base motion: give the load cases of the study forces": ("BASE MOTION",),
     "without effect on isotropic solids at small displacements": (
-        *("NODAL THICKNESS", "ORIENTATION", "DISTRIBUTION", "DISTRIBUTION TABLE"),
+        *("NODAL THICKNESS", "DISTRIBUTION", "DISTRIBUTION TABLE"),
         *("PHYSICAL CONSTANTS", "VALUES AT INFINITY", "SECTION CONTROLS"),
     ),
     "start velocities: transients of a study start from the preloaded state at rest": (

@@ -1,4 +1,4 @@
-"""``*MATERIAL``: isotropic linear elasticity and density."""
+"""``*MATERIAL``: linear elasticity and density."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from faying.exceptions import ModelError
+from faying.io.abaqus.anisotropic import ISOTROPIC, read_law
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
@@ -51,8 +52,8 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
     Raises
     ------
     FormatError
-        Naming the line of a material that is not isotropic, has impossible constants or is defined
-        twice, or whose constants depend on temperatures that differ or change.
+        Naming the line of a material that has impossible constants or is defined twice, or whose
+        constants depend on temperatures that differ or change.
     """
     found: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
@@ -61,26 +62,38 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
         if name.upper() in found:
             message = f"there are two materials '{name}'; rename one of them"
             raise head.error(message)
-        elastic, density = None, 0.0
+        elastic, law, density = None, None, 0.0
         for member in members:
-            if member.name == "ELASTIC":
+            if _is_anisotropic(member):
+                member.allow("TYPE", "MODULI")
+                law = read_law(member)
+            elif member.name == "ELASTIC":
                 elastic = _elastic(member, deck)
             elif member.name == "DENSITY":
                 density = _density(member, deck)
             elif member.name in HARMLESS:
                 ignored.append(f"*{member.name} of material {name} (no temperatures)")
-        if any(len(m.data) > 1 for m in members if m.name in ("ELASTIC", "DENSITY")):
+        tables = [m for m in members if m.name in ("ELASTIC", "DENSITY") and len(m.data) > 1]
+        if any(not _is_anisotropic(member) for member in tables):
             ignored.append(f"tables of material {name}: taken at the initial temperature")
-        if elastic is None:
+        if elastic is None and law is None:
             message = f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
             raise head.error(message)
         try:
-            found[name.upper()] = Material(
-                name=name, youngs_modulus=elastic[0], poissons_ratio=elastic[1], density=density
+            found[name.upper()] = (
+                Material(
+                    name=name, youngs_modulus=elastic[0], poissons_ratio=elastic[1], density=density
+                )
+                if elastic is not None
+                else Material.anisotropic(np.asarray(law), density=density, name=name)
             )
         except ModelError as error:
             raise head.error(str(error)) from None
     return found
+
+
+def _is_anisotropic(member: Keyword) -> bool:
+    return member.name == "ELASTIC" and member.choice("TYPE", "ISOTROPIC") not in ISOTROPIC
 
 
 def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
@@ -95,6 +108,9 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
     for head, members in deck.groups("MATERIAL", *MEMBERS):
         name = head.required("NAME")
         for member in (one for one in members if one.name == "EXPANSION"):
+            if deck.of("TEMPERATURE") and any(map(_is_anisotropic, members)):
+                message = f"material '{name}' is anisotropic; only isotropic ones expand here"
+                raise member.error(message)
             if deck.of("TEMPERATURE"):
                 found[name.upper()] = read_expansion(member)
             else:
@@ -104,10 +120,6 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
 
 def _elastic(keyword: Keyword, deck: Deck) -> tuple[float, float]:
     keyword.allow("TYPE", "MODULI")
-    kind = keyword.choice("TYPE", "ISOTROPIC")
-    if kind not in ("ISOTROPIC", "ISO"):
-        message = f"TYPE={kind} is not supported; only isotropic materials are"
-        raise keyword.error(message)
     rows = keyword.rows()
     _check_rows(keyword, rows, 3, "E, nu")
     modulus = [real(keyword, i, row[0], "Young's modulus") for i, row in enumerate(rows)]

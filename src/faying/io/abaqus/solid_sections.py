@@ -1,6 +1,7 @@
 """``*SOLID SECTION``: solids and their materials as blocks of a mesh."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,9 +10,26 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.element_types import SOLID_TYPES
 from faying.io.abaqus.elements import ElementBlock, Elements
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.orientations import find_orientation
 from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Material
+from faying.model.elastic_law import turned
 from faying.model.mesh import CellBlock
+
+
+def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Material:
+    """Return the material the section of a beam or truss names.
+
+    Raises
+    ------
+    FormatError
+        If there is none of this name, or its directions differ.
+    """
+    material = find_material(materials, keyword)
+    if material.law is not None:
+        message = f"material '{material.name}' is anisotropic; beams and trusses are isotropic here"
+        raise keyword.error(message)
+    return material
 
 
 def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Material:
@@ -43,6 +61,9 @@ def read_solid_sections(
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
     section = np.zeros(len(ids), dtype=np.int64)
     used: dict[int, Material] = {}
+    reduced = np.concatenate(
+        [np.empty(0, dtype=bool), *(np.full(len(b.ids), _hourglasses(b)) for b in elements.solids)]
+    )
     for number, keyword in enumerate(deck.of("SOLID SECTION"), start=1):
         keyword.allow("ELSET", "MATERIAL", "ORIENTATION", "CONTROLS", "STACK DIRECTION")
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
@@ -54,13 +75,30 @@ def read_solid_sections(
             )
             raise keyword.error(message)
         section[chosen] = number
-        used[number] = find_material(materials, keyword)
+        used[number] = _along(deck, keyword, find_material(materials, keyword))
+        if used[number].law is not None and (chosen & reduced).any():
+            message = (
+                f"material '{used[number].name}' is anisotropic; the hourglass stiffness of C3D8R "
+                "is isotropic, take C3D8I"
+            )
+            raise keyword.error(message)
     missing = np.flatnonzero(section == 0)
     if missing.size:
         block, row = _place(elements.solids, int(missing[0]))
         message = f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one"
         raise block.keyword.error(message, row)
     return tuple(cells(elements.solids, section)), used
+
+
+def _along(deck: Deck, keyword: Keyword, material: Material) -> Material:
+    """Turn a material whose directions differ to the orientation of its section."""
+    if material.law is None or not keyword.has("ORIENTATION"):
+        return material
+    return replace(material, law=turned(material.law, find_orientation(deck, keyword)))
+
+
+def _hourglasses(block: ElementBlock) -> bool:
+    return SOLID_TYPES[block.type].hourglass_patterns is not None
 
 
 def _place(blocks: Sequence[ElementBlock], position: int) -> tuple[ElementBlock, int]:

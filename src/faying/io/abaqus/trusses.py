@@ -10,7 +10,7 @@ from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import optional_real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.solid_sections import find_material
+from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Beam, BeamSection, Material
 
 TYPES = ("T3D2",)
@@ -39,7 +39,7 @@ def read_trusses(
         ids = sets.find(keyword, keyword.required("ELSET"))
         own = ids[np.isin(ids, known)].tolist()
         if own:
-            made = number, _section(keyword), find_material(materials, keyword)
+            made = number, _section(keyword), find_isotropic(materials, keyword)
             sections.update(dict.fromkeys(own, made))
     for block in blocks:
         for i, element_id in enumerate(block.ids.tolist()):

@@ -57,7 +57,6 @@ _REMEDIES = {
     "CPYRAM": "mesh with CHEXA, CPENTA or CTETRA",
     "CPYRA": "mesh with CHEXA, CPENTA or CTETRA",
     "PLSOLID": "use PSOLID",
-    "MAT9": "use MAT1; only isotropic solids are supported",
     "CONM1": "use CONM2",
 }
 

@@ -18,7 +18,7 @@ PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE")
 
 MATERIALS = frozenset(
     (
-        *("MAT3", "MAT9", "MAT10", "MAT11", "MATG", "MATHE"),
+        *("MAT3", "MAT10", "MATG", "MATHE"),
         *("MATHP", "MATS1", "MATVE", "CREEP"),
     )
 )
@@ -97,10 +97,15 @@ def _line_constants(card: Card) -> tuple[float, float] | None:
     return (youngs, shear) if contradict or not -1 < ratio < _INCOMPRESSIBLE else None
 
 
+def materials_of_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Return the ids of the materials that solids name."""
+    solids = (numbers.integer(card.text(1)) for card in cards.get("PSOLID", ()))
+    return frozenset(n for n in solids if n is not None)
+
+
 def _named_by_bodies(cards: Mapping[str, Cards]) -> frozenset[int]:
     """Ids of the materials that solids and shells name."""
-    solids = (numbers.integer(card.text(1)) for card in cards.get("PSOLID", ()))
-    return materials_of_shells(cards) | frozenset(n for n in solids if n is not None)
+    return materials_of_shells(cards) | materials_of_solids(cards)
 
 
 def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:

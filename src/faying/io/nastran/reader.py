@@ -23,6 +23,7 @@ from faying.io.nastran.masses import read_masses
 from faying.io.nastran.materials import (
     MATERIALS,
     materials_named,
+    materials_of_solids,
     read_materials,
     shear_factors,
 )
@@ -34,6 +35,7 @@ from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
 from faying.io.nastran.shells import SHELL_CARDS, read_shells
+from faying.io.nastran.solid_materials import ANISOTROPIC, read_anisotropic
 from faying.io.nastran.solids import (
     SOLID_CARDS,
     Solids,
@@ -61,7 +63,7 @@ _READ = frozenset(
         *RIGID,
         *UNSUPPORTED,
         *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
-        *(*SHELL_PROPERTIES, "MAT2", "MAT8"),
+        *(*SHELL_PROPERTIES, *ANISOTROPIC, "MAT2", "MAT8"),
         *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PMASS", "SPOINT"),
         *("GRID", "GRDSET", "PSOLID", "MAT1", "PBAR", "PBARL", "PBEAM", "PBEAML", "PELAS"),
         *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "FORCE", "MOMENT", "LOAD"),
@@ -124,11 +126,12 @@ def read_parts(
             message = f"{path}: coordinates are too large for a number; check the units"
             raise FormatError(message)
         materials = read_materials(cards, factor, ignored)
-        heavy = any(one.density > 0 for one in materials.values())
+        factors = shear_factors(cards)
+        directed = read_anisotropic(cards, materials_of_solids(cards), materials, factor, ignored)
+        solids = read_solids(cards, grids, {**materials, **directed}, ignored)
+        heavy = any(one.density > 0 for one in {**materials, **directed}.values())
         if control.present and heavy and lumps_masses(cards, parameters):
             ignored.append(LUMPED)
-        factors = shear_factors(cards)
-        solids = read_solids(cards, grids, materials, ignored)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])
         by_property = element_sets(solids.blocks)

@@ -9,6 +9,7 @@ from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.solid_materials import along
 from faying.model.assembly import Material
 from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
@@ -59,7 +60,7 @@ def read_solids(
         if number not in properties:
             text = f"property {number} is not a PSOLID of the deck; define it"
             raise users_cards.error(card, text, 1)
-        used[number] = _material(properties[number], materials)
+        used[number] = _material(properties[number], materials, grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
     _note_schemes(blocks, properties, ignored)
     return Solids(
@@ -152,18 +153,19 @@ def _properties(cards: Mapping[str, Cards]) -> dict[int, Card]:
     return found
 
 
-def _material(card: Card, materials: Mapping[int, Material]) -> Material:
+def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Material:
     if card.text(6) not in ("", "SMECH"):
         text = f"FCTN = {card.text(6)} is not supported; only structural solids (SMECH) are"
         raise card.error(text)
-    return material_of(card, 1, materials)
+    return along(card, material_of(card, 1, materials), grids.systems)
 
 
 def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Material:
     """Return the material a property refers to."""
     number = card.integer(field)
     if number not in materials:
-        text = f"material {number} is not a MAT1 of the deck; define it"
+        more = " (or MAT9, MAT11)" if card.cards.name == "PSOLID" else ""
+        text = f"material {number} is not a MAT1 of the deck{more}; define it"
         raise card.error(text, field)
     return materials[number]
 

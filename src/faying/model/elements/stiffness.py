@@ -1,4 +1,4 @@
-"""Stiffness of solid elements of isotropic material, all elements of a batch at once."""
+"""Stiffness of solid elements, all elements of a batch at once."""
 
 from functools import cache
 
@@ -16,13 +16,18 @@ from faying.model.elements.solid_element import (
 
 
 def stiffness_blocks(
-    element: SolidElement, coordinates: Matrix, lame: Vector, shear: Vector
+    element: SolidElement,
+    coordinates: Matrix,
+    lame: Vector,
+    shear: Vector,
+    tensors: Matrix | None = None,
 ) -> Matrix:
     """Integrate the stiffness of a batch of elements.
 
     With Q_{ia,jb} = ∫ ∂_a N_i ∂_b N_j dV the stiffness of an isotropic solid is
     K_{ia,jb} = λ Q_{ia,jb} + μ Q_{ib,ja} + μ δ_ab Σ_c Q_{ic,jc}: one matrix product per element
-    instead of a 6 x 6 material law at every point.
+    instead of a 6 x 6 material law at every point. Where directions differ it is
+    K_{ia,jb} = Σ_cd C_acbd Q_{ic,jd} with the same Q.
 
     Parameters
     ----------
@@ -30,6 +35,8 @@ def stiffness_blocks(
         Of elements that passed :func:`faying.model.elements.geometry.check_shapes`.
     lame, shear : (n_cell,) [force/length²]
         Lamé's λ and the shear modulus μ.
+    tensors : (n_cell, 3, 3, 3, 3) [force/length²]
+        C of each element where directions differ; λ and μ then scale hourglass springs alone.
 
     Returns
     -------
@@ -46,7 +53,7 @@ def stiffness_blocks(
     n_cell, n_quad, _, n_shape = gradients.shape
     flat = gradients.reshape(n_cell, n_quad, 3 * n_shape)
     products = np.matmul(flat.transpose(0, 2, 1), flat).reshape(n_cell, 3, n_shape, 3, n_shape)
-    blocks = _isotropic(products, lame, shear)
+    blocks = _isotropic(products, lame, shear) if tensors is None else _general(products, tensors)
     if element.hourglass_patterns is not None:
         youngs = shear * (3 * lame + 2 * shear) / (lame + shear)
         springs = _hourglass(element.hourglass_patterns, coordinates, gradients[:, 0], youngs)
@@ -165,6 +172,14 @@ def _isotropic(products: Matrix, lame: Vector, shear: Vector) -> Matrix:
     for a in range(3):
         blocks[..., a, a] += trace
     return blocks
+
+
+def _general(products: Matrix, tensors: Matrix) -> Matrix:
+    """Combine Q[e, c, i, d, j] and C[e, a, c, b, d] to K[e, i, j, a, b]."""
+    n_cell, _, n_shape = products.shape[:3]
+    pairs = products.transpose(0, 2, 4, 1, 3).reshape(n_cell, n_shape**2, 9)
+    laws = tensors.transpose(0, 2, 4, 1, 3).reshape(n_cell, 9, 9)
+    return np.asarray((pairs @ laws).reshape(n_cell, n_shape, n_shape, 3, 3))
 
 
 def _condense(blocks: Matrix, n_node: int) -> Matrix:

@@ -1,0 +1,59 @@
+"""``*ELASTIC`` with a TYPE: constants that differ between directions."""
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.io.abaqus.fields import real
+from faying.io.abaqus.keyword import Keyword
+from faying.model.elastic_law import orthotropic_law
+
+ISOTROPIC = ("ISOTROPIC", "ISO")
+_COUNTS = {"ORTHOTROPIC": 9, "ENGINEERINGCONSTANTS": 9, "ANISOTROPIC": 21}
+_ORDER = np.array([0, 1, 2, 3, 5, 4])
+"""Decks have 11, 22, 33, 12, 13, 23; see :mod:`faying.model.elastic_law`."""
+
+
+def read_law(keyword: Keyword) -> Matrix:
+    """Return the stiffness (6, 6) along the axes of the material.
+
+    Raises
+    ------
+    FormatError
+        If the type is not known, constants are missing or depend on temperatures, or belong to no
+        material.
+    """
+    wished = keyword.choice("TYPE").replace(" ", "")
+    kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")
+    if not kind:
+        message = (
+            f"TYPE={keyword.choice('TYPE')} is not supported; ISOTROPIC, ORTHO, ENGINEERING "
+            "CONSTANTS and ANISOTROPIC are"
+        )
+        raise keyword.error(message)
+    count = _COUNTS[kind]
+    values = [
+        real(keyword, i, text, "an elastic constant")
+        for i, row in enumerate(keyword.rows())
+        for text in row
+    ]
+    # A temperature may stand behind the last constant.
+    if len(values) not in (count, count + 1):
+        message = (
+            f"found {len(values)} constants, expected {count} at one temperature; tables over "
+            "temperature are read of isotropic materials"
+        )
+        raise keyword.error(message)
+    if kind == "ENGINEERINGCONSTANTS":
+        shear = np.array([values[6], values[8], values[7]])
+        try:
+            return orthotropic_law(values[:3], values[3:6], shear)
+        except ValueError as error:
+            raise keyword.error(str(error)) from None
+    law = np.zeros((6, 6))
+    if kind == "ORTHOTROPIC":
+        law[[0, 0, 1, 0, 1, 2, 3, 4, 5], [0, 1, 1, 2, 2, 2, 3, 4, 5]] = values[:9]
+    else:
+        rows, columns = np.array([(i, j) for j in range(6) for i in range(j + 1)]).T
+        law[rows, columns] = values[:21]
+    law = law + np.triu(law, 1).T
+    return np.asarray(law[np.ix_(_ORDER, _ORDER)])

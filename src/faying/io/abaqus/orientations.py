@@ -1,0 +1,69 @@
+"""``*ORIENTATION``: directions of materials and couplings, the same everywhere in a set."""
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import integer, optional_real, real
+from faying.io.abaqus.keyword import Keyword
+
+_DEGENERATE = 1e-9
+"""Sine of the angle below which two directions count as one."""
+
+
+def find_orientation(deck: Deck, keyword: Keyword) -> Matrix:
+    """Return the axes (3, 3) that the ORIENTATION of a keyword names, as rows in the basic frame.
+
+    Raises
+    ------
+    FormatError
+        If there is none of this name, or it is not rectangular, or its points span no plane.
+    """
+    name = keyword.value("ORIENTATION")
+    found = [k for k in deck.of("ORIENTATION") if k.value("NAME").upper() == name.upper()]
+    if not found:
+        known = ", ".join(k.value("NAME") for k in deck.of("ORIENTATION")) or "none"
+        message = f"there is no orientation '{name}'; known are {known}"
+        raise keyword.error(message)
+    return _axes(found[-1])
+
+
+def _axes(keyword: Keyword) -> Matrix:
+    keyword.allow("NAME", "SYSTEM", "DEFINITION")
+    system = keyword.choice("SYSTEM", "RECTANGULAR")
+    if system not in ("R", "RECTANGULAR"):
+        message = f"SYSTEM={system} is not supported; RECTANGULAR is"
+        raise keyword.error(message)
+    if keyword.choice("DEFINITION", "COORDINATES") != "COORDINATES":
+        message = f"DEFINITION={keyword.choice('DEFINITION')} is not supported; give coordinates"
+        raise keyword.error(message)
+    rows = keyword.rows()
+    if not 1 <= len(rows) <= 2 or not 6 <= len(rows[0]) <= 9:
+        message = "expected a line with the coordinates of points a and b, and one with a turn"
+        raise keyword.error(message)
+    values = np.array(
+        [optional_real(keyword, 0, rows[0], i, 0.0, "a coordinate") for i in range(9)]
+    )
+    first, second = values[:3] - values[6:], values[3:6] - values[6:]
+    third = np.cross(first, second)
+    lengths = np.linalg.norm(first) * np.linalg.norm(second)
+    if not (np.isfinite(lengths) and np.linalg.norm(third) > _DEGENERATE * lengths):
+        message = "points a and b lie on one line with the origin; they must span a plane"
+        raise keyword.error(message)
+    x, z = first / np.linalg.norm(first), third / np.linalg.norm(third)
+    axes = np.stack([x, np.cross(z, x), z])
+    return axes if len(rows) == 1 else _turned(keyword, rows[1], axes)
+
+
+def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:
+    """Turn two of the axes about the third."""
+    about = integer(keyword, 1, row[0], "an axis 1, 2 or 3") - 1
+    if len(row) != 2 or about not in (0, 1, 2):
+        message = "expected an axis, 1, 2 or 3, and an angle in degrees"
+        raise keyword.error(message, 1)
+    angle = np.radians(real(keyword, 1, row[1], "an angle"))
+    j, k = (about + 1) % 3, (about + 2) % 3
+    result = axes.copy()
+    result[j] = np.cos(angle) * axes[j] + np.sin(angle) * axes[k]
+    result[k] = np.cos(angle) * axes[k] - np.sin(angle) * axes[j]
+    return result

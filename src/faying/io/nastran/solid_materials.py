@@ -1,0 +1,91 @@
+"""MAT9, MAT11: materials of solids whose directions differ."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import ModelError
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.coordinates import Systems
+from faying.model.assembly import Material
+from faying.model.elastic_law import orthotropic_law, turned
+
+ANISOTROPIC = ("MAT9", "MAT11")
+
+
+def read_anisotropic(
+    cards: Mapping[str, Cards],
+    named: frozenset[int],
+    materials: Mapping[int, Material],
+    mass_factor: float,
+    ignored: list[str],
+) -> dict[int, Material]:
+    """Return the materials along their own axes by id.
+
+    Those that no PSOLID names are left out with a note.
+
+    Raises
+    ------
+    FormatError
+        If constants are missing or belong to no stable material, or an id occurs twice.
+    """
+    found: dict[int, Material] = {}
+    kinds: list[str] = []
+    for name, law, density in (("MAT9", _general, 22), ("MAT11", _orthotropic, 10)):
+        for card in cards.get(name, ()):
+            number = card.integer(0)
+            if number not in named:
+                continue
+            if number in found or number in materials:
+                text = f"material {number} is already defined; renumber one"
+                raise card.error(text)
+            kinds.append(name)
+            try:
+                found[number] = Material.anisotropic(
+                    law(card), density=card.real(density, 0.0) * mass_factor, name=str(number)
+                )
+            except (ModelError, ValueError) as error:
+                text = f"material {number}: {error}"
+                raise card.error(text) from error
+        if unnamed := len(cards.get(name, ())) - sum(name == kind for kind in kinds):
+            ignored.append(f"{unnamed} {name} that no property names")
+    return found
+
+
+def along(card: Card, material: Material, systems: Systems) -> Material:
+    """Turn a material to the coordinate system CORDM of its PSOLID.
+
+    Raises
+    ------
+    FormatError
+        If the system is missing, or has other directions from place to place.
+    """
+    number = card.integer(2, 0)
+    if material.law is None or number == 0:
+        return material
+    if number not in systems.frames:
+        text = (
+            "CORDM = -1, axes of each element, is not supported; give a rectangular system"
+            if number < 0
+            else f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
+        )
+        raise card.error(text, 2)
+    frame = systems.frames[number]
+    if frame.kind != "R":
+        text = f"CORDM = {number} is not rectangular; only directions that stay are supported"
+        raise card.error(text, 2)
+    return replace(material, law=turned(material.law, np.asarray(frame.axes)))
+
+
+def _general(card: Card) -> Matrix:
+    law = np.zeros((6, 6))
+    law[np.triu_indices(6)] = [card.real(j, 0.0) for j in range(1, 22)]
+    return law + np.triu(law, 1).T
+
+
+def _orthotropic(card: Card) -> Matrix:
+    shear = np.array([card.real(7), card.real(9), card.real(8)])
+    moduli, ratios = ([card.real(j) for j in places] for places in ((1, 2, 3), (4, 5, 6)))
+    return orthotropic_law(moduli, ratios, shear)

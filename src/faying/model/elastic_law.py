@@ -1,0 +1,111 @@
+"""Elastic laws that differ between directions: stiffness of six strains, and its tensor.
+
+The order is that of Nastran's MAT9: xx, yy, zz, xy, yz, zx, shear strains as angles γ = 2 ε.
+The angle is the work conjugate of its shear stress, so that the same 6 x 6 numbers
+fill the tensor σ_ij = C_ijkl ε_kl without factors.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from faying._typing import Matrix
+
+Law = tuple[tuple[float, ...], ...]
+
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
+_PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+# Rounding of constants in eight columns may leave a law symmetric to this share only.
+_SYMMETRIC = 1e-6
+
+
+def tensor(law: Law | Matrix) -> Matrix:
+    """Return C_ijkl (3, 3, 3, 3) of a law (6, 6)."""
+    given = np.asarray(law, dtype=float)
+    return np.asarray(given[_PLACE[:, :, None, None], _PLACE[None, None]])
+
+
+def turned(law: Law | Matrix, axes: Matrix) -> Law:
+    """Return the law in the basic frame of one given along axes.
+
+    Parameters
+    ----------
+    axes : (3, 3)
+        Rows are the directions of the law in the basic frame.
+    """
+    basic = np.einsum("pi,qj,rk,sl,pqrs->ijkl", axes, axes, axes, axes, tensor(law), optimize=True)
+    rows, columns = np.array(_PAIRS).T
+    return as_law(basic[rows[:, None], columns[:, None], rows, columns])
+
+
+def as_law(values: Matrix | Sequence[Sequence[float]]) -> Law:
+    """Return a law (6, 6) as a value that can be compared."""
+    # Adding zero turns -0.0 into 0.0.
+    return tuple(tuple(row) for row in (np.asarray(values, dtype=float) + 0.0).tolist())
+
+
+def isotropic_law(youngs_modulus: float, poissons_ratio: float) -> Matrix:
+    """Return the law (6, 6) of an isotropic material."""
+    shear = youngs_modulus / (2 * (1 + poissons_ratio))
+    law = np.diag([2 * shear] * 3 + [shear] * 3)
+    law[:3, :3] += 2 * shear * poissons_ratio / (1 - 2 * poissons_ratio)
+    return law
+
+
+def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Matrix) -> Matrix:
+    """Return the law (6, 6) of engineering constants along its axes.
+
+    Parameters
+    ----------
+    moduli
+        E1, E2, E3 [force/length²].
+    ratios
+        ν12, ν13, ν23: -ε2/ε1 under σ1, and so on.
+    shear
+        G12, G23, G31 [force/length²].
+
+    Raises
+    ------
+    ValueError
+        If no law has these constants.
+    """
+    first, second, third = moduli
+    if not min(*moduli, *shear) > 0:
+        message = "moduli must be positive"
+        raise ValueError(message)
+    compliance = np.diag([1 / first, 1 / second, 1 / third])
+    for (i, j), ratio in zip(((0, 1), (0, 2), (1, 2)), ratios, strict=True):
+        compliance[i, j] = compliance[j, i] = -ratio / moduli[i]
+    if not np.linalg.eigvalsh(compliance * np.sqrt(np.outer(moduli, moduli)))[0] > 0:
+        message = "Poisson's ratios are too large for the moduli"
+        raise ValueError(message)
+    law = np.diag([0.0, 0.0, 0.0, *shear])
+    law[:3, :3] = np.linalg.inv(compliance)
+    return law
+
+
+def stable(law: Law | Matrix) -> bool:
+    """Whether a law (6, 6) is finite, symmetric, and any strain stores energy."""
+    given = np.asarray(law, dtype=float)
+    if not np.isfinite(given).all() or not (np.diag(given) > 0).all():
+        return False
+    scale = 1 / np.sqrt(np.diag(given))
+    even = given * scale[:, None] * scale
+    if np.abs(even - even.T).max() > _SYMMETRIC:
+        return False
+    return bool(np.linalg.eigvalsh(0.5 * (even + even.T))[0] > 1e-12)
+
+
+def mean_constants(law: Law | Matrix) -> tuple[float, float]:
+    """Return E and ν of the isotropic material nearest to a law: its means over directions (Voigt).
+
+    W. Voigt, Lehrbuch der Kristallphysik, 1928, § 479: bulk and shear moduli are those of the
+    tensor's two invariants that are linear in it.
+    """
+    given = np.asarray(law, dtype=float)
+    straight, crossed = np.trace(given[:3, :3]), given[0, 1] + given[0, 2] + given[1, 2]
+    bulk = (straight + 2 * crossed) / 9
+    shear = (straight - crossed + 3 * np.trace(given[3:, 3:])) / 15
+    return float(9 * bulk * shear / (3 * bulk + shear)), float(
+        (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear))
+    )

@@ -1,0 +1,73 @@
+"""Linear elastic materials of solids, beams and shells."""
+
+from dataclasses import dataclass
+
+from faying._typing import Matrix
+from faying.exceptions import ModelError
+from faying.model.elastic_law import Law, as_law, mean_constants, stable
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Linear elastic material.
+
+    Attributes
+    ----------
+    youngs_modulus : [force/length²]
+    poissons_ratio : [-]
+    density : [mass/length³]
+    law : (6, 6) [force/length²]
+        Stiffness in the basic frame, see :mod:`faying.model.elastic_law`, where directions
+        differ; E and ν are its means then, by which contact is scaled. None if isotropic.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+    density: float
+    name: str = ""
+    law: Law | None = None
+
+    def __post_init__(self) -> None:
+        label = f"material '{self.name}'" if self.name else "material"
+        if not self.youngs_modulus > 0:
+            message = f"{label}: Young's modulus is {self.youngs_modulus:g}; it must be positive"
+            raise ModelError(message)
+        if not -1 < self.poissons_ratio < 0.5:
+            message = (
+                f"{label}: Poisson's ratio is {self.poissons_ratio:g}; "
+                "it must lie strictly between -1 and 0.5"
+            )
+            raise ModelError(message)
+        if not self.density >= 0:
+            message = f"{label}: density is {self.density:g}; it must not be negative"
+            raise ModelError(message)
+
+    @classmethod
+    def anisotropic(cls, law: Law | Matrix, *, density: float, name: str = "") -> "Material":
+        """Return a material whose directions differ, from its stiffness (6, 6).
+
+        Raises
+        ------
+        ModelError
+            If the stiffness is not symmetric, or some strain stores no energy.
+        """
+        if not stable(law):
+            label = f"material '{name}'" if name else "material"
+            message = (
+                f"{label}: its elastic constants are not those of a stable material; the stiffness "
+                "must be symmetric and positive definite"
+            )
+            raise ModelError(message)
+        modulus, ratio = mean_constants(law)
+        return cls(
+            youngs_modulus=modulus,
+            poissons_ratio=ratio,
+            density=density,
+            name=name,
+            law=as_law(law),
+        )
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + ν)) [force/length²]."""
+        return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
