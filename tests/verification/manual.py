@@ -14,8 +14,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+import test_backbone
+import test_bar_impact
 import test_bolts
+import test_friction
 import test_hertz
+import test_hertz_sphere
+import test_joint_assessment
+import test_nafems
 import test_receding_layer
 import test_reference_cantilever
 import test_transient
@@ -94,6 +100,137 @@ def hertz_line() -> Iterator[Row]:
         )  # fmt: skip
 
 
+def hertz_sphere() -> Iterator[Row]:
+    """A paraboloid's gap between two blocks ten contact radii large, a quarter of them."""
+    exact, source = test_hertz_sphere.HERTZ, "Hertz 1882; Johnson 1985, (4.22) to (4.24)"
+    for penalty, rule in (("hard", "hard, nodal"), ("auto", "penalty, gauss")):
+        blocks, solution = test_hertz_sphere.solve(1 / 4, penalty)
+        peak = float(solution.max_pressure)
+        yield Row(
+            "Hertz point contact", source, f"peak, {rule} [MPa]", f"{exact.peak_pressure:.2f}",
+            f"{peak:.2f}", relative(peak, exact.peak_pressure), "", "test_hertz_sphere",
+        )  # fmt: skip
+        pressed = blocks.joint.points[solution.pressure > 0, :2]
+        radius = float(np.hypot(*pressed.T).max())
+        yield Row(
+            "", "", f"radius, {rule}; element 1/4", f"{exact.contact_radius:.3f}",
+            f"{radius:.3f}", relative(radius, exact.contact_radius), "", "test_hertz_sphere",
+        )  # fmt: skip
+        errors = [test_hertz_sphere.error(1 / n, penalty) for n in (2, 4)]
+        yield Row(
+            "", "", f"pressure field, {rule}, root mean square", "0", "", rounded(errors[1]),
+            f"{np.log2(errors[0] / errors[1]):.2f}", "test_hertz_sphere",
+        )  # fmt: skip
+
+
+def nafems_cylinder() -> Iterator[Row]:
+    """Steel cylinder on an aluminium block, 35 kN/mm."""
+    exact = test_nafems.CYLINDER
+    found = [test_nafems.cylinder_on_block(1 / n) for n in (8, 16)]
+    peaks = [float(solution.max_pressure) for _, solution in found]
+    errors = [abs(peak / exact.peak_pressure - 1) for peak in peaks]
+    yield Row(
+        "NAFEMS: cylinder on block", "Konter 2006 (R0094); Hertz", "peak [MPa]",
+        f"{exact.peak_pressure:.1f}", f"{peaks[1]:.1f}", rounded(errors[1]),
+        f"{np.log2(errors[0] / errors[1]):.2f}", "test_nafems",
+    )  # fmt: skip
+    blocks, solution = found[1]
+    width = float(blocks.joint.points[solution.pressure > 0, 0].max())
+    yield Row(
+        "", "", "half width [mm]; element 0.39", f"{exact.half_width:.3f}", f"{width:.3f}",
+        relative(width, exact.half_width), "", "test_nafems",
+    )  # fmt: skip
+
+
+def nafems_punch() -> Iterator[Row]:
+    """Steel punch with a rounded rim on aluminium, a quarter of it, 100 MPa on its end."""
+    exact = float(test_nafems.PUNCH.pressure(0.0))
+    found = [test_nafems.centre(1 / n) for n in (5, 10)]
+    errors = [abs(one / exact - 1) for one in found]
+    yield Row(
+        "NAFEMS: punch, a quarter", "Konter 2006 (R0094); Sneddon 1965",
+        "pressure in the centre [MPa]",
+        f"{exact:.2f}", f"{found[1]:.2f}", rounded(errors[1]),
+        f"{np.log2(errors[0] / errors[1]):.2f}", "test_nafems",
+    )  # fmt: skip
+
+
+def lift_off() -> Iterator[Row]:
+    """A sleeve between rigid plates under one bolt, pulled apart."""
+    module = test_joint_assessment
+    model, phi = module.sleeve(), module.BOLT / (module.BOLT + module.PARTS)
+    force = 2e3
+    found = fy.assess(model, [fy.Load({"head.Fz": force}, name="lift")])
+    apart = fy.solve_static(model, fy.Load({"head.Fz": 3 * module.PRELOAD}))
+    for quantity, exact, ours in (
+        ("load factor Φ of the bolt", phi, found.bolts["bolt"].load_factors["lift"]),
+        (
+            "clamp force under 2 kN [N]",
+            module.PRELOAD - (1 - phi) * force,
+            found.interfaces["joint"].least_clamp,
+        ),
+        (
+            "load at lift-off [N]",
+            module.PRELOAD / (1 - phi),
+            force * found.interfaces["joint"].loss_of_clamp["lift"],
+        ),
+        ("bolt force beyond lift-off [N]", 3 * module.PRELOAD, float(apart.bolt_force("bolt"))),
+    ):
+        first = quantity.startswith("load factor")
+        yield Row(
+            "bolted joint that lifts off" if first else "",
+            "bolt diagram (VDI 2230)" if first else "",
+            quantity, f"{exact:.6g}", f"{ours:.6g}", relative(ours, exact), "exact",
+            "test_joint_assessment",
+        )  # fmt: skip
+
+
+def bar_impact() -> Iterator[Row]:
+    """A bar that strikes a rigid wall, from rest; 160 elements, 80 for the order."""
+    for key, name in (("euler", "implicit Euler"), ("decaying", "energy-decaying")):
+        scheme = test_bar_impact.SCHEMES[key]
+        coarse, fine = (test_bar_impact.struck(n, scheme) for n in (80, 160))
+        for quantity, exact, ours, errors in (
+            (
+                "impulse on the wall over F L/c",
+                1.0,
+                fine.impulse,
+                [abs(one.impulse - 1) for one in (coarse, fine)],
+            ),
+            ("energy kept", 1.0, fine.kept, [1 - one.kept for one in (coarse, fine)]),
+        ):
+            first = quantity.startswith("impulse")
+            yield Row(
+                "bar striking a wall" if first else "", "waves, Graff 1975, §2.4" if first else "",
+                f"{quantity}, {name}, 160 elements", f"{exact:g}", f"{ours:.4f}",
+                rounded(errors[1]), f"{np.log2(errors[0] / errors[1]):.2f}", "test_bar_impact",
+            )  # fmt: skip
+
+
+def slider() -> Iterator[Row]:
+    """A mass on a spring and a slider, over its amplitude."""
+    module = test_backbone
+    found = fy.backbone(module.mass_on_a_slider(), 1, [0.5], increments=100)
+    force = float(found.load[0] * np.sqrt(module.MASS))
+    moved = (force - module.LIMIT) / module.SPRING
+    lost = 4 * module.LIMIT * (moved - module.LIMIT / module.SLIDER)
+    for quantity, exact, ours in (
+        (
+            "frequency of large vibration [Hz]",
+            np.sqrt(force / moved / module.MASS) / (2 * np.pi),
+            float(found.frequency[0]),
+        ),
+        ("energy lost per cycle", lost, float(found.energy_per_cycle[0])),
+    ):
+        first = quantity.startswith("frequency")
+        yield Row(
+            "mass on a spring and a slider" if first else "",
+            "Coulomb's law by hand" if first else "",
+            quantity, f"{exact:.6g}", f"{ours:.6g}", relative(ours, exact), "exact",
+            "test_backbone",
+        )  # fmt: skip
+
+
 def receding_layer() -> Iterator[Row]:
     """Two layers pressed together by strips: contact recedes to a length that no load changes."""
     folder = DATA / "receding_layer"
@@ -149,12 +286,43 @@ def cantilever() -> Iterator[Row]:
     )  # fmt: skip
 
 
+def rubbing_cantilever() -> Iterator[Row]:
+    """The cantilever pulled by 3 kN with friction, in one increment with the preload."""
+    module, mesh = test_friction, dict(np.load(DATA / "lap_joint" / "mesh.npz"))
+    smooth = test_reference_cantilever.generated("gauss2")
+    model = smooth.with_friction(module.FRICTION, tangential_penalty=module.TANGENTIAL)
+    solution = fy.solve_path(model, [module.LOADS["PULL"]])
+    theirs = np.load(DATA / "friction" / "G1_mu0.2_PULL.npz")
+    points = model.interfaces["joint"].points
+    resisting = np.array(
+        [
+            test_reference_cantilever.reference_pressure(mesh, points, t, "gauss2")
+            for t in theirs["t_quad__gauss2"].T
+        ]
+    ).T
+    traction = solution.traction[0, :, :2]
+    largest = np.linalg.norm(resisting, axis=1).max()
+    worst = np.abs(traction + resisting).max() / largest
+    yield Row(
+        "bolted cantilever, pulled, μ = 0.2", "NumPy program, `tests/data/README.md`",
+        "tractions at all points; the largest [MPa]", f"{largest:.4f}",
+        f"{np.linalg.norm(traction, axis=1).max():.4f}", rounded(worst), "", "test_friction",
+    )  # fmt: skip
+
+
 PROBLEMS: tuple[Callable[[], Iterator[Row]], ...] = (
     patch,
     hertz_line,
+    hertz_sphere,
+    nafems_cylinder,
+    nafems_punch,
     receding_layer,
+    lift_off,
     vibration_on_a_stop,
+    bar_impact,
+    slider,
     cantilever,
+    rubbing_cantilever,
 )
 
 

@@ -18,8 +18,7 @@ from small_system import SmallSystem
 MASS, SPRING, SLIDER, LIMIT, DAMPER = 2.0, 300.0, 500.0, 6.0, 0.4
 
 
-@pytest.fixture(scope="module")
-def slider():
+def mass_on_a_slider():
     """A mass on a spring and on a slider that is pressed on by 20, beside a mass of its own.
 
     Coordinates: along the slider, along its normal, and the other mass.
@@ -47,6 +46,11 @@ def slider():
         contact=contact,
         boundaries=ends,
     )
+
+
+@pytest.fixture(scope="module")
+def slider():
+    return mass_on_a_slider()
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,7 @@
 """Point contact after Hertz: a paraboloid's gap between two blocks, a quarter by symmetry."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from hertz import PointContact, effective_modulus
@@ -12,6 +14,7 @@ HERTZ = PointContact(load=1000 * np.pi / 3, radius=2 * MODULUS / (500 * np.pi), 
 SIZE = 10.0
 
 
+@cache
 def solve(fine, penalty="hard"):
     """Return a quarter of the blocks and its solution."""
     lines = graded(fine, 1.25, SIZE, growth=1.5)
