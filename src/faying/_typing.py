@@ -23,10 +23,12 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-Vector = npt.NDArray[np.float64]
-Matrix = npt.NDArray[np.float64]
-Indices = npt.NDArray[np.int64]
-Mask = npt.NDArray[np.bool_]
+# Written out: files are read by these annotations, and NDArray is an alias of another kind in each
+# version of NumPy.
+Vector = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
+Matrix = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
+Indices = np.ndarray[tuple[Any, ...], np.dtype[np.int64]]
+Mask = np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]
 SparseMatrix: TypeAlias = sp.csr_array
 
 
