@@ -46,7 +46,7 @@ LINES = (
     + grid(94, 4, 0, 0)
     + "".join(grid(n, x, y, 2) for n, x, y in ((97, 4, 1), (98, 5, 0), (99, 5, 1), (105, 3, 5)))
     + "".join(grid(n, x, 4, 1) for n, x in ((106, 2), (107, 6), (108, 8)))
-    + "CBAR,71,50,91,92,1.,0.,0.\nCBEAM,72,51,92,93,1.,0.,0.\nPBAR,50,9,1.,2.,3.,4.\n"
+    + "CBAR,71,50,91,92,1.,0.,0.\nCBEAM,72,51,92,93,1.,0.,0.\nPBAR,50,9,1.,2.,3.,4.,.1\n"
     + "PBEAM,51,9,1.,2.,3.,0.,4.\nCBAR,73,52,91,94,93\nPBARL,52,9,,BOX\n,4.,4.,1.,1.\n"
     + "CBEAM,74,53,92,94,93\nPBEAML,53,9,,TUBE\n,2.,1.\n"
     + "BAROR,,50,,,1.,0.,0.\nCBAR,75,,91,92\n"
@@ -94,4 +94,9 @@ CONTACT = (
     "BOLT,1,1,71\nBOLTFOR,3,5000.,1\nBOLTLD,9,2.,1.,3\nPARAM,WTMASS,2.\n"
 )
 BULK = SOLIDS + LINES + STRUCTURE + BARS + TIES + LOADS + CONTACT
+# Elements that can be built, whose masses loads act on.
+HEAVY = (
+    SOLIDS + LINES + "CORD2R,4,0,0.,0.,0.,1.,0.,0.\n,0.,1.,0.\n"
+    "GRAV,2,4,9.,.1,.2,-1.\nRFORCE,1,94,4,2.,0.,0.,1.,1\n,0.\nLOAD,10,2.,1.5,1,.5,2\n"
+)
 SUBCASES = (1, 2, 3)

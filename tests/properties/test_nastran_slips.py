@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from nastran_decks import BULK, CONTROL, SUBCASES
+from nastran_decks import BULK, CONTROL, HEAVY, SUBCASES
 
 from faying.exceptions import FayingError, FormatError
 from faying.io.nastran import read_joint
@@ -41,7 +41,7 @@ def test_the_unbroken_deck_reads(tmp_path: Path) -> None:
 @given(seed=st.integers(0, 2**32 - 1))
 def test_mutated_decks_raise_only_faying_errors(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
-    lines = (CONTROL + BULK).encode().split(b"\n")
+    lines = rng.choice((CONTROL + BULK, HEAVY)).encode().split(b"\n")
     for _ in range(rng.randint(1, 4)):
         i = rng.randrange(len(lines))
         line = lines[i]
@@ -96,6 +96,25 @@ def test_no_malformed_number_is_read_as_another(tmp_path: Path, bad: str) -> Non
         fields[k] = bad
         path.write_text(CONTROL + "\n".join([*lines[:i], ",".join(fields), *lines[i + 1 :]]))
         assert any(refused(path, number) for number in SUBCASES), (lines[i], k)
+
+
+@pytest.mark.parametrize("bad", SLIPS)
+def test_no_malformed_number_of_a_body_load_is_read_as_another(tmp_path: Path, bad: str) -> None:
+    lines = HEAVY.splitlines()
+    path = tmp_path / "a.bdf"
+    path.write_text(HEAVY)
+    assert list(read_joint(path).assembly.loads) == ["1", "2", "10"]
+    for i, line in enumerate(lines):
+        if line.startswith(("GRAV", "RFORCE")):
+            for k in range(1, len(line.split(","))):
+                fields = line.split(",")
+                fields[k] = bad
+                text = "\n".join([*lines[:i], ",".join(fields), *lines[i + 1 :]])
+                path.write_text(text)
+                # METHOD of RFORCE says how lumped masses are treated.
+                if not (line.startswith("RFORCE") and k == 8):
+                    with pytest.raises(FormatError):
+                        read_joint(path)
 
 
 def refused(path: Path, subcase: int) -> bool:

@@ -61,7 +61,7 @@ def test_cylindrical_and_spherical_grids(read: Read) -> None:
 def test_chained_and_grid_based_systems(read: Read) -> None:
     assembly = read(
         "CORD2R,3,2,1.,0.,0.,1.,0.,1.\n,2.,0.,0.",  # in system 2, shifted by 1 along its x
-        "CORD2R,2,0,0.,0.,0.,0.,0.,1.\n,0.,1.,0.",  # x along basic y
+        "CORD2R,2,0,0.,0.,0.,0.,0.,1.,+MARK\n+MARK,0.,1.,0.",  # x along basic y
         "CORD1R,4,1,5,4",  # origin 1, z through 5, x through 4: the same axes
         "GRID,20,3,1.,0.,0.",
         "GRID,21,4,2.,1.,0.",
@@ -215,6 +215,53 @@ def test_dimensioned_sections(
         assert 0.4 < s.shear_factor_y < 1
 
 
+def test_mass_per_length_of_beams(read: Read) -> None:
+    cards = {
+        "PBAR,5,9,2.,3.,4.,5.,.1": "CBAR",
+        "PBARL,5,9,,BAR\n,1.,2.,.1": "CBAR",
+        "PBEAM,5,9,2.,3.,4.,0.,5.,.1\n,NO,1.,2.,3.,4.,0.,5.,.1": "CBEAM",
+        "PBEAML,5,9,,BAR\n,1.,2.,.1,YES,1.,1.,2.,.1": "CBEAM",
+    }
+    for card, name in cards.items():
+        assembly = read(f"{name},1,5,1,2,0.,1.,0.", card, "PARAM,WTMASS,.5")
+        (beam,) = assembly.beams
+        assert beam.section.area == 2.0
+        assert beam.material.density == pytest.approx(0.5 * (7.8e-9 + 0.1 / 2))
+        assert any("non-structural mass of 1 properties" in note for note in assembly.ignored)
+    with pytest.raises(FormatError, match="changes along the beam"):
+        read("CBEAM,1,5,1,2,0.,1.,0.", "PBEAML,5,9,,BAR\n,1.,2.,.1,YES,1.,1.,2.,.2")
+
+
+def test_gravity_and_rotation_act_on_all_masses(read: Read) -> None:
+    heavy = (BRICK, "PSOLID,1,9", "CONM2,4,1,,3.-9")
+    frame = "CORD2R,7,,0.,0.,0.,1.,0.,0.\n,0.,1.,0."  # z along x, x along y
+    loads = read(
+        *heavy,
+        frame,
+        "GRAV,1,7,10.,0.,0.,-2.",
+        "RFORCE,2,2,7,3.,0.,1.,0.",
+        "LOAD,9,1.,2.,1,1.,2",
+    ).loads
+    np.testing.assert_allclose(loads["1"].forces.sum(axis=0)[:3], [-20 * 10.8e-9, 0, 0], atol=1e-20)
+    # About z, which is y of the system, through node 2 at (1, 0, 0): the brick's middle is at
+    # (-0.5, 0.5) from it, the mass at (-1, 0).
+    square = (6 * np.pi) ** 2
+    turning = square * np.array([-0.5 * 7.8e-9 - 3e-9, 0.5 * 7.8e-9, 0])
+    np.testing.assert_allclose(loads["2"].forces.sum(axis=0)[:3], turning, atol=1e-16)
+    np.testing.assert_allclose(
+        loads["9"].forces.sum(axis=0),
+        2 * loads["1"].forces.sum(axis=0) + loads["2"].forces.sum(axis=0),
+        atol=1e-16,
+    )
+    cylinder = "CORD2C,8,,0.,0.,0.,0.,0.,1.\n,1.,0.,0."
+    for card in ("GRAV,3,8,1.,1.,0.,0.", "RFORCE,3,,,1.,2.,0.,0.", "RFORCE,3,,,1.,1.,0.,0.,1\n,5."):
+        left = read(*heavy, cylinder, card)
+        assert "3" not in left.loads
+        assert any("load set 3" in text for text in left.ignored)
+    with pytest.raises(FormatError, match="GRAV: coordinate system 9 is not in the deck"):
+        read(*heavy, "GRAV,3,9,1.,1.,0.,0.")
+
+
 @pytest.mark.parametrize(
     ("cards", "message"),
     [
@@ -224,7 +271,7 @@ def test_dimensioned_sections(
         ("CBAR,1,5,1,1,1.,0.,0.", "no length"),
         ("CBAR,1,4,1,2,0.,1.,0.", "property 4 is not a PBAR"),
         ("CBEAM,1,5,1,2,0.,1.,0.", "property 5 is not a PBEAM"),
-        ("PBAR,6,9,2.,3.,4.,5.,.1", "non-structural mass"),
+        ("PBAR,6,9,2.,3.,4.,5.,-.1", "non-structural mass -0.1 must not be negative"),
         ("PBAR,6,9,0.", "area must be positive"),
         ("PBEAM,6,9,2.,3.,4.\n,NO,1.,3.", r"a\.bdf:12: PBEAM: the section changes"),
         ("PBARL,6,9,,HAT\n,1.,2.,3.,4.", "section 'HAT'"),
@@ -337,7 +384,7 @@ def test_loads(read: Read) -> None:
         "FORCE,1,9,2,2.,1.,0.,0.",  # radial at 30°
         "MOMENT,2,1,,3.,0.,1.,0.",
         "LOAD,5,2.,1.,1,.5,2",
-        "GRAV,6,,9.81,0.,0.,-1.",
+        "FORCE1,6,1,9.81,1,2",
     )
     assembly = read(*cards, head="SOL 101\nCEND\nLOAD = 5\nBEGIN BULK\n")
     assert list(assembly.loads) == ["5", "1", "2"]
@@ -345,7 +392,7 @@ def test_loads(read: Read) -> None:
     assert five.nodes.tolist() == [0, 8]
     np.testing.assert_allclose(five.forces[0], [20, 0, 40, 0, 3, 0])
     np.testing.assert_allclose(five.forces[1, :3], [2 * np.sqrt(3), 2, 0], atol=1e-15)
-    assert any("load set 6" in text and "GRAV" in text for text in assembly.ignored)
+    assert any("load set 6" in text and "FORCE1" in text for text in assembly.ignored)
     # A study says which loads it applies, so nothing is lost that was to be used.
     selected = read(*cards, head="SOL 101\nCEND\nLOAD = 6\nBEGIN BULK\n")
     assert list(selected.loads) == ["1", "2", "5"]

@@ -383,3 +383,23 @@ def test_a_study_does_not_change_the_material_of_solids_alone(read: Read, tmp_pa
     path.write_text(f"{study}[material.9]\nE = 1.0\n")
     with pytest.raises(StudyError, match="shells are made of material '9' too"):
         load_model(read_study(path))
+
+
+def test_corners_without_thickness(read: Read) -> None:
+    """Tapered to nothing at one side, the mean counts; a shell that has none is refused."""
+    tapered = "CQUAD4,1,1,1,2,3,4\n,,,0.,0.,3.,3."
+    (section,) = (
+        read(tapered, "PSHELL,1,9,2.").shell_sections[n]
+        for n in read(tapered, "PSHELL,1,9,2.").shells[0].properties.tolist()
+    )
+    whole = read("CQUAD4,1,1,1,2,3,4", "PSHELL,1,9,1.5").shell_sections[1]
+    np.testing.assert_allclose(section.mass, whole.mass)
+    for corners in ("0.,0.,0.,0.", "-1.,0.,3.,3."):
+        with pytest.raises(FormatError, match="thicknesses T1 to T4 must not be negative"):
+            read(f"CQUAD4,1,1,1,2,3,4\n,,,{corners}", "PSHELL,1,9,2.")
+
+
+def test_aerodynamics_and_radiation_are_left_out(read: Read) -> None:
+    notes = read("AECOMP,W,AELIST,1", "MONPNT3,A,B", "CAERO7,1", "RADCAV,1").ignored
+    assert any("AECOMP" in note and "CAERO7" in note and "aerodynamics" in note for note in notes)
+    assert any("RADCAV" in note and "heat" in note for note in notes)

@@ -94,6 +94,36 @@ def assemble_matrices(assembly: Assembly) -> NodalMatrices:
     return NodalMatrices(M=_finished(M), C=C, K=_finished(K))
 
 
+def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
+    """Return M u (n_node, 6) without forming the matrices of solids.
+
+    Parameters
+    ----------
+    motion : (n_node, 6)
+
+    Raises
+    ------
+    ModelError
+        As :func:`assemble_matrices`.
+    """
+    forces = (_discrete_matrices(assembly)[0] @ motion.ravel()).reshape(-1, 6)
+    if assembly.matrices is not None:
+        placed = _placed(assembly.matrices, assembly.matrices.M, "M", len(motion))
+        forces = forces + (placed @ motion.ravel()).reshape(-1, 6)
+    for block in assembly.mesh.blocks:
+        element = block_element(block, assembly.element)
+        _check_nodes(block, element, len(motion))
+        materials, which = _materials(assembly, block)
+        density = np.array([m.density for m in materials])[which]
+        for part in _batches(len(block.ids), 3 * element.n_nodes):
+            cells = block.nodes[part]
+            coordinates = assembly.mesh.nodes[cells]
+            check_shapes(element, coordinates, block.ids[part])
+            coefficients = mass_coefficients(element, coordinates, density[part])
+            np.add.at(forces[:, :3], cells, coefficients @ motion[cells, :3])
+    return np.asarray(forces)
+
+
 def used_components(assembly: Assembly) -> Mask:
     """Tell which of the 6 n_node degrees of freedom carry any stiffness or mass.
 

@@ -15,7 +15,7 @@ from faying.io.abaqus.loads import operation
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
 from faying.model.assembly import Assembly
-from faying.model.matrices import assemble_matrices
+from faying.model.body_forces import body_forces, centrifugal
 
 Key = tuple[str, str]
 
@@ -136,10 +136,8 @@ def _body_force(
             beams=tuple(beam for beam in assembly.beams if beam.id in known),
             masses=tuple(mass for mass in assembly.masses if mass.id in known),
         )
-    motion = np.zeros((len(assembly.mesh.nodes), 6))
-    motion[:, :3] = acceleration(numbers[:-3], direction / length, assembly.mesh.nodes)
-    forces: Matrix = (assemble_matrices(chosen).M @ motion.ravel()).reshape(-1, 6)
-    return forces
+    nodes = assembly.mesh.nodes
+    return body_forces(chosen, acceleration(numbers[:-3], direction / length, nodes))
 
 
 def _gravity(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
@@ -147,9 +145,7 @@ def _gravity(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
 
 
 def _centrifugal(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
-    """Return ω² r away from the axis through a point."""
-    arms = nodes - numbers[1:]
-    return np.asarray(numbers[0] * (arms - np.outer(arms @ direction, direction)))
+    return centrifugal(float(numbers[0]), numbers[1:], direction, nodes)
 
 
 _BODY_FORCES: Mapping[str, tuple[int, str, Callable[[Vector, Vector, Matrix], Matrix]]] = {

@@ -66,7 +66,8 @@ def _rows(lines: list[bytes]) -> list[bytes]:
     name, data = parts[0], parts[1:]
     if len(data) <= _DATA or (len(lines) == 1 and name not in _LONG):
         return lines
-    if b"*" in name or b" " in name:
+    marked = len(data) == _DATA + 1 and data[_DATA][:1] in (b"+", b"*")
+    if marked or b"*" in name or b" " in name:
         return lines
     rows = [data[k : k + _DATA] for k in range(0, len(data), _DATA)]
     heads = [name] + [b""] * (len(rows) - 1)

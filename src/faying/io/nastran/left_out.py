@@ -33,13 +33,17 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "heat conduction": (
         *("CHBDYE", "CHBDYG", "CHBDYP", "PHBDY", "CONV", "CONVM", "PCONV", "PCONVM", "QBDY1"),
         *("QBDY2", "QBDY3", "QHBDY", "RADBC", "RADM", "RADSET", "VIEW", "VIEW3D", "MAT4"),
-        *("MAT5", "MATT4", "MATT5"),
+        *("MAT5", "MATT4", "MATT5", "RADCAV", "RADLST", "RADMTX"),
     ),
     "aerodynamics": (
         *("AERO", "AEROS", "CAERO1", "CAERO2", "CAERO3", "CAERO4", "CAERO5", "PAERO1", "PAERO2"),
         *("PAERO3", "PAERO4", "PAERO5", "SPLINE1", "SPLINE2", "SPLINE3", "SPLINE4", "SPLINE5"),
         *("AEFACT", "AELIST", "AESURF", "AESTAT", "AELINK", "AEPARM", "TRIM", "FLFACT"),
         *("FLUTTER", "MKAERO1", "MKAERO2", "GUST", "SET2", "DIVERG"),
+        *("AECOMP", "AECOMPL", "MONPNT3", "MONDSP1", "AESCALE", "UXVEC"),
+        # of ZAERO
+        *("AEROZ", "CAERO7", "PAFOIL7", "PANLST1", "PANLST2", "PANLST3", "MKAEROZ", "TRIMFLT"),
+        *("TRIMFNC", "TRIMVAR", "CELLBOX", "CELLWNG", "INPCFD", "LOADMOD", "DMIS"),
     ),
     "data of failure and of materials that are not linear": ("TABLES1", "TABLEST"),
     "optimization and sensitivities: nothing is optimized": (

@@ -1,20 +1,22 @@
-"""FORCE, MOMENT, PLOAD4, LOAD: nodal loads by load set."""
+"""FORCE, MOMENT, PLOAD4, GRAV, RFORCE, LOAD: nodal loads by load set."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.io.nastran.body_loads import read_accelerations
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.pressures import read_pressures
-from faying.model.assembly import NodalLoads
+from faying.model.assembly import Assembly, NodalLoads
+from faying.model.body_forces import body_forces
 from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock
 
 UNSUPPORTED = (
-    *("ACCEL", "ACCEL1", "DEFORM", "FORCE1", "FORCE2", "GRAV", "GMLOAD", "LSEQ", "MOMENT1"),
-    *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "QVOL", "RFORCE", "SLOAD", "TEMPRB"),
+    *("ACCEL", "ACCEL1", "DEFORM", "FORCE1", "FORCE2", "GMLOAD", "LSEQ", "MOMENT1"),
+    *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "QVOL", "SLOAD", "TEMPRB"),
     *("SPCD", "SPCR"),
 )
 """Static loads that are not read; sets that use them are left out."""
@@ -25,14 +27,18 @@ _Part = tuple[Indices, Matrix]
 def read_loads(
     cards: Mapping[str, Cards],
     grids: Grids,
-    mesh: Mesh,
-    shells: Sequence[ShellBlock],
+    structure: Assembly,
     chosen: int | None,
     ignored: list[str],
 ) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
 
     A set that uses a kind of load that is not supported is left out, with a note.
+
+    Parameters
+    ----------
+    structure
+        With all elements, whose mass GRAV and RFORCE act on.
 
     Raises
     ------
@@ -44,8 +50,12 @@ def read_loads(
         if name in cards:
             _add(cards[name], grids, first, parts)
     if "PLOAD4" in cards:
-        _add_pressures(cards["PLOAD4"], grids, mesh, shells, parts)
+        _add_pressures(cards["PLOAD4"], grids, structure.mesh, structure.shells, parts)
     spoiled = _unsupported(cards)
+    for number, acceleration in read_accelerations(cards, grids, structure.mesh.nodes, spoiled):
+        forces = body_forces(structure, acceleration)
+        loaded = np.flatnonzero((forces != 0).any(axis=1))
+        parts.setdefault(number, []).append((loaded, forces[loaded]))
     for card in cards.get("LOAD", ()):
         number = card.integer(0)
         overall = card.real(1, 1.0)
@@ -68,7 +78,9 @@ def read_loads(
         ignored.append(f"load set {number} ({reason} is not supported)")
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
-        ignored.append(f"case control LOAD = {chosen} (no FORCE, MOMENT, PLOAD4 or LOAD of it)")
+        ignored.append(
+            f"case control LOAD = {chosen} (no FORCE, MOMENT, PLOAD4, GRAV, RFORCE or LOAD of it)"
+        )
     order = sorted(parts, key=lambda number: (number != chosen, number))
     return {str(number): _merged(parts[number]) for number in order}
 

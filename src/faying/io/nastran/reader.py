@@ -1,7 +1,7 @@
 """Read the structure a Nastran deck describes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beams import read_beams
+from faying.io.nastran.body_loads import BODY_LOADS
 from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
@@ -62,6 +63,7 @@ _READ = frozenset(
         *ELEMENTS,
         *RIGID,
         *UNSUPPORTED,
+        *BODY_LOADS,
         *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
         *(*SHELL_PROPERTIES, *ANISOTROPIC, "MAT2", "MAT8"),
         *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PMASS", "SPOINT"),
@@ -152,7 +154,9 @@ def read_parts(
             materials=solids.materials,
             element=solids.element,
             beams=(
-                *read_beams(cards, grids, read_sections(cards, materials, factors)),
+                *read_beams(
+                    cards, grids, read_sections(cards, materials, factors, factor, ignored)
+                ),
                 *read_rods(cards, grids, materials, factors, factor),
             ),
             shells=shells.blocks,
@@ -169,9 +173,10 @@ def read_parts(
                 *read_equations(cards, grids, control.mpc),
             ),
             supports=tuple(read_supports(cards, grids, control.spc)),
-            loads=read_loads(cards, grids, mesh, shells.blocks, control.load, ignored),
             name=path.stem,
         )
+        loads = read_loads(cards, grids, assembly, control.load, ignored)
+        assembly = replace(assembly, loads=loads)
     return Deck(
         cards=cards,
         control=control,

@@ -11,19 +11,23 @@ from faying.model.assembly import BeamSection, Material
 Property = tuple[BeamSection, Material]
 
 _DIMENSIONS = {"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4}
-_MASS_REMEDY = "put it into the density of a material of its own (RHO + NSM / A)"
 _DIGITS = 1e-3
 """Relative difference of an entry that eight columns with an exponent leave open: 1.23-10."""
 _STATIONS = ("YES", "YESA", "NO")
 
 
 def read_sections(
-    cards: Mapping[str, Cards], materials: Mapping[int, Material], factors: Mapping[int, float]
+    cards: Mapping[str, Cards],
+    materials: Mapping[int, Material],
+    factors: Mapping[int, float],
+    mass_factor: float,
+    ignored: list[str],
 ) -> dict[str, dict[int, Property]]:
     """Return sections by element card (CBAR, CBEAM) and property id.
 
     K1, K2 left blank are rigid in shear on PBAR and 1.0 on PBEAM; 0.0 is rigid on both. PBARL and
-    PBEAML take shear factors from :func:`dimensioned_section`.
+    PBEAML take shear factors from :func:`dimensioned_section`. Non-structural mass is added to the
+    density, with a note.
 
     Parameters
     ----------
@@ -33,10 +37,11 @@ def read_sections(
     Raises
     ------
     FormatError
-        If a section tapers, has non-structural mass, a product of inertia or an offset.
+        If a section tapers, has a product of inertia or an offset.
     """
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
     origin: dict[tuple[str, int], Card] = {}
+    heavy = 0
     readers = (
         ("PBAR", "CBAR", _pbar),
         ("PBARL", "CBAR", _pbarl),
@@ -54,8 +59,25 @@ def read_sections(
             material = material_of(card, 1, materials)
             section = _checked(card, read(card, material))
             factor = factors.get(card.integer(1), 1.0)
-            result[element][number] = (with_shear(section, factor), material)
+            line_mass = card.real(_mass_field(card), 0.0) * mass_factor
+            if not 0 <= line_mass < math.inf:
+                text = f"non-structural mass {line_mass:g} must not be negative"
+                raise card.error(text, _mass_field(card))
+            heavy += line_mass > 0
+            own = replace(material, density=material.density + line_mass / section.area)
+            result[element][number] = (with_shear(section, factor), own)
+    if heavy:
+        ignored.append(
+            f"non-structural mass of {heavy} properties of beams: added to their density, so that "
+            "it turns with the section too"
+        )
     return result
+
+
+def _mass_field(card: Card) -> int:
+    """Return the field of the mass per length."""
+    name = card.cards.name
+    return {"PBAR": 6, "PBEAM": 7}.get(name) or 8 + _DIMENSIONS[card.text(3)]
 
 
 def with_shear(section: BeamSection, factor: float) -> BeamSection:
@@ -90,7 +112,6 @@ def _factor(card: Card, field: int, default: float) -> float:
 
 
 def _pbar(card: Card, _: Material) -> BeamSection:
-    card.refuse_non_zero([6], "non-structural mass", _MASS_REMEDY)
     card.refuse_non_zero([18], "I12", "turn the orientation vector to the principal axes")
     return BeamSection(
         area=card.real(2),
@@ -103,7 +124,6 @@ def _pbar(card: Card, _: Material) -> BeamSection:
 
 
 def _pbeam(card: Card, _: Material) -> BeamSection:
-    card.refuse_non_zero([7], "non-structural mass", _MASS_REMEDY)
     card.refuse_non_zero([5], "I12", "turn the orientation vector to the principal axes")
     row = 8
     if card.text(row) not in _STATIONS:
@@ -143,20 +163,18 @@ def _differ(one: float, other: float) -> bool:
 
 def _pbarl(card: Card, material: Material) -> BeamSection:
     kind, sizes = _sizes(card)
-    card.refuse_non_zero([8 + len(sizes)], "non-structural mass", _MASS_REMEDY)
     return _dimensioned(card, kind, sizes, material)
 
 
 def _pbeaml(card: Card, material: Material) -> BeamSection:
     kind, sizes = _sizes(card)
     after = 8 + len(sizes)
-    card.refuse_non_zero([after], "non-structural mass", _MASS_REMEDY)
     field = after + 1
     while field < len(card):
         if card.text(field) not in ("", *_STATIONS):
             text = f"expected YES or NO, found '{card.text(field)}'; check the number of dimensions"
             raise card.error(text, field)
-        for j, size in enumerate((*sizes, 0.0)):
+        for j, size in enumerate((*sizes, card.real(after, 0.0))):
             here = field + 2 + j
             if card.text(here) and _differ(card.real(here), size):
                 text = "a section that changes along the beam is not supported, split the beam"

@@ -188,8 +188,8 @@ def _thick(
         relative = card.integer(layout.flag, 0) == 1
         values = [card.real(field, 1.0 if relative else usual) for field in columns]
         thickness = float(np.mean(values)) * (usual if relative else 1.0)
-        if not min(values) > 0:
-            text = "thicknesses T1 to T4 must be positive"
+        if min(values) < 0 or not thickness > 0:
+            text = "thicknesses T1 to T4 must not be negative, and some positive"
             raise card.error(text, layout.own)
         if abs(thickness - usual) <= _DIFFERENT * usual:
             continue
