@@ -1,12 +1,13 @@
 """How far a solution is from a reference, in the seed's measure, Eq. (15.31)."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.display.facts import Shown
 from faying.exceptions import ModelError
 from faying.joint.system import Joint
 
@@ -36,8 +37,8 @@ class Compared(Protocol):
         ...
 
 
-@dataclass(frozen=True, kw_only=True)
-class Accuracy:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Accuracy(Shown):
     """Errors relative to the reference, as fractions (0.05 is 5 %).
 
     Attributes
@@ -60,6 +61,17 @@ class Accuracy:
     p999_relative_error: float
     max_pressure_ratio: float
     displacement_error: float
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Errors in percent."""
+        return {
+            "max relative error": f"{100 * self.max_relative_error:.3g} %",
+            "root mean square": f"{100 * self.rms_relative_error:.3g} %",
+            "99.9th percentile": f"{100 * self.p999_relative_error:.3g} %",
+            "peak pressure ratio": f"{self.max_pressure_ratio:.4g}",
+            "displacement error": f"{100 * self.displacement_error:.3g} %",
+        }
 
 
 def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:

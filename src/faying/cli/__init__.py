@@ -15,6 +15,7 @@ from faying.cli.report import report
 from faying.cli.run import run
 from faying.cli.schema import schema
 from faying.cli.solve import solve
+from faying.cli.view import view
 from faying.exceptions import FayingError
 
 BAD_INPUT = 2
@@ -29,7 +30,7 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
-for command in (demo, init, run, check, report, recover, export, reduce, solve, schema):
+for command in (demo, init, run, check, report, recover, export, reduce, solve, schema, view):
     app.command()(command)
 
 

@@ -14,6 +14,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Law, normal_law
+from faying.display.facts import Shown, with_unit
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
@@ -45,8 +46,8 @@ class FacePairs:
         object.__setattr__(self, "plus", frozen(self.plus, np.int64))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Interface:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Interface(Shown):
     """Two surfaces in contact, Eq. (15.11), with a law.
 
     Zero-thickness elements where the meshes match, a mortar coupling where they do not; solvers
@@ -108,6 +109,19 @@ class Interface:
             object.__setattr__(self, name, frozen(getattr(self, name)))
         for name in ("pairs", "face_of_point"):
             object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Name, size and law."""
+        return {
+            "name": self.name,
+            "node pairs": str(len(self.pairs)),
+            "contact points": f"{self.n_points} by {self.quadrature}",
+            "area": with_unit(self.area, ""),
+            "penalty": with_unit(self.penalty, ""),
+            "friction": with_unit(self.law.friction, ""),
+            "meshes": "matching" if self.coupling is None else "not matching",
+        }
 
     @property
     def penalty(self) -> float:

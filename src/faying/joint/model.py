@@ -9,6 +9,7 @@ from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Law, normal_law
+from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
 from faying.interface.friction import with_friction
 from faying.interface.interface import Interface, stack
@@ -29,8 +30,8 @@ from faying.model.matrices import assemble_matrices
 from faying.model.specs import Rayleigh
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Model:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Model(Shown):
     """A structure with interfaces, bolts, boundaries and load patterns.
 
     Copies made by the ``with_…`` methods share the structure, hence everything that was computed
@@ -67,6 +68,21 @@ class Model:
     units: str = "mm-t-s"
     stuck: Mapping[str, Mask] = field(default_factory=dict)
     load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Name, size and parts."""
+        mesh = self.assembly.mesh
+        return {
+            "name": self.name,
+            "nodes": str(len(mesh.nodes)),
+            "solid elements": str(mesh.n_elements),
+            "free degrees of freedom": str(self.structure.n_dof),
+            "interfaces": counted(self.interfaces),
+            "bolts": counted(self.bolts),
+            "boundaries": counted(self.boundaries),
+            "units": self.units,
+        }
 
     @property
     def nodal_mass(self) -> SparseMatrix:

@@ -132,8 +132,42 @@ class Joint(Protocol):
         ...
 
 
+class Placed(Protocol):
+    """Where the contact points of an interface are."""
+
+    @property
+    def points(self) -> Matrix:
+        """Contact points (n_point, 3)."""
+        ...
+
+    @property
+    def normals(self) -> Matrix:
+        """Unit normals out of the minus side (n_point, 3)."""
+        ...
+
+    @property
+    def weights(self) -> Vector:
+        """Area each contact point stands for (n_point,)."""
+        ...
+
+
 class System(Joint, Protocol):
     """A full or reduced model, as solvers see it."""
+
+    @property
+    def name(self) -> str:
+        """What the model is called."""
+        ...
+
+    @property
+    def units(self) -> str:
+        """Label of the consistent unit set."""
+        ...
+
+    @property
+    def interfaces(self) -> Mapping[str, Placed]:
+        """Interfaces by name, in the order of the contact points."""
+        ...
 
     @property
     def M(self) -> SparseMatrix | Matrix:

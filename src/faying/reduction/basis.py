@@ -1,11 +1,14 @@
 """A reduction basis: trial vectors that remember what kind they are, Eqs. (15.18) and (15.19)."""
 
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, frozen
+from faying.display.facts import Shown
 from faying.exceptions import ModelError
 
 DEPENDENT = 1e-8
@@ -22,8 +25,8 @@ class ModeKind(StrEnum):
     JOINT = "joint"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Basis:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Basis(Shown):
     """Trial vectors Φ of the Ritz ansatz (15.15).
 
     Attributes
@@ -40,6 +43,15 @@ class Basis:
         if self.vectors.shape[1] != len(self.kinds):
             message = f"{self.vectors.shape[1]} trial vectors but {len(self.kinds)} kinds"
             raise ModelError(message)
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Number of trial vectors, and of what kinds they are."""
+        kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(self.kinds).items())
+        return {
+            "trial vectors": f"{len(self)} ({kinds})" if kinds else "0",
+            "degrees of freedom": str(len(self.vectors)),
+        }
 
     def __len__(self) -> int:
         return len(self.kinds)

@@ -11,6 +11,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact, relative_compliance
+from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import PortCompliance, boundary_dofs, elongations, static_contact_of
@@ -24,14 +25,28 @@ from faying.reduction.recovery import Recovery
 
 
 @final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ReducedModel(ModelData):
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class ReducedModel(Shown, ModelData):
     """A model in generalized coordinates q of u ≈ Φ q, Eq. (15.15), without the full model.
 
     All that is done with a reduced model takes this value: solutions, certificates, recovery of
     pressures, exports and files (:meth:`save`, :func:`faying.load`). Its fields are those of
     :class:`~faying.reduction.model_data.ModelData`.
     """
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Name, method, size and parts."""
+        return {
+            "name": self.name,
+            "method": self.method,
+            **{k: v for k, v in self.basis.facts.items() if k == "trial vectors"},
+            "residual compliance": "no" if self.contact.residual_compliance is None else "yes",
+            "interfaces": counted(self.interfaces),
+            "bolts": counted(self.bolts),
+            "boundaries": counted(self.boundaries),
+            "units": self.units,
+        }
 
     @property
     def joint_modes(self) -> int:

@@ -1,15 +1,23 @@
 """Solutions are data: states, contact forces and what follows from them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from faying._typing import Indices, Matrix, Vector, frozen
+from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.joint.system import System, bolt_input
 from faying.simulation.contact_fields import ContactFields
+from faying.units import units_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Solution(ContactFields):
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Solution(ContactFields, Shown):
     """One static solution, several static cases, or a transient.
 
     Arrays have no leading axis for one static solution, otherwise one entry per case or instant.
@@ -66,6 +74,66 @@ class Solution(ContactFields):
     def __post_init__(self) -> None:
         for name in ("states", "contact_forces", "gap", "inputs"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Name, what was solved, and the largest pressure."""
+        units = units_of(self.system.units)
+        if self.times is not None:
+            span = f"{len(self.times)} instants up to {with_unit(self.times[-1], units.time)}"
+        else:
+            span = "static" if self.gap.ndim == 1 else f"{len(self.gap)} cases or increments"
+        return {
+            "name": self.name,
+            "model": self.system.name,
+            "kind": span,
+            "contact points": str(self.gap.shape[-1]),
+            "largest pressure": with_unit(float(self.max_pressure.max(initial=0)), units.pressure),
+        }
+
+    def to_dataframe(self) -> "DataFrame":
+        """Return pressures and gaps as a table of pandas, one row per contact point.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns ``time`` or ``case`` where there are several, ``interface``, ``point``, ``x``,
+            ``y``, ``z``, ``area``, ``pressure``, ``gap``, ``contact_force``; ``attrs["units"]``
+            says in what units each is.
+
+        Raises
+        ------
+        ModelError
+            If pandas is not installed.
+        """
+        from faying.simulation.tables import dataframe
+
+        return dataframe(self, self.system, self.times)
+
+    def to_xarray(self) -> "Dataset":
+        """Return the solution as labelled arrays of xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``pressure``, ``gap`` and ``contact_force`` over ``point``, whose coordinates are
+            ``interface``, ``x``, ``y``, ``z`` and ``area``; ``bolt_force`` over ``bolt``, and for
+            each boundary ``displacement_NAME``; all of them over ``time`` or ``case`` first where
+            there are several. ``attrs["units"]`` of each says its unit.
+
+        Raises
+        ------
+        ModelError
+            If xarray is not installed.
+        """
+        from faying.simulation.tables import dataset
+
+        motions = {
+            name: (at.components, self.displacement(name))
+            for name, at in self.system.boundaries.items()
+        }
+        bolts = {name: self.bolt_force(name) for name in self.system.bolts}
+        return dataset(self, self.system, self.times, motions, bolts)
 
     def displacement(self, boundary: str) -> Matrix:
         """Return the displacements at a boundary (..., n) in the order of its components.

@@ -1,0 +1,29 @@
+"""``faying view``: open the report of a run."""
+
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from faying.exceptions import StudyError
+
+
+def view(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a finished run.")],
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open it, or print where it is.")
+    ] = True,
+) -> None:
+    """Open DIR/report.html in the browser."""
+    page = (folder / "report.html").resolve()
+    if not page.is_file():
+        message = (
+            f"{folder} holds no report.html; name the folder of a finished 'faying run', or build "
+            "the report of one with 'faying report DIR'"
+        )
+        raise StudyError(message)
+    if not browser:
+        typer.echo(page)
+    elif not webbrowser.open(page.as_uri()):
+        typer.echo(f"No browser could be opened; the report is {page}")

@@ -1,0 +1,57 @@
+"""A value in a line of text, and as a small table in a notebook."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from html import escape
+
+
+class Shown(ABC):
+    """A value that is shown by what it is rather than by all its numbers.
+
+    Dataclasses that are shown so are declared with ``repr=False``.
+    """
+
+    @property
+    @abstractmethod
+    def facts(self) -> Mapping[str, str]:
+        """What is shown of it, each with its meaning; quick to compute."""
+
+    def __repr__(self) -> str:
+        inner = ", ".join(f"{meaning}: {value}" for meaning, value in self.facts.items())
+        return f"{type(self).__name__}({inner})"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f'<tr><th scope="row" style="text-align: left">{escape(meaning)}</th>'
+            f'<td style="text-align: left">{escape(value)}</td></tr>'
+            for meaning, value in self.facts.items()
+        )
+        return f"<table><caption>{type(self).__name__}</caption><tbody>{rows}</tbody></table>"
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Return a number with four significant digits and its unit.
+
+    Examples
+    --------
+    >>> with_unit(105.4037, "MPa"), with_unit(float("inf"), "")
+    ('105.4 MPa', 'inf')
+    """
+    return f"{value:.4g} {unit}".rstrip()
+
+
+def counted(names: Mapping[str, object]) -> str:
+    """Return how many there are of something and what they are called, a few of them.
+
+    Examples
+    --------
+    >>> counted({"left": 1, "right": 2}), counted({})
+    ('2 (left, right)', '0')
+    """
+    shown = list(names)[:MOST_NAMES]
+    more = ", …" if len(names) > len(shown) else ""
+    return f"{len(names)} ({', '.join(shown)}{more})" if shown else "0"
+
+
+MOST_NAMES = 5
+"""Names that are written out."""

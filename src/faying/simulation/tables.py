@@ -1,0 +1,136 @@
+"""Solutions as tables of pandas and labelled arrays of xarray, which faying can do without."""
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.joint.system import System
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.simulation.contact_fields import ContactFields
+from faying.units import Units, units_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+FIELDS = {
+    "pressure": ("contact pressure, compression positive", "force/length²"),
+    "gap": ("gap, open where positive", "length"),
+    "contact_force": ("normal contact force, pressure times area", "force"),
+}
+"""What is told of the contact points, with its meaning and dimension."""
+
+
+def dataframe(solution: ContactFields, system: System, times: Vector | None) -> "DataFrame":
+    """Return one row per contact point, and per instant or case where there are several."""
+    pandas: Any = _imported("pandas")
+    units, places = units_of(system.units), _places(system)
+    along, values = _along(solution, times)
+    n_point = len(places["point"])
+    columns: dict[str, Any] = {}
+    if along:
+        columns[along] = np.repeat(values, n_point)
+    repeats = len(values) if along else 1
+    columns |= {name: np.tile(column, repeats) for name, column in places.items()}
+    columns |= {name: field.ravel() for name, field in _fields(solution).items()}
+    table = pandas.DataFrame(columns)
+    table.attrs["units"] = {name: _unit(name, units) for name in columns}
+    table.attrs["model"] = system.name
+    return table
+
+
+def dataset(
+    solution: ContactFields,
+    system: System,
+    times: Vector | None,
+    motions: Mapping[str, tuple[Indices, Matrix]],
+    bolts: Mapping[str, Matrix],
+) -> "Dataset":
+    """Return labelled arrays over instants or cases, contact points, bolts and components.
+
+    Parameters
+    ----------
+    motions
+        Boundary name to its components and their displacements (..., n).
+    bolts
+        Bolt name to its force (...).
+    """
+    xarray: Any = _imported("xarray")
+    units, places = units_of(system.units), _places(system)
+    along, values = _along(solution, times)
+    leading = (along,) if along else ()
+    coordinates: dict[str, Any] = {"point": np.arange(len(places["interface"]))}
+    for name in ("interface", "x", "y", "z", "area"):
+        coordinates[name] = ("point", places[name], {"units": _unit(name, units)})
+    if along:
+        coordinates[along] = (along, values, {"units": _unit(along, units)})
+    found: dict[str, Any] = {
+        name: (
+            (*leading, "point"),
+            field,
+            {"long_name": FIELDS[name][0], "units": _unit(name, units)},
+        )
+        for name, field in _fields(solution).items()
+    }
+    if bolts:
+        coordinates["bolt"] = list(bolts)
+        forces = np.stack(list(bolts.values()), axis=-1)
+        about = {"long_name": "axial bolt force, tension positive", "units": units.force}
+        found["bolt_force"] = ((*leading, "bolt"), forces, about)
+    for name, (components, motion) in motions.items():
+        labels = [DISPLACEMENT_NAMES[component] for component in components]
+        coordinates[f"component_{name}"] = labels
+        about = {"long_name": f"displacement of {name}", "units": f"{units.length}, rad"}
+        found[f"displacement_{name}"] = ((*leading, f"component_{name}"), motion, about)
+    labelled: Dataset = xarray.Dataset(found, coordinates, {"model": system.name})
+    return labelled
+
+
+def _imported(name: str) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        message = f"this takes {name}, which is not installed; pip install 'faying[tables]'"
+        raise ModelError(message) from None
+
+
+def _along(solution: ContactFields, times: Vector | None) -> tuple[str, Vector | Indices]:
+    """Return what the leading axis is called, nothing where there is none, and its values."""
+    if solution.gap.ndim == 1:
+        return "", np.empty(0)
+    if times is None:
+        return "case", np.arange(len(solution.gap))
+    return "time", times
+
+
+def _places(system: System) -> dict[str, Any]:
+    """Return columns of all contact points: interface, number within it, place and area."""
+    interfaces = system.interfaces
+    counts = [len(one.weights) for one in interfaces.values()]
+    points = np.concatenate([*(one.points for one in interfaces.values()), np.empty((0, 3))])
+    names = np.array(list(interfaces), dtype=object)
+    return {
+        "interface": np.repeat(names, counts),
+        "point": np.concatenate([*map(np.arange, counts), np.empty(0, dtype=int)]),
+        **dict(zip("xyz", points.T, strict=True)),
+        "area": np.concatenate([*(one.weights for one in interfaces.values()), np.empty(0)]),
+    }
+
+
+def _fields(solution: ContactFields) -> dict[str, Matrix]:
+    return {
+        "pressure": solution.pressure,
+        "gap": solution.gap,
+        "contact_force": solution.contact_forces,
+    }
+
+
+def _unit(name: str, units: Units) -> str:
+    if name in FIELDS:
+        return units.of(FIELDS[name][1])
+    known = {"x": units.length, "y": units.length, "z": units.length, "time": units.time}
+    return {**known, "area": units.of("length²")}.get(name, "")
