@@ -15,6 +15,7 @@ from faying.exceptions import FormatError
 from faying.files.names import file_names
 from faying.interface.facets import reference_nodes, shape_functions
 from faying.interface.interface import FacePairs
+from faying.joint.picture import plot_bodies
 from faying.report import style
 from faying.report.figures import (
     plot_convergence,
@@ -28,7 +29,7 @@ from faying.report.figures import (
 from faying.report.figures.deformed import deformed_figure, exaggeration
 from faying.report.figures.error import error_figure, shown_methods
 from faying.report.figures.gap import STATES, gap_figure
-from faying.report.figures.model import model_figure, plot_bodies
+from faying.report.figures.model import model_figure
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import pressure_figure
 from faying.report.figures.response import response_figure

@@ -9,29 +9,35 @@ with D the energy that friction takes in a cycle and q half of what it goes thro
 (quasi-static modal analysis of Festjens, Chevallier & Dion 2013 and Lacayo & Allen 2019).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import TYPE_CHECKING, final
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Vector, frozen
 from faying.assessment.modal_cycles import Measure, ModalCycle, Swing, measured
 from faying.assessment.stuck_modes import StuckMode, stuck_mode
+from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError, naming
 from faying.joint.system import System
+from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import MOST_CYCLES
 from faying.simulation.load import Load
 from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
+from faying.units import units_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 AWAY = 1e-6
 """Share of a mode's strain energy below which its contact does not take part in it."""
 
 
 @final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Backbone:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Backbone(Shown):
     """Frequency and damping of one mode at several amplitudes; arrays have one entry for each.
 
     Attributes
@@ -69,6 +75,8 @@ class Backbone:
         By Masing's rule from the first loading alone, friction only; None unless asked for.
     remarks
         What a reader should know.
+    units
+        Label of the consistent unit set of the model.
     """
 
     mode: int
@@ -90,6 +98,53 @@ class Backbone:
     masing_frequency: Vector | None = None
     masing_damping: Vector | None = None
     remarks: tuple[str, ...] = ()
+    units: str = "mm-t-s"
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Mode, frequency of small vibrations, and the ranges that were computed."""
+        units = units_of(self.units)
+        ranges = {
+            "amplitudes": (self.amplitude, self._amplitude_unit),
+            "frequencies": (self.frequency, f"1/{units.time}"),
+            "damping ratios": (100 * self.damping_ratio, "%"),
+        }
+        return {
+            "mode": str(self.mode),
+            "small vibrations": with_unit(self.small_frequency, f"1/{units.time}"),
+            "measured at": self.measured_at,
+            **{
+                name: f"{values.min():.4g} to {with_unit(values.max(), unit)}"
+                for name, (values, unit) in ranges.items()
+            },
+        }
+
+    @property
+    def _amplitude_unit(self) -> str:
+        turns = self.measured_at.rpartition(".")[2] in DISPLACEMENT_NAMES[3:]
+        return "rad" if turns else units_of(self.units).length
+
+    def plot(self, axes: "Axes | None" = None) -> "Axes":
+        """Draw damping ratio (left) and frequency (right) over the amplitude.
+
+        Parameters
+        ----------
+        axes
+            Of matplotlib; new ones by default. Those of the frequency are their twin.
+        """
+        from faying.display.axes import new_axes
+
+        left: Axes = new_axes() if axes is None else axes
+        right = left.twinx()
+        time = units_of(self.units).time
+        damping, frequency = "#0072B2", "#D55E00"
+        left.semilogx(self.amplitude, 100 * self.damping_ratio, "o-", color=damping)
+        right.semilogx(self.amplitude, self.frequency, "s--", color=frequency)
+        left.set_xlabel(f"amplitude at {self.measured_at} [{self._amplitude_unit}]")
+        left.set_ylabel("damping ratio [%]", color=damping)
+        right.set_ylabel(f"frequency [1/{time}]", color=frequency)
+        left.set_title(f"mode {self.mode}")
+        return left
 
     def __post_init__(self) -> None:
         for name in ("amplitude", "frequency", "damping_ratio", "energy_per_cycle", "loop_area"):
@@ -222,6 +277,7 @@ def _assembled(
     # Masing: both halves of a loop are its first loading, twice as large.
     lost = 8 * column("first_loop") - 4 * load * first
     return Backbone(
+        units=system.units,
         mode=mode,
         small_frequency=found.frequency,
         measured_at=measure.name,

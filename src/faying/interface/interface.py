@@ -117,8 +117,8 @@ class Interface(Shown):
             "name": self.name,
             "node pairs": str(len(self.pairs)),
             "contact points": f"{self.n_points} by {self.quadrature}",
-            "area": with_unit(self.area, ""),
-            "penalty": with_unit(self.penalty, ""),
+            "area [length²]": with_unit(self.area, ""),
+            "penalty [force/length³]": with_unit(self.penalty, ""),
             "friction": with_unit(self.law.friction, ""),
             "meshes": "matching" if self.coupling is None else "not matching",
         }

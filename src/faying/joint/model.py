@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.condensed import CondensedContact
@@ -83,6 +83,22 @@ class Model(Shown):
             "boundaries": counted(self.boundaries),
             "units": self.units,
         }
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw bodies, interfaces, boundaries and supports.
+
+        Parameters
+        ----------
+        axes
+            Of matplotlib, in three dimensions; new ones by default.
+
+        Returns
+        -------
+        Axes3D
+        """
+        from faying.joint.picture import plot_model
+
+        return plot_model(self, axes)
 
     @property
     def nodal_mass(self) -> SparseMatrix:

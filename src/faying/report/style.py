@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
@@ -40,19 +39,13 @@ RC: Any = {  # matplotlib types the keys as one long Literal
 REFERENCE = "#000000"
 OTHER_COLOUR = "#7F7F7F"
 
-# Perceptually uniform; and one that is white at zero, blue and red alike in weight.
-PRESSURE_MAP = "viridis"
+# One that is white at zero, blue and red alike in weight.
 ERROR_MAP = "RdBu_r"
 GAP_MAP = "Purples"
 SLIP_MAP = "magma_r"
 OPEN_COLOUR = "#E4E4E4"
-BODY_COLOURS = ("#8FB3D9", "#E3C08D", "#A8CDA0", "#C9B2D6", "#D9A9A0", "#B5B5B5")
-BOLT_COLOUR = "#B2182B"
-INTERFACE_COLOUR = "#111111"
 
 DPI = 150
-LINE = 66
-"""Characters of a title that the narrowest figure holds."""
 MARGIN = 18
 """Pixels left around a picture."""
 WHITE = 250
@@ -108,13 +101,3 @@ def label(method: str, joint_modes: int) -> str:
     if not joint_modes:
         return method
     return f"{method}, {joint_modes} joint mode{'s' if joint_modes > 1 else ''}"
-
-
-def heading(text: str) -> str:
-    """Return the title of a figure, broken so that long names of users stay in the picture."""
-    return plain("\n".join(fill(line, LINE) for line in text.splitlines()))
-
-
-def plain(text: str) -> str:
-    """Return text that matplotlib shows as it is: names may hold dollar signs."""
-    return text.replace("$", r"\$")

@@ -12,6 +12,7 @@ from faying.simulation.contact_fields import ContactFields
 from faying.units import units_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from pandas import DataFrame
     from xarray import Dataset
 
@@ -90,6 +91,45 @@ class Solution(ContactFields, Shown):
             "contact points": str(self.gap.shape[-1]),
             "largest pressure": with_unit(float(self.max_pressure.max(initial=0)), units.pressure),
         }
+
+    def plot(
+        self,
+        axes: "Axes | None" = None,
+        *,
+        quantity: str = "pressure",
+        at: int | None = None,
+        interface: str | None = None,
+    ) -> "Axes":
+        """Draw the solution: a map of an interface, or lines over instants or cases.
+
+        Parameters
+        ----------
+        axes
+            Of matplotlib; new ones by default.
+        quantity
+            ``"pressure"`` or ``"gap"``, at the contact points.
+        at
+            Of several states the one whose map is drawn; by default the largest value over all.
+        interface
+            Of a map the first, of lines all by default.
+
+        Raises
+        ------
+        ModelError
+            If there is no such quantity, state or interface.
+        """
+        from faying.simulation.picture import checked_quantity, plot_lines, plot_map
+
+        values = getattr(self, checked_quantity(quantity))
+        if values.ndim > 1 and at is None:
+            lines: Axes = plot_lines(self.system, values, quantity, interface, self.times, axes)
+            return lines
+        if values.ndim > 1 and not -len(values) <= (at or 0) < len(values):
+            message = f"there is no state {at}; there are {len(values)}, counted from 0"
+            raise ModelError(message)
+        shown = values[at] if values.ndim > 1 else values
+        drawn: Axes = plot_map(self.system, shown, quantity, interface, axes)
+        return drawn
 
     def to_dataframe(self) -> "DataFrame":
         """Return pressures and gaps as a table of pandas, one row per contact point.

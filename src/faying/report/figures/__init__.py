@@ -1,12 +1,12 @@
 """Pictures of models and results: functions that take data and Axes, and a catalogue of all."""
 
+from faying.joint.picture import plot_model
 from faying.report.figures.catalogue import write_figures
 from faying.report.figures.convergence import plot_convergence
 from faying.report.figures.deformed import plot_deformed
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.error import plot_error
 from faying.report.figures.gap import plot_gap, plot_states
-from faying.report.figures.model import plot_model
 from faying.report.figures.preload import plot_sticking
 from faying.report.figures.pressure import plot_point_pressure, plot_pressure
 from faying.report.figures.response import (

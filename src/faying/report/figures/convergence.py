@@ -3,9 +3,10 @@
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
+from faying.display.style import plain
 from faying.report.figures.entry import Drawn
 from faying.report.reference import against
-from faying.report.style import colour, marker, new_figure, plain
+from faying.report.style import colour, marker, new_figure
 from faying.study.results import CaseResult, Results
 
 FLOOR = 1e-6

@@ -5,9 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from faying._typing import Indices, Vector
+from faying.display.style import plain
 from faying.report.figures.convergence import FLOOR
 from faying.report.figures.entry import Drawn
-from faying.report.style import colour, marker, new_figure, plain
+from faying.report.style import colour, marker, new_figure
 from faying.study.results import LoadSpaceRecord, LoadSpaceResult, Results
 
 

@@ -3,9 +3,10 @@
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
+from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import quantity
-from faying.report.style import colour, heading, new_figure, plain
+from faying.report.style import colour, new_figure
 from faying.study.results import CaseResult, Results
 from faying.units import units_of
 

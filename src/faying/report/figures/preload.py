@@ -2,6 +2,7 @@
 
 from matplotlib.axes import Axes
 
+from faying.display.style import plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import (
@@ -14,7 +15,7 @@ from faying.report.figures.pressure import (
     summary,
 )
 from faying.report.figures.surface_map import draw_edges, panel_size, prepare
-from faying.report.style import colour, new_figure, plain
+from faying.report.style import colour, new_figure
 from faying.study.results import InterfaceRecord, Results
 from faying.units import Units, units_of
 

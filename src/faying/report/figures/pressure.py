@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from faying._typing import Vector
+from faying.display.style import PRESSURE_MAP, heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import (
@@ -15,7 +16,7 @@ from faying.report.figures.surface_map import (
     scale,
 )
 from faying.report.quantities import percent, place, quantity
-from faying.report.style import PRESSURE_MAP, heading, new_figure, plain
+from faying.report.style import new_figure
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 

@@ -6,13 +6,14 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.patches import Patch
 
 from faying._typing import Indices, Matrix, Vector
+from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import plot_pressure
 from faying.report.figures.surface_map import Scale, draw_points, panel_size, prepare
 from faying.report.quantities import percent, quantity
 from faying.report.slip import shown_increment, slipping
-from faying.report.style import OPEN_COLOUR, heading, new_figure, plain
+from faying.report.style import OPEN_COLOUR, new_figure
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 

@@ -1,6 +1,5 @@
 """Fields on an interface, drawn in the interface's own plane."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,19 +16,13 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.facets import shape_functions
+from faying.model.outline import RINGS, outline_of
 from faying.report.figures.plane import Plane
 from faying.report.style import OPEN_COLOUR
 from faying.study.interface_surface import pair_facets
 from faying.study.results import InterfaceRecord
 from faying.units import Units
 
-# Nodes of a facet around its edge.
-RINGS = {
-    "tri3": (0, 1, 2),
-    "quad4": (0, 1, 2, 3),
-    "tri6": (0, 3, 1, 4, 2, 5),
-    "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
-}
 RASTER = 700
 """Pixels along the longer side of a map of contact points."""
 TRIANGLES = 60_000
@@ -234,22 +227,6 @@ def draw_edges(axes: Axes, record: InterfaceRecord, plane: Plane) -> Axes:
 def outline(record: InterfaceRecord) -> Matrix:
     """Return the edges (n_edge, 2, 3) that bound an interface: those of one facet only."""
     return outline_of(pair_facets(record), record.pair_points)
-
-
-def outline_of(facets: Sequence[tuple[str, Indices]], points: Matrix) -> Matrix:
-    """Return the edges (n_edge, 2, 3) that bound facets, given by kind and indices of points."""
-    edges = []
-    for kind, nodes in facets:
-        ring = nodes[:, list(RINGS[kind])]
-        edges.append(np.stack([ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 2))
-    joined = np.concatenate([*edges, np.empty((0, 2), dtype=np.int64)])
-    if not len(joined):
-        return np.empty((0, 2, 3))
-    _, first, counts = np.unique(
-        np.sort(joined, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    bounding: Matrix = points[joined[first[counts == 1]]]
-    return bounding
 
 
 def colour_bar(axes: Axes, scale: Scale, label: str, *, pointed: bool = False) -> None:

@@ -10,17 +10,10 @@ from matplotlib.colors import to_hex
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices
+from faying.display.style import BODY_COLOURS, BOLT_COLOUR, PRESSURE_MAP
 from faying.model.mesh import Mesh
 from faying.report.figures.plane import best_plane
-from faying.report.style import (
-    BODY_COLOURS,
-    BOLT_COLOUR,
-    ERROR_MAP,
-    GAP_MAP,
-    OPEN_COLOUR,
-    PRESSURE_MAP,
-    SLIP_MAP,
-)
+from faying.report.style import ERROR_MAP, GAP_MAP, OPEN_COLOUR, SLIP_MAP
 from faying.report.view.explosion import explosion
 from faying.report.view.fields import averages, fields, models
 from faying.report.view.frames import Frames, frames
