@@ -26,6 +26,9 @@ SURPLUS = 1e-6
 LIMIT = 100
 """Newton steps per increment; two or three are usual."""
 
+LAST_DIGITS = 1e-15
+"""What round-off leaves of a bolt force, over the initial force: some units in the last place."""
+
 FORCE_TOLERANCE = 1e-10
 """Deviation of a bolt force from its target over the largest target, at which Newton stops.
 
@@ -211,7 +214,8 @@ def _reach(
     forces, slope, contact = _bolt_forces(system, state, contact)
     for _ in range(LIMIT):
         miss = goal - forces[chosen]
-        if np.abs(miss).max() <= tolerance:
+        # A bolt force is what a gap leaves of the initial one, whose last digits decide.
+        if np.abs(miss).max() <= max(tolerance, LAST_DIGITS * np.abs(state).max()):
             return state, contact, forces
         resistance = slope[np.ix_(chosen, chosen)]
         if np.linalg.eigvals(resistance).real.min() < NO_RESISTANCE:
