@@ -24,6 +24,12 @@ KINDS_OF_UNITS = {
 """Names of units whose kind is known; a study may use others."""
 
 
+# In m, kg and s; pound and slug by the international pound, foot and inch (NIST SP 811, App. B).
+LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
+MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "Mg": 1e3, "slug": 14.5939, "slinch": 175.127}
+TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Units:
     """Names of units.
@@ -63,3 +69,17 @@ def units_of(label: str) -> Units:
     length, mass, time = parts if len(parts) == 3 else ("length", "mass", "time")
     force, pressure = DERIVED.get(label, ("force", "force/length²"))
     return Units(length=length, mass=mass, time=time, force=force, pressure=pressure)
+
+
+def pascals(label: str) -> float | None:
+    """Return how many pascals the unit of pressure of a set is; None where a unit is not known.
+
+    Examples
+    --------
+    >>> round(pascals("mm-t-s"))
+    1000000
+    """
+    length, mass, time = label.split("-") if label.count("-") == 2 else ("", "", "")
+    if length not in LENGTHS or mass not in MASSES or time not in TIMES:
+        return None
+    return MASSES[mass] / (LENGTHS[length] * TIMES[time] ** 2)

@@ -21,6 +21,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[material.NAME]": model_tables.MaterialSection,
     "[[interface]]": model_tables.InterfaceSection,
     "[[bolt]]": model_tables.BoltSection,
+    "[[bolt]] thread": model_tables.ThreadSection,
     "[[boundary]]": model_tables.BoundarySection,
     "[[support]]": model_tables.SupportSection,
     "[sticking]": model_tables.StickingSection,

@@ -13,6 +13,7 @@ from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.thread import ThreadStress
 from faying.files.described import SPARSE
 from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
@@ -52,6 +53,7 @@ GROUPS = {
     "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
     "/assessment": Assessment,
     "/assessment/bolts/NAME": BoltAssessment,
+    "/assessment/bolts/NAME/thread": ThreadStress,
     "/assessment/interfaces/NAME": InterfaceAssessment,
     "/assessment/verdicts/0": Verdict,
     "/validation": ValidationRecord,

@@ -53,14 +53,18 @@ report = false
 """
 
 
-def outcome(folder, requirement):
-    study = parse_study(STUDY.replace("REQUIREMENT", requirement), folder / "joint.toml")
+THREAD = 'thread = { diameter = 6.0, pitch = 1.0, grade = "8.8" }'
+
+
+def outcome(folder, requirement, thread=""):
+    text = STUDY.replace("REQUIREMENT", requirement).replace("5e3\n", f"5e3\n{thread}\n", 1)
+    study = parse_study(text, folder / "joint.toml")
     summary = run(study, folder / "out").summary
     return summary, read_results(folder / "out" / "results.h5")
 
 
 def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
-    summary, results = outcome(tmp_path, "min_clamp_force = 4e3\nmax_pressure = 10.0")
+    summary, results = outcome(tmp_path, "min_clamp_force = 4e3\nmax_pressure = 10.0", THREAD)
     found = results.assessment
     assert json.loads((tmp_path / "out" / "summary.json").read_text()) == summary
     peaks = {name: case.reference.pressure.max() for name, case in results.cases.items()}
@@ -78,7 +82,11 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     )
     followed = found.interfaces["joint"].first_opening
     assert followed == pytest.approx(static.interfaces["joint"].first_opening, rel=1e-6)
+    stress = found.bolts["bolt"].thread
+    assert stress.proof == pytest.approx(640.0, rel=1e-12)
+    assert summary["assessment"]["bolts"]["bolt"]["thread"]["axial"] == stress.axial
     page = write_report(results, tmp_path / "out").read_text()
+    assert "stress in the thread" in page
     assert "The joint does not hold what the study demands: max_pressure." in page
     assert page.index('id="joint"') < page.index('id="summary"')
 

@@ -1,6 +1,7 @@
 """The joint judged over its load cases: bolts, interfaces, and what it must hold."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from faying.assessment.joint_record import (
 )
 from faying.assessment.load_path import LoadPath, load_path
 from faying.assessment.requirements import Requirements
+from faying.assessment.thread import Thread, thread_stress
 from faying.assessment.verdicts import verdicts
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
@@ -34,6 +36,7 @@ def assess(
     requirements: Requirements | None = None,
     *,
     paths: bool = True,
+    threads: Mapping[str, Thread] | None = None,
 ) -> Assessment:
     """Judge a joint without friction over static load cases.
 
@@ -47,6 +50,8 @@ def assess(
         What must hold.
     paths
         Whether each load is followed to its openings, (:func:`faying.load_path`).
+    threads
+        Bolt to its thread, whose stress is then compared with the grade.
 
     Raises
     ------
@@ -84,7 +89,37 @@ def assess(
     )
     surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
     followed = {load.name: load_path(full, load) for load in loads} if paths else {}
-    return judged(surfaces, system.bolts, at_rest, states, requirements, followed)
+    found = judged(surfaces, system.bolts, at_rest, states, requirements, followed)
+    return with_threads(found, threads or {}, system.units)
+
+
+def with_threads(found: Assessment, threads: Mapping[str, Thread], units: str) -> Assessment:
+    """Return an assessment with the stress in the threads that are known.
+
+    Raises
+    ------
+    ModelError
+        If a bolt is not there, or the units are not known.
+    """
+    unknown = sorted(set(threads) - set(found.bolts))
+    if unknown:
+        known = ", ".join(found.bolts)
+        message = f"threads: there is no bolt '{unknown[0]}'; there are {known}"
+        raise ModelError(message)
+    stressed = {
+        name: replace(
+            found.bolts[name],
+            thread=thread_stress(
+                thread,
+                found.bolts[name].preload,
+                found.bolts[name].least,
+                found.bolts[name].most,
+                units,
+            ),
+        )
+        for name, thread in threads.items()
+    }
+    return replace(found, bolts={**found.bolts, **stressed})
 
 
 def judged(

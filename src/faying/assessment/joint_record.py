@@ -6,6 +6,7 @@ from typing import final
 
 from faying._typing import Matrix, Vector
 from faying.assessment.requirements import Verdict
+from faying.assessment.thread import ThreadStress
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -44,6 +45,8 @@ class BoltAssessment:
         along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
     load_factors
         Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
+    thread
+        Stress in the thread, where that is known.
     """
 
     preload: float
@@ -53,6 +56,7 @@ class BoltAssessment:
     most_case: str
     axial_loads: Mapping[str, float]
     load_factors: Mapping[str, float]
+    thread: ThreadStress | None = None
 
 
 @final

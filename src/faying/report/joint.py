@@ -49,8 +49,10 @@ def bolt_judgement(results: Results) -> Table:
     """Return what the bolts see over all load cases."""
     units = units_of(results.units)
     bolts = {} if results.assessment is None else results.assessment.bolts
-    columns = ("bolt", "preload", "smallest force", "largest force", "load factor Φ = ΔF_S / F_A")
-    rows = [(name, *_bolt(one, units)) for name, one in bolts.items()]
+    columns = ["bolt", "preload", "smallest force", "largest force", "load factor Φ = ΔF_S / F_A"]
+    stressed = any(one.thread is not None for one in bolts.values())
+    columns += ["stress in the thread", "safety"] if stressed else []
+    rows = [(name, *_bolt(one, units, stressed=stressed)) for name, one in bolts.items()]
     return table(columns, rows)
 
 
@@ -86,12 +88,21 @@ def _measured(value: float, dimension: str, units: Units) -> str:
     return quantity(value, units.of(dimension), 4)
 
 
-def _bolt(one: BoltAssessment, units: Units) -> Iterator[str]:
+def _bolt(one: BoltAssessment, units: Units, *, stressed: bool) -> Iterator[str]:
     yield quantity(one.preload, units.force, 5)
     yield f"{quantity(one.least, units.force, 5)} ({one.least_case})"
     yield f"{quantity(one.most, units.force, 5)} ({one.most_case})"
     factors = [f"{number(factor)} ({case})" for case, factor in one.load_factors.items()]
     yield "; ".join(factors) or "—"
+    if not stressed:
+        return
+    found = one.thread
+    if found is None:
+        yield from ("—", "—")
+        return
+    proof = quantity(found.proof, units.pressure, 4)
+    yield f"{quantity(found.reduced, units.pressure, 4)} of {proof}"
+    yield number(found.safety)
 
 
 def _interface(

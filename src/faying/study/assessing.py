@@ -6,10 +6,11 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.assessment.certificate import certifier
-from faying.assessment.joint_assessment import judged
+from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.load_path import LoadPath, load_path
 from faying.assessment.requirements import ClosedRing, Requirements
+from faying.assessment.thread import Thread
 from faying.reduction.projection import contact_surfaces
 from faying.study.extras import Extras
 from faying.study.loads import case_load
@@ -44,7 +45,7 @@ def assess_run(
             for name, case in cases.items()
             if case.reserve is not None
         }
-        return judged(
+        found = judged(
             contact_surfaces(model),
             model.bolts,
             CaseState(
@@ -56,6 +57,12 @@ def assess_run(
             _paths(joint, smooth),
             slip,
         )
+        threads = {
+            bolt.name: Thread(**bolt.thread.model_dump())
+            for bolt in study.bolts
+            if bolt.thread is not None
+        }
+        return with_threads(found, threads, study.units)
     return None
 
 

@@ -13,8 +13,8 @@ from faying.study.consistency import loadings
 from faying.study.model_tables import BoltSection
 from faying.study.tables import Study
 
-FORCES = ("preload", "initial_force")
-"""Keys of a bolt that say how it is tightened, not what it is."""
+FORCES = ("preload", "initial_force", "thread")
+"""Keys of a bolt that say how it is tightened and judged, not where it is."""
 
 
 _BALANCED = 1e-6

@@ -166,6 +166,15 @@ class InterfaceSection(Section):
     initial_gap: InitialGap | None = None
 
 
+class ThreadSection(Section):
+    """[[bolt]] thread: see :class:`faying.assessment.thread.Thread`."""
+
+    diameter: Positive
+    pitch: Positive
+    grade: Annotated[Name, Field(pattern=r"^\d{1,2}\.[1-9]$")]
+    friction: NotNegative | None = None
+
+
 class BoltSection(Section):
     """[[bolt]]: see :class:`faying.model.specs.BoltSpec`.
 
@@ -181,6 +190,8 @@ class BoltSection(Section):
     initial_force : [force]
         Instead of it: the force the bolt would have if nothing gave way, Young's modulus × area ×
         initial strain. The joint relaxes part of it.
+    thread
+        What the assessment compares its force with.
     """
 
     name: Name
@@ -197,6 +208,7 @@ class BoltSection(Section):
     material: IdOrName | None = None
     shear_flexible: Switch = True
     mass: Switch = True
+    thread: ThreadSection | None = None
 
 
 class SupportSection(Section):

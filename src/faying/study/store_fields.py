@@ -8,6 +8,7 @@ from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.thread import ThreadStress
 from faying.files.described import Meaning, Table
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import GEOMETRY, SURFACE
@@ -74,6 +75,15 @@ MEANINGS: dict[type, Table] = {
         "most_case": Meaning("load case it belongs to"),
         "axial_loads": Meaning("axial load of bolt and area around it by load case", "force"),
         "load_factors": Meaning("what the bolt gains over that load, by load case", "1"),
+        "thread": Meaning("stress in the thread, where that is given"),
+    },
+    ThreadStress: {
+        "axial": Meaning("axial stress of the largest force", "force/length²"),
+        "torsion": Meaning("shear stress that tightening leaves", "force/length²"),
+        "reduced": Meaning("both together, half of the shear counted", "force/length²"),
+        "amplitude": Meaning("half the range of the axial stress", "force/length²"),
+        "proof": Meaning("proof stress of the grade", "force/length²"),
+        "safety": Meaning("proof stress over the two together", "1"),
     },
     InterfaceAssessment: {
         "preload": Meaning("clamp force at rest", "force"),

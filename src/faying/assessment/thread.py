@@ -1,0 +1,141 @@
+"""Stress in the thread of a bolt against its grade, in the symbols of VDI 2230 part 1 (2015).
+
+The basic profile of a metric thread is a triangle of height H = √3/2 P, so that d₂ = d − 3/4 H and
+d₃ = d − 17/12 H; the stress area is that of the diameter between both, A_S = π/4 ((d₂ + d₃)/2)².
+"""
+
+import re
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying.exceptions import ModelError
+from faying.units import pascals
+
+WORKING = 0.5
+"""k_τ: share of the torsion of tightening that counts in service, section 5.5.2."""
+
+FLANK = 2 / np.sqrt(3)
+"""1 / cos 30°, of the flanks of a metric thread."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Thread:
+    """A metric thread and the grade of its bolt.
+
+    Attributes
+    ----------
+    diameter : [length]
+        Nominal, d.
+    pitch : [length]
+        P.
+    grade
+        As ``"8.8"``: tensile strength of 800 MPa, of which it yields at 0.8.
+    friction
+        μ_G in the thread while the nut is turned; without it nothing twists.
+    """
+
+    diameter: float
+    pitch: float
+    grade: str
+    friction: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (0 < self.pitch < self.diameter / 2):
+            message = (
+                f"a thread of diameter {self.diameter:g} has the pitch {self.pitch:g}; give a "
+                "positive one, less than half the diameter"
+            )
+            raise ModelError(message)
+        if not re.fullmatch(r"\d{1,2}\.\d", self.grade) or self.grade.endswith(".0"):
+            message = f"grade '{self.grade}' is none; give it as in '8.8' or '10.9'"
+            raise ModelError(message)
+
+    @property
+    def pitch_diameter(self) -> float:
+        """d₂ [length]."""
+        return float(self.diameter - 3 / 4 * np.sqrt(3) / 2 * self.pitch)
+
+    @property
+    def stress_diameter(self) -> float:
+        """d_S = (d₂ + d₃)/2 [length]."""
+        root = self.diameter - 17 / 12 * np.sqrt(3) / 2 * self.pitch
+        return float((self.pitch_diameter + root) / 2)
+
+    @property
+    def stress_area(self) -> float:
+        """A_S [length²]."""
+        return float(np.pi / 4 * self.stress_diameter**2)
+
+    def proof_stress(self, units: str) -> float:
+        """Return R_p0.2 of the grade [force/length²].
+
+        Raises
+        ------
+        ModelError
+            If it is not known what a pressure is in these units.
+        """
+        pascal = pascals(units)
+        if pascal is None:
+            message = f"a grade is a stress in MPa, and what that is in {units} is not known"
+            raise ModelError(message)
+        strength, share = self.grade.split(".")
+        return float(int(strength) * 100e6 * int(share) / 10 / pascal)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ThreadStress:
+    """Stress in the stress area of a bolt over all load cases.
+
+    Attributes
+    ----------
+    axial : [force/length²]
+        σ_z of the largest bolt force.
+    torsion : [force/length²]
+        τ that tightening leaves; zero where the friction of the thread is not given.
+    reduced : [force/length²]
+        σ_red,B = √(σ_z² + 3 (k_τ τ)²), section 5.5.2.
+    amplitude : [force/length²]
+        σ_a, half the range of σ_z, section 5.5.3.
+    proof : [force/length²]
+        R_p0.2 of the grade.
+    safety
+        S_F = R_p0.2 / σ_red,B.
+    """
+
+    axial: float
+    torsion: float
+    reduced: float
+    amplitude: float
+    proof: float
+    safety: float
+
+
+def thread_stress(
+    thread: Thread, preload: float, least: float, most: float, units: str
+) -> ThreadStress:
+    """Return the stress in a thread; bending of the bolt is not in it.
+
+    Parameters
+    ----------
+    preload, least, most : [force]
+        Force the bolt is tightened to, and its extremes in service.
+    """
+    area, pitch_diameter = thread.stress_area, thread.pitch_diameter
+    axial, torsion = most / area, 0.0
+    if thread.friction is not None:
+        lead = thread.pitch / (np.pi * pitch_diameter)
+        moment = preload * pitch_diameter / 2 * (lead + FLANK * thread.friction)
+        torsion = float(moment / (np.pi / 16 * thread.stress_diameter**3))
+    reduced = float(np.sqrt(axial**2 + 3 * (WORKING * torsion) ** 2))
+    proof = thread.proof_stress(units)
+    return ThreadStress(
+        axial=axial,
+        torsion=torsion,
+        reduced=reduced,
+        amplitude=(most - least) / (2 * area),
+        proof=proof,
+        safety=proof / reduced if reduced > 0 else float("inf"),
+    )
