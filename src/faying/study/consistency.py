@@ -105,6 +105,10 @@ def _model_files(study: Study) -> Iterator[Problem]:
     if study.model.ignore and not source.is_deck:
         text = f"source '{source.name}' is no deck that could hold more than is read; remove it"
         yield _problem(study, ("model", "ignore"), text)
+    for key in ("parts", "without"):
+        if getattr(study.model, key) and not (source.is_deck or source.is_mesh):
+            text = f"source '{source.name}' has no parts to choose from; remove it"
+            yield _problem(study, ("model", key), text)
     for key in dict.fromkeys(one.key for one in SOURCES.values()):
         given = key in study.model.model_fields_set
         if key == source.key and not given and source.needs_key:

@@ -17,6 +17,7 @@ from faying.joint.model import Model
 from faying.model.assembly import Assembly, Material
 from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
+from faying.model.parts import part_of
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.sources import SOURCES, SourceKeys, overridden
 from faying.study.bolts import (
@@ -199,6 +200,7 @@ def _described(study: Study) -> JointDescription:
             materials=study.materials,
         )
     )
+    described = part_of(described, model.parts, model.without)
     return _as_wished(described, study) if source.is_deck else described
 
 

@@ -104,6 +104,10 @@ class ModelSection(Section):
         Subcase or step of the deck whose supports and loads count; the first unless given.
     ignore
         What the deck has and the model shall not, see :data:`faying.io.left_out.IGNORABLE`.
+    parts
+        Bodies, element sets or property ids that the model is made of; all unless given.
+    without
+        Bodies, element sets or property ids that are left out of it.
     files
         Matrix and table files of source "matrices".
     element
@@ -120,6 +124,8 @@ class ModelSection(Section):
     file: ExistingFile | None = None
     subcase: Count | None = None
     ignore: tuple[Annotated[str, name_in(IGNORABLE)], ...] = ()
+    parts: tuple[IdOrName, ...] = ()
+    without: tuple[IdOrName, ...] = ()
     files: MatrixFiles | None = None
     element: Literal["incompatible", "standard"] = "incompatible"
     separate: tuple[Name, ...] = ()

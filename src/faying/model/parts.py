@@ -1,0 +1,317 @@
+"""Parts of a structure: some of its bodies, properties or element sets, with what holds to them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices, Mask
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
+from faying.model.bodies import bodies, body_names
+from faying.model.description import JointDescription
+from faying.model.mesh import CellBlock, Mesh
+from faying.model.remaining_joint import remaining_joint
+from faying.model.shells import ShellBlock
+
+_SHOWN = 5
+_LINKS = {
+    "beams": "beam",
+    "bushes": "bush",
+    "springs": "spring",
+    "masses": "point mass",
+    "scalar_masses": "scalar mass",
+    "rigid_couplings": "rigid coupling",
+    "average_couplings": "average coupling",
+    "equations": "equation",
+}
+"""Families of an assembly whose members hold nodes together, and what one is called."""
+
+
+def part_of(
+    described: JointDescription, parts: Sequence[str | int], without: Sequence[str | int]
+) -> JointDescription:
+    """Return a joint of some of the bodies, and say what of the rest is left out.
+
+    Solids are chosen by names of bodies or element sets, or by property ids. Beams, shells,
+    springs, masses, couplings and equations stay where they hold to a solid that remains; those of
+    a set in ``without`` go. Supports, loads, interfaces and bolts on what is left out go with it.
+
+    Parameters
+    ----------
+    parts
+        What remains; everything if empty.
+    without
+        What is left out of that.
+
+    Raises
+    ------
+    ModelError
+        If a name is not known, no solid remains, or something ties what remains to what is left
+        out, for cutting it would change what remains.
+
+    Notes
+    -----
+    Linear in the size of the mesh.
+    """
+    if not parts and not without:
+        return described
+    assembly = described.assembly
+    chosen = _wanted(assembly, parts) if parts else assembly.mesh.element_ids
+    dropped = _wanted(assembly, without)
+    solids = [
+        np.isin(block.ids, chosen) & ~np.isin(block.ids, dropped) for block in assembly.mesh.blocks
+    ]
+    if not any(kept.any() for kept in solids):
+        message = "no solid remains of the model; correct parts and without of [model]"
+        raise ModelError(message)
+    cut = _Cut(assembly, solids, dropped)
+    cut.refuse_ties()
+    remaining = cut.assembly()
+    notes = [*cut.notes()]
+    joint = remaining_joint(described, remaining, notes)
+    note = f"left out by parts and without of [model]: {', '.join(notes)}"
+    whole = replace(joint.assembly, ignored=(*assembly.ignored, note))
+    return replace(joint, assembly=whole)
+
+
+def _wanted(assembly: Assembly, names: Sequence[str | int]) -> Indices:
+    """Return the ids of the elements that names of bodies or sets, or property ids, stand for."""
+    mesh = assembly.mesh
+    found = [np.empty(0, dtype=np.int64)]
+    known = body_names(mesh) if any(name not in mesh.element_sets for name in names) else []
+    for name in names:
+        if isinstance(name, int):
+            ids = mesh.element_ids[mesh.element_properties == name]
+            shells = [block.ids[block.properties == name] for block in assembly.shells]
+            found += [ids, *([] if len(ids) else shells)]
+            if not sum(map(len, found[-1 - len(shells) :])):
+                message = f"no element has property {name}; correct parts or without of [model]"
+                raise ModelError(message)
+        elif name in mesh.element_sets:
+            found.append(mesh.element_sets[name])
+        elif name in known:
+            inside = np.flatnonzero(bodies(mesh) == known.index(name))
+            found += [block.ids[np.isin(block.nodes[:, 0], inside)] for block in mesh.blocks]
+        else:
+            shown = ", ".join(f"'{one}'" for one in dict.fromkeys([*known, *mesh.element_sets]))
+            message = f"there is no body or element set '{name}' to choose; known are {shown}"
+            raise ModelError(message)
+    return np.unique(np.concatenate(found))
+
+
+@dataclass(frozen=True, eq=False)
+class _Links:
+    """What holds nodes together: a number, a name, and the nodes of each, one pair a row."""
+
+    link: Indices
+    node: Indices
+    names: Sequence[str]
+    n: int
+
+
+class _Cut:
+    """Where a structure is cut, and what stays."""
+
+    def __init__(self, whole: Assembly, solids: Sequence[Mask], dropped: Indices) -> None:
+        self.whole, self.solids = whole, solids
+        n_node = len(whole.mesh.nodes)
+        inside, outside = np.zeros((2, n_node), dtype=bool)
+        for block, kept in zip(whole.mesh.blocks, solids, strict=True):
+            inside[block.nodes[kept]] = True
+            outside[block.nodes[~kept]] = True
+        self.gone = outside & ~inside
+        self.through = int((inside & outside).sum())
+        self.families = {name: getattr(whole, name) for name in _LINKS}
+        self.links = self._links()
+        chosen = np.isin(self._ids(), dropped)
+        touching = np.zeros(self.links.n, dtype=bool)
+        touching[self.links.link[self.gone[self.links.node]]] = True
+        self.held = self._held(inside, chosen) & ~chosen
+        self.crossing = self.held & touching & ~self._trimmable()
+        used = np.zeros(n_node, dtype=bool)
+        used[self.links.node[self.held[self.links.link]]] = True
+        touched = inside | outside
+        touched[self.links.node] = True
+        self.dead = touched & ~inside & ~(used & ~self.gone)
+
+    def _links(self) -> _Links:
+        tables = [
+            np.asarray(_nodes(name, one), dtype=np.int64)
+            for name, family in self.families.items()
+            for one in family
+        ]
+        names = [
+            f"{_LINKS[name]} {getattr(one, 'id', '')}".strip()
+            for name, family in self.families.items()
+            for one in family
+        ]
+        link = np.repeat(np.arange(len(tables)), [len(table) for table in tables])
+        node = np.concatenate([np.empty(0, dtype=np.int64), *tables])
+        n = len(tables)
+        for block in self.whole.shells:
+            link = np.append(link, n + np.repeat(np.arange(len(block.ids)), block.nodes.shape[1]))
+            node = np.append(node, block.nodes.ravel())
+            names += [f"shell {number}" for number in block.ids.tolist()]
+            n += len(block.ids)
+        return _Links(link=link, node=node, names=names, n=n)
+
+    def _ids(self) -> Indices:
+        """Element ids of the links; -1 of what is no element."""
+        elements = ("beams", "bushes", "springs", "masses", "scalar_masses")
+        ids = [
+            one.id if name in elements else -1
+            for name, family in self.families.items()
+            for one in family
+        ]
+        return np.concatenate(
+            [np.array(ids, dtype=np.int64), *(block.ids for block in self.whole.shells)]
+        )
+
+    def _held(self, inside: Mask, chosen: Mask) -> Mask:
+        """Tell which links hold to a solid that remains, through others and not through cuts."""
+        n_node, links = len(inside), self.links
+        rows, columns = [links.link + n_node], [links.node]
+        for block, kept in zip(self.whole.mesh.blocks, self.solids, strict=True):
+            cells = block.nodes[kept]
+            rows.append(np.repeat(cells[:, 0], cells.shape[1]))
+            columns.append(cells.ravel())
+        row, column = np.concatenate(rows), np.concatenate(columns)
+        passable = ~self.gone[column]
+        passable[: len(links.link)] &= ~chosen[links.link]
+        size = n_node + links.n
+        ones = np.ones(int(passable.sum()), dtype=np.int8)
+        graph = sp.coo_array((ones, (row[passable], column[passable])), shape=(size, size))
+        _, label = connected_components(graph.tocsr(), directed=False)
+        solid = np.zeros(size, dtype=bool)
+        solid[label[:n_node][inside]] = True
+        return np.asarray(solid[label[n_node:]])
+
+    def _trimmable(self) -> Mask:
+        """Tell which rigid couplings keep their reference and some other nodes."""
+        first = sum(len(self.families[name]) for name in list(_LINKS)[:5])
+        result = np.zeros(self.links.n, dtype=bool)
+        for i, one in enumerate(self.whole.rigid_couplings):
+            stays = not self.gone[one.reference] and bool((~self.gone[one.nodes]).any())
+            result[first + i] = stays
+        return result
+
+    def refuse_ties(self) -> None:
+        """Refuse what ties a node that remains to one that is left out."""
+        ties = np.flatnonzero(self.crossing)
+        if ties.size:
+            shown = ", ".join(self.links.names[i] for i in ties[:_SHOWN].tolist())
+            more = f" and {ties.size - _SHOWN} more" if ties.size > _SHOWN else ""
+            message = (
+                f"{shown}{more}: these hold together what remains and what parts and without of "
+                "[model] leave out; keep both sides, or leave them out too by an element set"
+            )
+            raise ModelError(message)
+
+    def assembly(self) -> Assembly:
+        """Return what remains."""
+        whole, first = self.whole, 0
+        kept: dict[str, Any] = {}
+        for name, family in self.families.items():
+            stay = self.held[first : first + len(family)].tolist()
+            kept[name] = tuple(one for one, ok in zip(family, stay, strict=True) if ok)
+            first += len(family)
+        kept["rigid_couplings"] = tuple(self._trimmed(one) for one in kept["rigid_couplings"])
+        shells = []
+        for block in whole.shells:
+            shells.append(_shells(block, self.held[first : first + len(block.ids)]))
+            first += len(block.ids)
+        return replace(
+            whole,
+            mesh=self._mesh(whole.mesh),
+            shells=tuple(block for block in shells if len(block.ids)),
+            supports=tuple(one for s in whole.supports for one in self._support(s)),
+            face_sets=self._face_sets(whole.face_sets),
+            loads=self._loads(whole.loads),
+            **kept,
+        )
+
+    def _trimmed(self, one: RigidCoupling) -> RigidCoupling:
+        return replace(one, nodes=one.nodes[~self.gone[one.nodes]])
+
+    def _mesh(self, mesh: Mesh) -> Mesh:
+        blocks = [_cells(b, kept) for b, kept in zip(mesh.blocks, self.solids, strict=True)]
+        solid = np.concatenate([b.ids for b in blocks])
+        removed = np.setdiff1d(mesh.element_ids, solid)
+        sets = {name: ids[~np.isin(ids, removed)] for name, ids in mesh.element_sets.items()}
+        nodes = {name: one[~self.dead[one]] for name, one in mesh.node_sets.items()}
+        return replace(
+            mesh,
+            blocks=tuple(block for block in blocks if len(block.ids)),
+            element_sets={name: ids for name, ids in sets.items() if len(ids)},
+            node_sets={name: one for name, one in nodes.items() if len(one)},
+        )
+
+    def _support(self, support: Support) -> Sequence[Support]:
+        nodes = support.nodes[~self.dead[support.nodes]]
+        return [replace(support, nodes=nodes)] if len(nodes) else []
+
+    def _face_sets(self, sets: Mapping[str, FaceSet]) -> dict[str, FaceSet]:
+        left = {
+            name: replace(one, nodes=one.nodes[~self.dead[one.nodes].any(axis=1)])
+            for name, one in sets.items()
+        }
+        return {name: one for name, one in left.items() if len(one.nodes)}
+
+    def _loads(self, loads: Mapping[str, NodalLoads]) -> dict[str, NodalLoads]:
+        left = {}
+        for name, one in loads.items():
+            stay = ~self.dead[one.nodes]
+            if stay.any():
+                left[name] = NodalLoads(nodes=one.nodes[stay], forces=one.forces[stay])
+        return left
+
+    def notes(self) -> list[str]:
+        """Return what is left out, in numbers."""
+        removed = sum(int((~kept).sum()) for kept in self.solids)
+        found = [f"{removed} of {self.whole.mesh.n_elements} solids"]
+        if self.through:
+            found.append(f"cut through solids at {self.through} nodes, which stay")
+        lost: dict[str, int] = {}
+        for i in np.flatnonzero(~self.held).tolist():
+            kind = self.links.names[i].rpartition(" ")[0]
+            lost[kind] = lost.get(kind, 0) + 1
+        found += [f"{count} x {kind}" for kind, count in lost.items()]
+        for name, load in self.whole.loads.items():
+            if count := int(self.dead[load.nodes].sum()):
+                found.append(f"load '{name}' on {count} of {len(load.nodes)} nodes")
+        return found
+
+
+def _nodes(family: str, one: Any) -> Sequence[int] | Indices:
+    """Return the nodes that something holds."""
+    if family in ("springs", "scalar_masses"):
+        return [node for node, _ in one.ends]
+    if family == "masses":
+        return [one.node]
+    if family == "equations":
+        return [node for node, _, _ in one.terms]
+    nodes: Sequence[int] | Indices = one.nodes
+    if family.endswith("couplings"):
+        return np.append(nodes, one.reference)
+    return nodes
+
+
+def _cells(block: CellBlock, kept: Mask) -> CellBlock:
+    return replace(
+        block, nodes=block.nodes[kept], ids=block.ids[kept], properties=block.properties[kept]
+    )
+
+
+def _shells(block: ShellBlock, kept: Mask) -> ShellBlock:
+    return replace(
+        block,
+        nodes=block.nodes[kept],
+        ids=block.ids[kept],
+        properties=block.properties[kept],
+        offsets=block.offsets[kept],
+        directions=block.directions[kept],
+    )
