@@ -103,7 +103,11 @@ class Visit:
         count = self.page.locator("#view").get_attribute(f"data-{attribute}")
         act()
         self.page.wait_for_function(
-            f"count => document.getElementById('view').dataset.{attribute} !== count", arg=count
+            f"""count => {{
+                const said = document.getElementById("view").dataset;
+                return said.{attribute} !== count && said.asked === said.shown;
+            }}""",
+            arg=count,
         )
 
     def pixels(self):
@@ -136,6 +140,7 @@ def picked_value(visit):
 
 
 def test_view_draws_bodies_and_colours(visit):
+    visit.choose("case", "LC1 (static)")
     pixels = visit.pixels()
     drawn = pixels[..., 3] > 0
     assert 0.03 < drawn.mean() < 0.9  # neither nothing nor a blank

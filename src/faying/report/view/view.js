@@ -12,7 +12,7 @@ async function startView(data) {
   const control = Object.fromEntries(
     ["case", "model", "quantity", "frame", "play", "apart", "stretch", "whole", "largest"]
       .map((name) => [name, part(name)]));
-  const state = { picked: null, factor: 0, playing: null, drawn: 0, shown: 0 };
+  const state = { picked: null, factor: 0, playing: null, drawn: 0, asked: 0, shown: 0 };
   const { bodies, contact } = data;
 
   const kept = new Map();
@@ -163,11 +163,12 @@ async function startView(data) {
 
   async function show() {
     const wish = chosen();
-    const ticket = (state.ticket = (state.ticket ?? 0) + 1);
+    const ticket = (state.asked += 1);
+    root.dataset.asked = ticket;
     const found = await read(wish);
     const moved = await (field(wish.number, wish.model, "displacement")
       ?? field(wish.number, 0, "displacement"));
-    if (ticket !== state.ticket || !found) return;
+    if (ticket !== state.asked || !found) return;
     const { top, signed, values } = found;
     const scale = {
       ramp: ramp(data.colours[wish.quantity]), low: signed ? -top : 0, high: top,
@@ -181,14 +182,14 @@ async function startView(data) {
     if (stage) {
       // WebGL knows no infinity.
       stage.colour(parts, { ...scale, open: Math.max(scale.open, -1e30) });
-      stretch(moved?.values ?? null);
+      // Of increments the last one alone is known; the others are drawn at rest.
+      stretch(moved?.at.includes(found.frame) ? moved.values : null);
       stage.mark(state.picked);
       if (!state.shown) stage.fit();
       else stage.draw();
     }
     describe(wish);
-    state.shown += 1;
-    root.dataset.shown = state.shown;
+    root.dataset.shown = state.shown = ticket;
   }
 
   // A round factor that draws the largest displacement a twentieth of the size of the model.
@@ -329,7 +330,10 @@ async function startView(data) {
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => stage.draw());
   }
 
-  options(control.case, data.cases.map(({ name, kind }, at) => [at, `${name} (${kind})`]), data.start);
+  // Those without a field had no room in the page.
+  const there = data.cases.map(({ name, kind }, at) => [at, `${name} (${kind})`])
+    .filter(([at]) => data.cases[at].models.some((_, model) => known(at, model).length));
+  options(control.case, there, data.start);
   offer();
   await show();
 }
