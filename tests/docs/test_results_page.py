@@ -19,6 +19,7 @@ from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
+from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
 from faying.study.results import (
@@ -44,6 +45,7 @@ GROUPS = {
     "/interfaces/NAME/faces/0": FacePairs,
     "/bolts/NAME": BoltRecord,
     "/cases/NAME": CaseResult,
+    "/cases/NAME/jumps/0": Jump,
     "/cases/NAME/reserve": SlipReserve,
     "/cases/NAME/mesh_errors/INTERFACE": MeshError,
     "/cases/NAME/reference": Response,

@@ -32,6 +32,7 @@ def check(
     from faying.joint.diagnosis import check_held
     from faying.study.bare_deck import is_bare, study_or_deck
     from faying.study.declared import missing_contact
+    from faying.study.jumps import jump_sentence, load_jumps
     from faying.study.load_model import load_model
     from faying.study.loads import check_targets
     from faying.study.naming_tables import naming_tables
@@ -55,7 +56,11 @@ def check(
     ]
     # The units of a bare deck are nowhere said.
     constants = () if bare else doubts(loaded.assembly.materials, loaded.units)
-    for doubt in [*constants, *filter(None, missing)]:
+    jumps = [
+        jump_sentence(case.name, load_jumps(case, step=case.step), history=case.kind == "history")
+        for case in checked.load_cases
+    ]
+    for doubt in [*constants, *filter(None, missing), *filter(None, jumps)]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")

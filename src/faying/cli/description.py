@@ -374,4 +374,5 @@ def _timing(case: LoadCaseSection) -> str:
     length = "as the history" if case.duration is None else f"{case.duration:g}"
     if case.periods is not None:
         length = f"{case.periods:g} period{'s' * (case.periods != 1)}"
-    return f"{length}, step {step}, {named_integrator(case.integrator).name}"
+    rise = "" if case.rise_time is None else f", loads rising over {case.rise_time:g}"
+    return f"{length}, step {step}, {named_integrator(case.integrator).name}{rise}"

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from faying.assessment.transient_error import OBSERVED, OBSERVED_ON
+from faying.study.jumps import Jump, jump_sentence
 from faying.study.results import FULL_MODEL
 
 
@@ -27,6 +28,11 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     console.print(table)
     for line in _estimates(cases):
         console.print(line, highlight=False)
+    for name, case in cases.items():
+        jumps = [Jump(**jump) for jump in case.get("jumps", [])]
+        if jumps:
+            said = jump_sentence(name, jumps, history=case["kind"] == "history")
+            console.print(f"Doubtful: {said}", highlight=False)
     if summary["reference"]["reason"]:
         console.print(f"Reference: {summary['reference']['reason']}", highlight=False)
     for line in verdict_lines(summary):

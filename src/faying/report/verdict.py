@@ -12,8 +12,10 @@ from faying.report.reference import against, reference_note
 from faying.report.slip import slip_sentence
 from faying.report.style import label
 from faying.study.declared import missing_contacts
+from faying.study.jumps import jump_sentence
 from faying.study.results import CaseResult, MethodResult, Results
 from faying.study.step_check import step_check
+from faying.units import units_of
 
 GOOD = 0.05
 """Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
@@ -212,7 +214,10 @@ def reservations(results: Results) -> list[str]:
             f"{len(results.omissions)} part(s) of the validation could not be computed; see the "
             "warnings."
         )
+    time = units_of(results.units).time
     for name, case in results.cases.items():
+        history = case.kind == "history"
+        said += filter(None, [jump_sentence(name, case.jumps, time, history=history)])
         check = step_check(case)
         if check is not None and _changes(case) > STEP_MATTERS:
             said.append(

@@ -28,6 +28,7 @@ from faying.simulation.transient import solve_transient
 from faying.study.checkpoint import Checkpoint
 from faying.study.comparison import accuracy, recovered_error, slip_errors
 from faying.study.extras import Extras
+from faying.study.jumps import Jump, load_jumps
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
 from faying.study.path_cases import (
@@ -145,9 +146,16 @@ class CaseRunner:
             half_step_times=None if half_step is None else self._times(case, 2),
             reserve=reserve,
             reference_model=name,
+            jumps=self._jumps(case),
             mesh_errors=self._mesh_errors(case, reference),
         )
         return result, failures
+
+    def _jumps(self, case: LoadCaseSection) -> tuple[Jump, ...]:
+        if not case.transient:
+            return ()
+        period = self.joint.period
+        return tuple(load_jumps(case, step=time_step(case, period), period=period))
 
     def _times(self, case: LoadCaseSection, refinement: int = 1) -> Matrix | None:
         if not case.transient:

@@ -311,6 +311,12 @@ def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator
     if case.step is None and case.steps_per_period is None:
         text = f"kind = \"{case.kind}\" needs a time step; add 'step' or 'steps_per_period'"
         yield _in_table(study, location, text)
+    if case.rise_time is not None and case.rise_time > (case.duration or case.rise_time):
+        text = (
+            f"found {case.rise_time:g}, which is longer than the duration {case.duration:g}: the "
+            "loads would never be reached; shorten it or lengthen the duration"
+        )
+        yield _problem(study, (*location, "rise_time"), text)
     if case.kind == "step" and case.duration is None and case.periods is None:
         text = "kind = \"step\" needs a length; add 'duration' or 'periods'"
         yield _in_table(study, location, text)

@@ -16,6 +16,7 @@ KINDS = {
     "amplitudes": ("cycle",),
     "increments": ("static", "cycle"),
     "slip_share": ("static", "cycle"),
+    "rise_time": ("step",),
 }
 """Kinds of load cases that have a key."""
 

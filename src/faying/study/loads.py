@@ -26,7 +26,22 @@ def case_load(case: LoadCaseSection) -> Load:
     StudyError
         If a history file has changed since the study was read and cannot be used any more.
     """
-    return Load({force.target: _amount(force) for force in case.forces}, name=case.name)
+    forces = {force.target: _amount(force) for force in case.forces}
+    if case.rise_time is not None:
+        forces = {name: _rising(value, case.rise_time) for name, value in forces.items()}
+    return Load(forces, name=case.name)
+
+
+RISE_SAMPLES = 200
+"""Of a rise: between them it is linear, and off half a cosine by 3e-5 of the load."""
+
+
+def _rising(value: float | History, rise_time: float) -> float | History:
+    """Let a constant load rise by half a cosine, and stay."""
+    if isinstance(value, History):
+        return value
+    part = np.linspace(0.0, 1.0, RISE_SAMPLES + 1)
+    return History(rise_time * part, value * (0.5 - 0.5 * np.cos(np.pi * part)))
 
 
 def training_box(training: TrainingSection) -> LoadBox:

@@ -15,6 +15,7 @@ from faying.interface.surface import ContactSurface
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
+from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
 
 FULL_MODEL = "full model"
@@ -125,6 +126,8 @@ class CaseResult:
         Which model the reference is of.
     mesh_errors
         Interface name to what the mesh does to the pressures of the reference, estimated.
+    jumps
+        Of the loads of transients, the largest one of each that jumps.
     """
 
     name: str
@@ -138,6 +141,7 @@ class CaseResult:
     reserve: SlipReserve | None = None
     reference_model: str = FULL_MODEL
     mesh_errors: Mapping[str, MeshError] = field(default_factory=dict)
+    jumps: tuple[Jump, ...] = ()
 
     @property
     def is_full(self) -> bool:

@@ -12,6 +12,7 @@ from faying.assessment.thread import ThreadStress
 from faying.files.described import Meaning, Table
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import GEOMETRY, SURFACE
+from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
 from faying.study.results import (
@@ -152,6 +153,15 @@ MEANINGS: dict[type, Table] = {
         "reserve": Meaning("load factors at which the joint slips"),
         "reference_model": Meaning("model that the reference is of"),
         "mesh_errors": Meaning("by interface: estimated errors that the mesh makes"),
+        "jumps": Meaning("the largest jump of each load that jumps"),
+    },
+    Jump: {
+        "load": Meaning("boundary and component, or load of the deck"),
+        "time": Meaning("when it begins", "time"),
+        "change": Meaning("by how much the load changes: force, moment or factor", "force"),
+        "share": Meaning("the same over the largest magnitude of the load", "1"),
+        "window": Meaning("within which it does so; zero at an instant", "time"),
+        "rise": Meaning("over which it is proposed to rise", "time"),
     },
     MeshError: {
         "field": Meaning("root mean square over the area under pressure, over the peak", "1"),

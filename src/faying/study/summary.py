@@ -195,6 +195,8 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             for name, sizes in case.methods.items()
         },
     }
+    if case.times is not None:
+        summary["jumps"] = [asdict(jump) for jump in case.jumps]
     summary |= _slip(case)
     check = step_check(case)
     if check is not None:

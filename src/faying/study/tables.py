@@ -213,6 +213,8 @@ class LoadCaseSection(Timed):
     rho_infinity
         Spectral radius at infinite frequency of the energy-decaying and the generalized-alpha
         method.
+    rise_time : [time]
+        Over which the loads of a step rise, by half a cosine; None is a jump.
     """
 
     name: Name
@@ -224,6 +226,7 @@ class LoadCaseSection(Timed):
     slip_share: Annotated[Positive, Field(le=1)] | None = None
     integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
+    rise_time: Positive | None = None
 
     @property
     def transient(self) -> bool:
