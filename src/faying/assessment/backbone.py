@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Vector, frozen
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.assessment.modal_cycles import Measure, ModalCycle, Swing, measured
 from faying.assessment.stuck_modes import StuckMode, stuck_mode
 from faying.display.facts import Shown, with_unit
@@ -71,6 +71,8 @@ class Backbone(Shown):
         Cycles solved until they repeated.
     stationary : (n,)
         Whether they do.
+    loop_load, loop_modal : (n, n_increment + 1)
+        α and q = φᵀ M (u − u₀) along the last cycle, from its positive reversal on.
     masing_frequency, masing_damping : (n,) or None
         By Masing's rule from the first loading alone, friction only; None unless asked for.
     remarks
@@ -95,6 +97,8 @@ class Backbone(Shown):
     macroslip: Mask
     cycles: Indices
     stationary: Mask
+    loop_load: Matrix
+    loop_modal: Matrix
     masing_frequency: Vector | None = None
     masing_damping: Vector | None = None
     remarks: tuple[str, ...] = ()
@@ -294,6 +298,8 @@ def _assembled(
         macroslip=np.array([row.macroslip for row in rows]),
         cycles=np.array([row.cycles for row in rows]),
         stationary=np.array([row.stationary for row in rows]),
+        loop_load=np.array([row.loads for row in rows]),
+        loop_modal=np.array([row.modals for row in rows]),
         masing_frequency=np.sqrt(load / first) / (2 * np.pi) if masing else None,
         masing_damping=lost / (2 * np.pi * load * first) if masing else None,
         remarks=_remarks(found, mode, rows),

@@ -103,6 +103,8 @@ class ModalCycle:
     stationary: bool
     first_modal: float
     first_loop: float
+    loads: Vector
+    modals: Vector
 
 
 @final
@@ -183,6 +185,8 @@ class Swing:
             stationary=stationary,
             first_modal=float(first[-1]),
             first_loop=first_loop,
+            loads=loads,
+            modals=modal,
         )
 
     def _pairs(self, steps: Sequence[PathStep]) -> Matrix:

@@ -25,6 +25,7 @@ from faying.simulation.integrators import named_integrator
 from faying.study.bare_deck import is_bare, quoted
 from faying.study.declared import kept_share
 from faying.study.load_model import LoadedModel
+from faying.study.path_cases import cycle_increments
 from faying.study.tables import ForceSection, LoadCaseSection, Study
 from faying.study.understood import Understood
 
@@ -368,6 +369,14 @@ def _timing(case: LoadCaseSection) -> str:
     if case.kind == "cycle":
         amplitudes = ", ".join(f"{amplitude:g}" for amplitude in case.amplitudes or (1.0,))
         return f"cycles of {amplitudes} times the loads until they repeat"
+    if case.kind == "backbone":
+        modes = ", ".join(map(str, case.modes))
+        half = cycle_increments(case) // 2
+        least = len(case.modes) * len(case.levels) * ((half + 1) // 2 + 2 * half)
+        return (
+            f"modes {modes} at {len(case.levels)} amplitudes each, cycles until they repeat: "
+            f"{least} increments at least"
+        )
     if case.kind == "static":
         return ""
     step = f"{case.steps_per_period} per period" if case.step is None else f"{case.step:g}"

@@ -6,6 +6,7 @@ from faying.exceptions import StudyError
 from faying.joint.model import Model
 from faying.reduction.methods import METHODS
 from faying.sources import SOURCES
+from faying.study.backbone_rules import backbone_problems, backbones_of
 from faying.study.errors import Problem, nearest, quoted, reject
 from faying.study.load_factors import ALL, read_load_factors
 from faying.study.positions import Location
@@ -13,8 +14,11 @@ from faying.study.tables import LoadCaseSection, Study
 
 KINDS = {
     "factors": ("path",),
-    "amplitudes": ("cycle",),
-    "increments": ("static", "cycle"),
+    "amplitudes": ("cycle", "backbone"),
+    "amplitude_range": ("backbone",),
+    "modes": ("backbone",),
+    "at": ("backbone",),
+    "increments": ("static", "cycle", "backbone"),
     "slip_share": ("static", "cycle"),
     "rise_time": ("step",),
 }
@@ -30,6 +34,7 @@ def increment_problems(
             having = " or ".join(f'"{kind}"' for kind in KINDS[key])
             text = f"only kind = {having} has it; remove it or change the kind"
             yield _problem(study, (*location, key), text)
+    yield from backbone_problems(study, location, case)
     if case.kind == "path" and case.factors is None:
         text = "kind = \"path\" needs 'factors', a csv with a column for each load; add it"
         yield Problem(location, f"{study.source.table(location)}: {text}")
@@ -61,7 +66,7 @@ def check_friction(study: Study, model: Model) -> None:
         One message with everything that is refused, by name.
     """
     rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
-    problems = list(_bolt_columns(study, model))
+    problems = [*_bolt_columns(study, model), *backbones_of(study, model)]
     problems += _with_friction(study, rubbing[0]) if rubbing else _without(study)
     reject(study.source, problems)
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying._typing import Matrix
+from faying.assessment.backbone import backbone
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -31,7 +32,9 @@ def has_friction(model: Model) -> bool:
 
 def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
     """Say whether a load case is a path."""
-    return case.kind in ("path", "cycle") or (case.kind == "static" and has_friction(model))
+    return case.kind in ("path", "cycle", "backbone") or (
+        case.kind == "static" and has_friction(model)
+    )
 
 
 def rest_state(system: System, tightening: tuple[Load, ...]) -> Solution:
@@ -68,6 +71,19 @@ def path_response(
         Response of the full model, whose number of cycles others follow.
     """
     load, start = case_load(case), time.perf_counter()
+    if case.kind == "backbone":
+        curves = {
+            str(mode): backbone(
+                system,
+                mode,
+                case.levels,
+                at=case.at,
+                initial=rest,
+                increments=cycle_increments(case),
+            )
+            for mode in sorted(case.modes)
+        }
+        return respond(rest, model, time.perf_counter() - start, backbones=curves)
     if case.kind == "cycle":
         amplitudes = sorted(case.amplitudes or (1.0,))
         found = {
@@ -90,6 +106,11 @@ def path_response(
     seconds = time.perf_counter() - start
     record = path_record(path, rest, load, names, factors)
     return respond(last_of(path), model, seconds, path=record)
+
+
+def cycle_increments(case: LoadCaseSection) -> int:
+    """Return the increments of a full cycle."""
+    return 4 * (case.increments or DEFAULT_INCREMENTS)
 
 
 def reserve_of(model: Model, case: LoadCaseSection, rest: Solution) -> SlipReserve:

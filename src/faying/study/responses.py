@@ -7,11 +7,13 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.accuracy import Accuracy
+from faying.assessment.backbone import Backbone
 from faying.joint.model import Model
 from faying.joint.system import input_forces
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
 from faying.simulation.static import relative_forces
+from faying.study.backbone_record import packed_backbone, unpacked_backbone
 from faying.study.path_record import (
     CycleRecord,
     PathRecord,
@@ -29,8 +31,9 @@ def respond(
     *,
     path: PathRecord | None = None,
     cycles: Mapping[str, CycleRecord] | None = None,
+    backbones: Mapping[str, Backbone] | None = None,
 ) -> Response:
-    """Take from a solution what a run keeps, with the path or the cycles that led to it."""
+    """Take from a solution what a run keeps, with what led to it or was found from it."""
     static = solution.times is None
     return Response(
         pressure=solution.pressure,
@@ -47,6 +50,7 @@ def respond(
         ),
         path=path,
         cycles=cycles or {},
+        backbones=backbones or {},
     )
 
 
@@ -74,8 +78,8 @@ ARRAYS = (
 )
 
 
-PATH, CYCLES, ESTIMATE = "path", "cycles", "estimate"
-"""Prefixes of the arrays of a path, of cycles and of an estimated error."""
+PATH, CYCLES, BACKBONES, ESTIMATE = "path", "cycles", "backbones", "estimate"
+"""Prefixes of the arrays of a path, of cycles, of backbones and of an estimated error."""
 
 FAILED = "failed"
 """Name of the sentences about extras that failed, beside the arrays of a response."""
@@ -97,6 +101,8 @@ def packed(response: Response) -> dict[str, Matrix]:
         arrays |= packed_record(response.path, PATH)
     for name, one in response.cycles.items():
         arrays |= packed_record(one, f"{CYCLES}/{name}")
+    for name, curve in response.backbones.items():
+        arrays |= packed_backbone(curve, f"{BACKBONES}/{name}")
     return arrays
 
 
@@ -107,7 +113,10 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         field, _, name = key.partition("/")
         if name and field in mappings:
             mappings[field][name] = value
-    amplitudes = dict.fromkeys(key.split("/")[1] for key in arrays if key.startswith(f"{CYCLES}/"))
+    amplitudes, modes = (
+        dict.fromkeys(key.split("/")[1] for key in arrays if key.startswith(f"{prefix}/"))
+        for prefix in (CYCLES, BACKBONES)
+    )
     return Response(
         pressure=arrays["pressure"],
         gap=arrays["gap"],
@@ -123,6 +132,7 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         estimate=_unpacked_estimate(arrays),
         path=unpacked_path(arrays, PATH) if f"{PATH}/factors" in arrays else None,
         cycles={name: unpacked_cycles(arrays, f"{CYCLES}/{name}") for name in amplitudes},
+        backbones={name: unpacked_backbone(arrays, f"{BACKBONES}/{name}") for name in modes},
     )
 
 

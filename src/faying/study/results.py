@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
+from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment
@@ -55,6 +56,8 @@ class Response:
     cycles
         Amplitude as text to cycles of that amplitude; the other fields are those of the largest
         amplitude at its positive reversal.
+    backbones
+        Number of a mode as text to its backbone; the other fields are those of the preloaded joint.
     """
 
     pressure: Matrix
@@ -71,6 +74,7 @@ class Response:
     estimate: Accuracy | None = None
     path: PathRecord | None = None
     cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
+    backbones: Mapping[str, Backbone] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -112,7 +116,8 @@ class CaseResult:
     Attributes
     ----------
     kind
-        ``"static"``, ``"step"``, ``"history"``, ``"path"`` or ``"cycle"``.
+        ``"static"``, ``"step"``, ``"history"``, ``"path"``, ``"cycle"`` or
+        ``"backbone"``.
     times : (n_time,) or None
     components
         Boundary name to the names of its displacement components (ux … rz).

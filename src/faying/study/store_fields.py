@@ -1,6 +1,7 @@
 """What every entry of ``results.h5`` means: dimension, shape and one line, by value and field."""
 
 from faying.assessment.accuracy import Accuracy
+from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
@@ -143,7 +144,7 @@ MEANINGS: dict[type, Table] = {
     },
     CaseResult: {
         "name": Meaning("name of the load case"),
-        "kind": Meaning("static, step, history, path or cycle"),
+        "kind": Meaning("static, step, history, path, cycle or backbone"),
         "times": Meaning("instants; absent for static cases", "time", "(n_time,)"),
         "components": Meaning("displacement components by boundary: ux uy uz rx ry rz"),
         "reference": Meaning("solution that the methods are compared with"),
@@ -221,6 +222,7 @@ MEANINGS: dict[type, Table] = {
         "estimate": Meaning("of transients of reduced models: errors without a full solution"),
         "path": Meaning("increments of a path, or of a static load with friction"),
         "cycles": Meaning("amplitude to cycles of that amplitude"),
+        "backbones": Meaning("number of a mode to its backbone"),
     },
     PathRecord: {
         "loads": Meaning("what the columns of factors multiply", "", "(n_load,)"),
@@ -265,6 +267,29 @@ MEANINGS: dict[type, Table] = {
         "slip_work": Meaning("energy per area and cycle", "force/length", "(n_point,)"),
         "start_work": Meaning("load_work where the last cycle begins", "force·length"),
         "increments": Meaning("the last cycle: down from the amplitude and up again"),
+    },
+    Backbone: {
+        "mode": Meaning("number of the mode of small vibrations, from 1", "1"),
+        "small_frequency": Meaning("frequency of small vibrations, nothing slips", "1/time"),
+        "measured_at": Meaning("boundary, or component of one, whose displacement is amplitude"),
+        "amplitude": Meaning("half of the way there and back", "length", "(n,)"),
+        "load": Meaning("largest load on the mass-normalized mode", "", "(n,)"),
+        "modal_amplitude": Meaning("half of the way of the modal coordinate", "", "(n,)"),
+        "frequency": Meaning("frequency", "1/time", "(n,)"),
+        "damping_ratio": Meaning("of friction and of the damping matrix", "1", "(n,)"),
+        "friction_damping": Meaning("its share of friction", "1", "(n,)"),
+        "linear_damping": Meaning("its share of the damping matrix", "1", "(n,)"),
+        "energy_per_cycle": Meaning("energy that friction takes, by slip", "force·length", "(n,)"),
+        "loop_area": Meaning("the same by load and displacement", "force·length", "(n,)"),
+        "stick_share": Meaning("least share of the closed area that sticks", "1", "(n,)"),
+        "macroslip": Meaning("whether an interface slips as a whole", "1", "(n,)"),
+        "cycles": Meaning("cycles solved until they repeated", "1", "(n,)"),
+        "stationary": Meaning("whether they do", "1", "(n,)"),
+        "loop_load": Meaning("load along the last cycle", "", "(n, n_increment + 1)"),
+        "loop_modal": Meaning("modal coordinate along it", "", "(n, n_increment + 1)"),
+        "masing_frequency": Meaning("frequency by Masing's rule; absent", "1/time", "(n,)"),
+        "masing_damping": Meaning("damping by Masing's rule; absent", "1", "(n,)"),
+        "remarks": Meaning("what a reader should know", "", "(n_remark,)"),
     },
     ValidationRecord: {
         "load_space": Meaning("methods at random loads of the training box"),

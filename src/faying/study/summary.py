@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from faying import __version__
+from faying.assessment.backbone import Backbone
 from faying.reduction.methods import METHODS
 from faying.study.comparison import increments
 from faying.study.declared import missing_contacts
@@ -213,6 +214,10 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
 def _slip(case: CaseResult) -> dict[str, Any]:
     """Return what friction does in a load case that goes in increments; nothing in others."""
     found = increments(case.reference)
+    if case.reference.backbones:
+        return {
+            "backbones": {mode: _backbone(one) for mode, one in case.reference.backbones.items()}
+        }
     if not found:
         return {}
     largest, cycles = found[-1], list(case.reference.cycles.values())
@@ -231,6 +236,22 @@ def _slip(case: CaseResult) -> dict[str, Any]:
     if cycles:
         summary["cycles"] = {name: _cycle(one) for name, one in case.reference.cycles.items()}
     return summary
+
+
+def _backbone(one: Backbone) -> dict[str, Any]:
+    return {
+        "small_frequency": one.small_frequency,
+        "measured_at": one.measured_at,
+        "amplitude": one.amplitude.tolist(),
+        "frequency": one.frequency.tolist(),
+        "damping_ratio": one.damping_ratio.tolist(),
+        "linear_damping": one.linear_damping.tolist(),
+        "energy_per_cycle": one.energy_per_cycle.tolist(),
+        "stick_fraction": one.stick_share.tolist(),
+        "macroslip": one.macroslip.tolist(),
+        "stationary": one.stationary.tolist(),
+        "remarks": list(one.remarks),
+    }
 
 
 def _cycle(one: CycleRecord) -> dict[str, Any]:

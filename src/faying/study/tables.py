@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
 from faying.reduction.methods import METHODS
@@ -198,11 +199,20 @@ class LoadCaseSection(Timed):
     kind
         ``"static"``; ``"step"``, loads applied at once to the preloaded structure at rest;
         ``"history"``, which by default lasts as long as its shortest file; ``"path"``, a sequence
-        of static loads; or ``"cycle"``, static loads to and fro.
+        of static loads; ``"cycle"``, static loads to and fro; or ``"backbone"``, modes of the
+        preloaded joint over their amplitude.
     factors
         Of a path: csv of the loads' factors in each increment.
     amplitudes
-        Of cycles: factors of the loads at the reversals; once the loads by default.
+        Of cycles: factors of the loads at the reversals; once the loads by default. Of backbones:
+        displacements [length], angles [rad] where ``at`` is a rotation.
+    amplitude_range
+        Of backbones: smallest and largest amplitude, and how many, evenly by their logarithm.
+    modes
+        Of backbones: numbers of modes, from 1.
+    at
+        Of backbones: boundary, or component of one, whose displacement the amplitude is; None is
+        the boundary that a mode moves most.
     increments
         From the preload to a static load of a joint with friction, and of a quarter of a cycle;
         None is :data:`DEFAULT_INCREMENTS`.
@@ -218,10 +228,13 @@ class LoadCaseSection(Timed):
     """
 
     name: Name
-    kind: Literal["static", "step", "history", "path", "cycle"]
-    forces: Annotated[tuple[ForceSection, ...], Field(min_length=1)]
+    kind: Literal["static", "step", "history", "path", "cycle", "backbone"]
+    forces: tuple[ForceSection, ...] = ()
     factors: ExistingFile | None = None
     amplitudes: tuple[Positive, ...] = ()
+    amplitude_range: tuple[Positive, Positive, Count] | None = None
+    modes: tuple[Count, ...] = ()
+    at: Name | None = None
     increments: Annotated[Count, Field(le=MOST_INCREMENTS)] | None = None
     slip_share: Annotated[Positive, Field(le=1)] | None = None
     integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
@@ -232,6 +245,13 @@ class LoadCaseSection(Timed):
     def transient(self) -> bool:
         """Whether it is a motion in time."""
         return self.kind in ("step", "history")
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Amplitudes of backbones, rising."""
+        if self.amplitude_range is None:
+            return tuple(sorted(self.amplitudes))
+        return tuple(np.geomspace(*self.amplitude_range).tolist())
 
 
 class OutputSection(Section):

@@ -1,0 +1,90 @@
+"""Frequency and damping of modes over their amplitude, and the loops they come from."""
+
+from matplotlib.axes import Axes
+
+from faying.report.figures.entry import Drawn
+from faying.report.quantities import number, quantity
+from faying.report.style import heading, new_figure
+from faying.study.results import CaseResult, Results
+from faying.units import Units, units_of
+
+NEXT_TO_NONE = 1e-6
+"""Damping below this share of the largest is drawn as none: a logarithm has no zero."""
+
+
+def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
+    """Draw damping over amplitude: all of it, and the share of the damping matrix."""
+    curves = case.reference.backbones
+    largest = max(float(one.damping_ratio.max()) for one in curves.values())
+    for i, (mode, one) in enumerate(curves.items()):
+        seen = one.damping_ratio > NEXT_TO_NONE * largest
+        label = f"mode {mode}, {quantity(one.small_frequency, units.of('1/time'))}"
+        axes.plot(one.amplitude[seen], one.damping_ratio[seen], "o-", color=f"C{i}", label=label)
+        if one.linear_damping.max(initial=0.0) > 0:
+            axes.plot(one.amplitude, one.linear_damping, ":", color=f"C{i}")
+    if largest > 0:
+        axes.set_yscale("log")
+    axes.set_xscale("log")
+    axes.set_ylabel("damping ratio")
+    axes.legend()
+    return axes
+
+
+def plot_shift(case: CaseResult, axes: Axes) -> Axes:
+    """Draw the change of frequency from small vibrations over amplitude."""
+    for i, one in enumerate(case.reference.backbones.values()):
+        shift = 100 * (one.frequency / one.small_frequency - 1)
+        axes.semilogx(one.amplitude, shift, "o-", color=f"C{i}")
+        gross = one.macroslip
+        axes.semilogx(one.amplitude[gross], shift[gross], "s", ms=9, mfc="none", color=f"C{i}")
+    axes.set_ylabel("change of frequency [%]")
+    return axes
+
+
+def plot_modal_loops(case: CaseResult, axes: Axes) -> Axes:
+    """Draw the loop of the largest amplitude of each mode, less what an elastic joint would do."""
+    for i, (mode, one) in enumerate(case.reference.backbones.items()):
+        load, modal = one.loop_load[-1] / one.load[-1], one.loop_modal[-1] / one.modal_amplitude[-1]
+        label = f"mode {mode}, amplitude {number(float(one.amplitude[-1]))}"
+        axes.plot(modal, load - modal, ".-", color=f"C{i}", label=label)
+    axes.set_xlabel("modal displacement over its amplitude")
+    axes.set_ylabel("load over its amplitude, less the same")
+    axes.legend()
+    return axes
+
+
+def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw the backbones of a case; None for cases without."""
+    curves = case.reference.backbones
+    if not curves:
+        return None
+    units = units_of(results.units)
+    figure = new_figure(13.0, 6.2)
+    grid = figure.add_gridspec(2, 2)
+    damping = figure.add_subplot(grid[0, 0])
+    shift = figure.add_subplot(grid[1, 0], sharex=damping)
+    loops = figure.add_subplot(grid[:, 1])
+    plot_damping(case, damping, units)
+    plot_shift(case, shift)
+    plot_modal_loops(case, loops)
+    places = sorted({one.measured_at for one in curves.values()})
+    unit = "rad" if any(".r" in place for place in places) else units.length
+    shift.set_xlabel(f"amplitude at {', '.join(places)} [{unit}]")
+    loops.set_title("loops at the largest amplitude", loc="left")
+    figure.suptitle(heading(f"{case.name}: backbones, full model"))
+    remarks = " ".join(
+        f"Mode {mode}: {text}." for mode, one in curves.items() for text in one.remarks
+    )
+    return Drawn(
+        figure=figure,
+        stem="backbones",
+        title=f"{case.name}: damping and frequency over amplitude",
+        caption=(
+            "Left: damping ratio by full cycles, of friction and the damping matrix together "
+            "(dotted: the damping matrix alone), and change of frequency from small vibrations; "
+            "squares where an interface slips as a whole. Legends give the frequency of small "
+            "vibrations. Right: load over modal displacement, both over their "
+            f"amplitudes, the straight line of an elastic joint taken off. {remarks}"
+        ).strip(),
+        section=case.name,
+    )

@@ -1,0 +1,162 @@
+"""Load cases that are backbones: keys, refusals, summary, results file and figure."""
+
+import json
+import sys
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying import cli
+from faying.assessment.backbone import Backbone
+from faying.exceptions import StudyError
+from faying.report.figures.backbone import backbone_figure
+from faying.study.load_model import build
+from faying.study.schema import parse_study, read_study
+from faying.study.store import read_results
+from faying.workflow.run import run
+
+STUDY = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
+
+[[interface]]
+name = "joint"
+penalty = 1e6
+friction = 0.2
+
+[[bolt]]
+name = "bolt"
+preload = 5e3
+
+[damping]
+beta = 1e-7
+
+[reduction]
+normal_modes = 10
+methods = ["compliance"]
+
+[[load_case]]
+name = "ring"
+kind = "backbone"
+modes = [2, 1]
+amplitude_range = [0.001, 0.1, 3]
+increments = 3
+at = "tip"
+
+[output]
+report = false
+"""
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "ring.toml").write_text(STUDY)
+    out = folder / "out"
+    assert run(read_study(folder / "ring.toml"), out).converged
+    return out
+
+
+@pytest.fixture(scope="module")
+def results(finished):
+    return read_results(finished / "results.h5")
+
+
+@pytest.fixture(scope="module")
+def curve(results, tmp_path_factory):
+    """The second mode in Python."""
+    model = build(parse_study(STUDY, tmp_path_factory.mktemp("python") / "ring.toml"))
+    force = results.bolts["bolt"].initial_force
+    joint = model.with_bolt_forces({"bolt": force})
+    return fy.backbone(joint, 2, np.geomspace(0.001, 0.1, 3), at="tip", increments=12)
+
+
+def test_the_summary_has_frequency_and_damping(finished, curve):
+    case = json.loads((finished / "summary.json").read_text())["load_cases"]["ring"]
+    assert list(case["backbones"]) == ["1", "2"]
+    found = case["backbones"]["2"]
+    assert found["measured_at"] == "tip"
+    # The same increments from a preload that was solved in as many steps, to round-off of both.
+    for name in ("amplitude", "frequency", "damping_ratio", "energy_per_cycle", "linear_damping"):
+        np.testing.assert_allclose(found[name], getattr(curve, name), rtol=1e-6, err_msg=name)
+    assert found["damping_ratio"][-1] > found["linear_damping"][-1] > 0
+
+
+def test_results_keep_the_curves_of_every_method(results):
+    case = results.cases["ring"]
+    full, reduced = case.reference.backbones, case.methods["compliance"][0].response.backbones
+    assert isinstance(full["1"], Backbone)
+    assert full["1"].mode == 1
+    for mode, one in full.items():
+        # Ten normal modes; 8e-4 and 3 % are measured.
+        np.testing.assert_allclose(reduced[mode].frequency, one.frequency, rtol=2e-3)
+        np.testing.assert_allclose(reduced[mode].damping_ratio, one.damping_ratio, rtol=0.1)
+        assert one.loop_load.shape == one.loop_modal.shape == (3, 13)
+        area = np.trapezoid(one.loop_load, one.loop_modal, axis=1)
+        np.testing.assert_allclose(area, one.loop_area, rtol=1e-9, atol=1e-12)
+
+
+def test_damping_is_drawn_over_amplitude(results):
+    drawn = backbone_figure(results, results.cases["ring"])
+    damping, shift, loops = drawn.figure.axes
+    assert damping.get_xscale() == damping.get_yscale() == "log"
+    assert shift.get_xlabel() == "amplitude at tip [mm]"
+    lines = {line.get_label(): line for line in damping.get_lines()}
+    (second,) = (line for name, line in lines.items() if name.startswith("mode 2, "))
+    expected = results.cases["ring"].reference.backbones["2"]
+    np.testing.assert_array_equal(second.get_xdata(), expected.amplitude)
+    np.testing.assert_array_equal(second.get_ydata(), expected.damping_ratio)
+    assert len(loops.get_lines()) == 2
+
+
+def test_check_says_how_many_increments_there_are(tmp_path, monkeypatch, capsys):
+    (tmp_path / "ring.toml").write_text(STUDY)
+    monkeypatch.setattr(sys, "argv", ["faying", "check", str(tmp_path / "ring.toml")])
+    monkeypatch.setenv("COLUMNS", "200")  # wide enough that rich does not wrap what is looked for
+    with pytest.raises(SystemExit, match="0"):
+        cli.main()
+    # Two modes, three amplitudes, a quarter of a cycle and one cycle of twelve.
+    assert "modes 2, 1 at 3 amplitudes each, cycles until they repeat: 90 increments at least" in (
+        capsys.readouterr().out
+    )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "match"),
+    [
+        ("modes = [2, 1]\n", "", r"needs 'modes', as modes = \[1, 2\]"),
+        ("[2, 1]", "[1, 1]", "a mode is there twice; keep one"),
+        ("[2, 1]", "[0]", "modes"),
+        ("[0.001, 0.1, 3]", "[0.1, 0.001, 3]", "give the smaller amplitude first"),
+        ("amplitude_range = [0.001, 0.1, 3]", "amplitudes = [-1.0]", "amplitudes"),
+        ("amplitude_range = [0.001, 0.1, 3]\n", "", "give one of them"),
+        ("increments = 3", "amplitudes = [0.1]", "give one of them"),
+        ('kind = "backbone"', 'kind = "cycle"', "'forces' is missing or empty"),
+        (
+            'at = "tip"',
+            'forces = [{ boundary = "tip", component = "Fx", value = 1.0 }]',
+            "loaded by the inertia of its modes alone; remove it",
+        ),
+    ],
+)
+def test_keys_that_do_not_fit_are_refused(tmp_path, old, new, match):
+    assert old in STUDY
+    with pytest.raises(StudyError, match=match):
+        parse_study(STUDY.replace(old, new), tmp_path / "ring.toml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "match"),
+    [
+        ("friction = 0.2\n", "", "no interface has friction, which makes damping"),
+        ('"tip"', '"tpi"', "there is no boundary 'tpi'; did you mean 'tip'"),
+        ('"tip"', '"tip.ur"', "'ur' is no component; they are 'ux'"),
+        ("[2, 1]", "[100000]", "modes; take smaller numbers"),
+    ],
+)
+def test_what_the_model_does_not_have_is_refused(tmp_path, old, new, match):
+    (tmp_path / "ring.toml").write_text(STUDY.replace(old, new))
+    with pytest.raises(StudyError, match=match):
+        run(read_study(tmp_path / "ring.toml"), tmp_path / "out")
