@@ -6,6 +6,7 @@ import pytest
 from pages import DOCS
 
 from faying.assessment.accuracy import Accuracy
+from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
@@ -51,6 +52,7 @@ GROUPS = {
     "/cases/NAME/reference": Response,
     "/cases/NAME/reference/path": PathRecord,
     "/cases/NAME/reference/cycles/AMPLITUDE": CycleRecord,
+    "/cases/NAME/reference/backbones/MODE": Backbone,
     "/cases/NAME/methods/METHOD/N": MethodResult,
     "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
     "/assessment": Assessment,

@@ -349,7 +349,11 @@ MISTAKES = [
     ("[reduction]", "[sticking]\nstiffness = 1e6\n[reduction]", "says itself what sticks"),
     ('["compliance"]', '["jim-b"]', "method 'jim-b' learns from|learns from training loads"),
     ('kind = "path"\nfactors = "way.csv"', 'kind = "path"', "needs 'factors', a csv"),
-    ('kind = "path"', 'kind = "path"\nincrements = 3', 'only kind = "static" or "cycle" has it'),
+    (
+        'kind = "path"',
+        'kind = "path"\nincrements = 3',
+        'only kind = "static" or "cycle" or "backbone" has it',
+    ),
     ("amplitudes = [1.5, 0.5]", "amplitudes = [1.5, 1.5]", "an amplitude is there twice"),
     ("amplitudes = [1.5, 0.5]", "amplitudes = [-1.0]", "found -1.0, expected greater than 0"),
     ("increments = 4\nforces", "increments = 4\nstep = 1e-5\nforces", 'kind = "static" has no'),

@@ -82,7 +82,7 @@ def test_backbone_has_damping_left_and_frequency_right():
         mode=2, small_frequency=120.0, measured_at="tip.rx", amplitude=n, load=n,
         modal_amplitude=n, frequency=120.0 / n, damping_ratio=n / 100, friction_damping=n,
         linear_damping=n, energy_per_cycle=n, loop_area=n, stick_share=n, macroslip=n > 5,
-        cycles=n.astype(int), stationary=n > 0,
+        cycles=n.astype(int), stationary=n > 0, loop_load=n[:, None], loop_modal=n[:, None],
     )  # fmt: skip
     left = found.plot()
     right = next(one for one in left.figure.axes if one is not left)

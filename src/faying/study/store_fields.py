@@ -290,6 +290,7 @@ MEANINGS: dict[type, Table] = {
         "masing_frequency": Meaning("frequency by Masing's rule; absent", "1/time", "(n,)"),
         "masing_damping": Meaning("damping by Masing's rule; absent", "1", "(n,)"),
         "remarks": Meaning("what a reader should know", "", "(n_remark,)"),
+        "units": Meaning("consistent unit set of the model, length-mass-time"),
     },
     ValidationRecord: {
         "load_space": Meaning("methods at random loads of the training box"),

@@ -2,9 +2,10 @@
 
 from matplotlib.axes import Axes
 
+from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import number, quantity
-from faying.report.style import heading, new_figure
+from faying.report.style import new_figure
 from faying.study.results import CaseResult, Results
 from faying.units import Units, units_of
 
