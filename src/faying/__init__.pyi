@@ -20,6 +20,7 @@ from faying.assessment.load_path import load_path as load_path
 from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
+from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter
 from faying.assessment.recovery import recover_pressure as recover_pressure
 from faying.assessment.requirements import ClosedRing as ClosedRing
 from faying.assessment.requirements import Requirements as Requirements

@@ -15,6 +15,7 @@ from faying.study.editor_schema import EDITOR_SCHEMA
 
 SECTIONS: dict[str, type[BaseModel]] = {
     "top level": tables.Study,
+    "preload_scatter": tables.ScatterSection,
     "[model]": model_tables.ModelSection,
     "[model.files]": model_tables.MatrixFiles,
     "[model.sets]": model_tables.NamedSet,

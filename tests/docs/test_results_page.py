@@ -12,6 +12,7 @@ from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.thread import ThreadStress
@@ -59,6 +60,7 @@ GROUPS = {
     "/assessment/bolts/NAME": BoltAssessment,
     "/assessment/bolts/NAME/thread": ThreadStress,
     "/assessment/interfaces/NAME": InterfaceAssessment,
+    "/assessment/scatter/0": Spread,
     "/assessment/verdicts/0": Verdict,
     "/validation": ValidationRecord,
     "/validation/load_space": LoadSpaceRecord,

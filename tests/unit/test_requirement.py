@@ -56,8 +56,13 @@ report = false
 THREAD = 'thread = { diameter = 6.0, pitch = 1.0, grade = "8.8" }'
 
 
+SCATTER = "preload_scatter = { tightening_factor = 1.4, samples = 20 }\n"
+
+
 def outcome(folder, requirement, thread=""):
-    text = STUDY.replace("REQUIREMENT", requirement).replace("5e3\n", f"5e3\n{thread}\n", 1)
+    text = SCATTER * bool(thread) + STUDY.replace("REQUIREMENT", requirement).replace(
+        "5e3\n", f"5e3\n{thread}\n", 1
+    )
     study = parse_study(text, folder / "joint.toml")
     summary = run(study, folder / "out").summary
     return summary, read_results(folder / "out" / "results.h5")
@@ -82,11 +87,15 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     )
     followed = found.interfaces["joint"].first_opening
     assert followed == pytest.approx(static.interfaces["joint"].first_opening, rel=1e-6)
+    spread = {(one.case, one.metric): one for one in found.scatter}["bend", "clamp_force.joint"]
+    assert spread.least < spread.meant < spread.most
+    assert summary["assessment"]["scatter"][0]["case"] == "bend"
     stress = found.bolts["bolt"].thread
     assert stress.proof == pytest.approx(640.0, rel=1e-12)
     assert summary["assessment"]["bolts"]["bolt"]["thread"]["axial"] == stress.axial
     page = write_report(results, tmp_path / "out").read_text()
     assert "stress in the thread" in page
+    assert "clamp force of joint" in page
     assert "The joint does not hold what the study demands: max_pressure." in page
     assert page.index('id="joint"') < page.index('id="summary"')
 

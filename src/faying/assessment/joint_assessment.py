@@ -14,6 +14,7 @@ from faying.assessment.joint_record import (
     InterfaceAssessment,
 )
 from faying.assessment.load_path import LoadPath, load_path
+from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
 from faying.assessment.requirements import Requirements
 from faying.assessment.thread import Thread, thread_stress
 from faying.assessment.verdicts import verdicts
@@ -37,6 +38,7 @@ def assess(
     *,
     paths: bool = True,
     threads: Mapping[str, Thread] | None = None,
+    scatter: PreloadScatter | None = None,
 ) -> Assessment:
     """Judge a joint without friction over static load cases.
 
@@ -52,6 +54,8 @@ def assess(
         Whether each load is followed to its openings, (:func:`faying.load_path`).
     threads
         Bolt to its thread, whose stress is then compared with the grade.
+    scatter
+        Of the preloads, over which the metrics of each load are then told too.
 
     Raises
     ------
@@ -90,7 +94,13 @@ def assess(
     surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
     followed = {load.name: load_path(full, load) for load in loads} if paths else {}
     found = judged(surfaces, system.bolts, at_rest, states, requirements, followed)
-    return with_threads(found, threads or {}, system.units)
+    spreads = [
+        spread
+        for load in loads
+        if scatter is not None
+        for spread in preload_spreads(system, surfaces, load, scatter)
+    ]
+    return with_threads(replace(found, scatter=tuple(spreads)), threads or {}, system.units)
 
 
 def with_threads(found: Assessment, threads: Mapping[str, Thread], units: str) -> Assessment:

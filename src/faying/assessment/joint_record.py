@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import final
 
 from faying._typing import Matrix, Vector
+from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.thread import ThreadStress
 
@@ -114,11 +115,14 @@ class Assessment:
         By name.
     verdicts
         Of the requirements, where they are nearest to failing.
+    scatter
+        What scatter of the preloads does to static load cases, where that was asked for.
     """
 
     bolts: Mapping[str, BoltAssessment]
     interfaces: Mapping[str, InterfaceAssessment]
     verdicts: tuple[Verdict, ...] = ()
+    scatter: tuple[Spread, ...] = ()
 
     @property
     def met(self) -> bool:

@@ -19,6 +19,7 @@ from faying.report.joint import (
     interface_judgement,
     joint_headline,
     requirement_table,
+    scatter_table,
 )
 from faying.report.limits import limits
 from faying.report.meanings import meanings
@@ -102,7 +103,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         joint=joint_headline(results),
         joint_tables=[
             one
-            for of in (requirement_table, bolt_judgement, interface_judgement)
+            for of in (requirement_table, bolt_judgement, interface_judgement, scatter_table)
             if (one := of(results)).rows
         ],
         headline=headline(found, results),

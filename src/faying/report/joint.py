@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying.assessment.joint_record import BoltAssessment, InterfaceAssessment
+from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.report.quantities import number, place, quantity
 from faying.report.tables import Cell, Table, table
@@ -21,6 +22,17 @@ MEANINGS = {
     "closed_ring": ("smallest pressure on the ring", "at least", "force/length²"),
 }
 """Requirement to what is judged, how it is limited, and the dimension of the limit."""
+
+
+METRICS = {
+    "max_pressure": "largest pressure of ",
+    "max_nodal_pressure": "largest nodal pressure of ",
+    "clamp_force": "clamp force of ",
+    "open_area": "open area of ",
+    "max_gap": "largest gap of ",
+    "bolt_force": "force of ",
+}
+"""What metrics that have a worst value are called, before the name of interface or bolt."""
 
 
 def requirement_table(results: Results) -> Table:
@@ -66,6 +78,24 @@ def interface_judgement(results: Results) -> Table:
     )  # fmt: skip
     rows = [(name, *_interface(name, one, results, units)) for name, one in found.items()]
     return table(columns, rows)
+
+
+def scatter_table(results: Results) -> Table:
+    """Return what scatter of the preloads does to static load cases."""
+    units = units_of(results.units)
+    spreads = () if results.assessment is None else results.assessment.scatter
+    columns = (
+        "load case", "over scattered preloads", "as meant", "smallest", "5 % below", "half below",
+        "95 % below", "largest",
+    )  # fmt: skip
+    return table(columns, [tuple(_spread(one, units)) for one in spreads])
+
+
+def _spread(one: Spread, units: Units) -> Iterator[str]:
+    yield one.case
+    yield METRICS[one.metric.partition(".")[0]] + one.metric.partition(".")[2]
+    for value in (one.meant, one.least, one.p05, one.median, one.p95, one.most):
+        yield quantity(value, units.of(one.dimension), 4)
 
 
 def _verdict(one: Verdict, units: Units) -> tuple[str | Cell, ...]:

@@ -1,6 +1,7 @@
 """The joint of a run judged over its load cases, whatever solved them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,9 +10,12 @@ from faying.assessment.certificate import certifier
 from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.load_path import LoadPath, load_path
+from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.requirements import ClosedRing, Requirements
 from faying.assessment.thread import Thread
+from faying.joint.model import Model
 from faying.reduction.projection import contact_surfaces
+from faying.reduction.reduced_model import ReducedModel
 from faying.study.extras import Extras
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
@@ -30,8 +34,14 @@ def assess_run(
     cases: Mapping[str, CaseResult],
     stages: Stages,
     extras: Extras,
+    exact: Model | ReducedModel,
 ) -> Assessment | None:
     """Judge the joint over the references of all load cases; None where that failed.
+
+    Parameters
+    ----------
+    exact
+        Whose static pressures are those of the full model; preloads scatter on it.
 
     Static load cases without friction are certified, and followed to their openings.
     """
@@ -62,8 +72,24 @@ def assess_run(
             for bolt in study.bolts
             if bolt.thread is not None
         }
+        found = replace(found, scatter=_scatter(study, exact, static, extras))
         return with_threads(found, threads, study.units)
     return None
+
+
+def _scatter(
+    study: Study, exact: Model | ReducedModel, static: list[LoadCaseSection], extras: Extras
+) -> tuple[Spread, ...]:
+    """Return what scatter of the preloads does to static load cases."""
+    if study.preload_scatter is None:
+        return ()
+    scatter = PreloadScatter(**study.preload_scatter.model_dump())
+    spreads: list[Spread] = []
+    with extras.attempt("preload scatter"):
+        surfaces = exact.interfaces if isinstance(exact, ReducedModel) else contact_surfaces(exact)
+        for case in static:
+            spreads += preload_spreads(exact, surfaces, case_load(case), scatter)
+    return tuple(spreads)
 
 
 def requirements_of(section: RequirementSection) -> Requirements:

@@ -7,6 +7,7 @@ from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.thread import ThreadStress
@@ -68,6 +69,7 @@ MEANINGS: dict[type, Table] = {
         "bolts": Meaning("by name"),
         "interfaces": Meaning("by name"),
         "verdicts": Meaning("requirements, each where it is nearest to failing"),
+        "scatter": Meaning("metrics of static load cases over scattered preloads"),
     },
     BoltAssessment: {
         "preload": Meaning("axial force at rest", "force"),
@@ -99,6 +101,17 @@ MEANINGS: dict[type, Table] = {
         "closed_area_case": Meaning("load case it belongs to"),
         "first_opening": Meaning("factor at which a pressed point opens, by load case", "1"),
         "loss_of_clamp": Meaning("factor from which nothing is pressed, by load case", "1"),
+    },
+    Spread: {
+        "case": Meaning("load case"),
+        "metric": Meaning("what, as in tables of solved cases"),
+        "dimension": Meaning("of the values"),
+        "meant": Meaning("at the preloads that were meant"),
+        "least": Meaning("smallest"),
+        "p05": Meaning("what 5 % stay below"),
+        "median": Meaning("what half stay below"),
+        "p95": Meaning("what 95 % stay below"),
+        "most": Meaning("largest"),
     },
     Verdict: {
         "requirement": Meaning("its key in the study"),

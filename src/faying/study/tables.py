@@ -191,6 +191,10 @@ MOST_INCREMENTS = 10_000
 """Increments of a path: each takes milliseconds and keeps its fields."""
 
 
+MOST_SAMPLES = 10_000
+"""Tightenings of one load case: their fields are in memory together."""
+
+
 class LoadCaseSection(Timed):
     """[[load_case]].
 
@@ -302,6 +306,14 @@ class ValidationSection(Section):
     reference: Literal["full", "worst", "none"] | None = None
 
 
+class ScatterSection(Section):
+    """preload_scatter: see :class:`faying.assessment.preload_scatter.PreloadScatter`."""
+
+    tightening_factor: Annotated[Number, Field(ge=1)] = 1.0
+    settlement: NotNegative = 0.0
+    samples: Annotated[Count, Field(le=MOST_SAMPLES)] = 200
+
+
 class RingSection(Section):
     """[requirement] closed_ring: see :class:`faying.assessment.requirements.ClosedRing`."""
 
@@ -357,6 +369,7 @@ class Study(Section):
     title: Annotated[str, AfterValidator(showable)] = ""
     units: Annotated[Name, AfterValidator(_units)] = "mm-t-s"
     friction_during_preload: Switch = True
+    preload_scatter: ScatterSection | None = None
     model: ModelSection
     materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
     interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")

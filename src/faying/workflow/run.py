@@ -26,6 +26,7 @@ from faying.study.tables import Study
 from faying.study.validation import validate
 from faying.study.worker_tasks import compute_pieces
 from faying.workflow.outcome import Outcome
+from faying.workflow.reduce import EXACT
 
 CONFIRMED = 3
 """Static cases that the full model confirms where it is not the reference of all."""
@@ -109,7 +110,8 @@ def _computed(
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
     validation = validate(study, joint, models, trained, choices, stages, extras)
-    assessment = assess_run(study, joint, cases, stages, extras)
+    exact = kept[EXACT][0] if EXACT in kept else joint.model
+    assessment = assess_run(study, joint, cases, stages, extras, exact)
     with stages.stage("records"):
         found = record(study, joint, kept, trained, cases, validation, extras, failures, reference)
     found = replace(found, assessment=assessment)
