@@ -9,6 +9,7 @@ import faying as fy
 from faying.cli import app
 from faying.report.html import write_report
 from faying.report.joint import joint_headline
+from faying.study import assessing
 from faying.study.schema import parse_study
 from faying.study.store import read_results
 from faying.workflow.run import run
@@ -114,3 +115,13 @@ def test_status_tells_whether_they_are_met(tmp_path, limit, status):
     done = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out")])
     assert done.exit_code == status, done.output
     assert ("NOT MET" in done.output) == (status == 3)
+
+
+def test_load_factors_that_are_left_out_are_said(tmp_path, monkeypatch):
+    monkeypatch.setattr(assessing, "MOST_POINTS", 10)
+    summary, results = outcome(tmp_path, "min_clamp_force = 1e3")
+    assert [v.met for v in results.assessment.verdicts] == [True]
+    assert results.assessment.interfaces["joint"].first_opening == {}
+    said = [text for text in summary["warnings"] if "load factors of opening" in text]
+    assert len(said) == 1
+    assert "up to 10 contact points and there are 112" in said[0]

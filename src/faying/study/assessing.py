@@ -13,6 +13,7 @@ from faying.assessment.load_path import LoadPath, load_path
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.requirements import ClosedRing, Requirements
 from faying.assessment.thread import Thread
+from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
@@ -64,7 +65,7 @@ def assess_run(
             ),
             {name: _state(case, intervals.get(name)) for name, case in cases.items()},
             requirements_of(study.requirement),
-            _paths(joint, smooth),
+            _paths(joint, smooth, extras),
             slip,
         )
         threads = {
@@ -129,7 +130,18 @@ def _intervals(
     return {}
 
 
-def _paths(joint: PreparedJoint, static: list[LoadCaseSection]) -> dict[str, LoadPath]:
-    if joint.model.contact.n_points > MOST_POINTS:
-        return {}
-    return {case.name: load_path(joint.model, case_load(case)) for case in static}
+def _paths(
+    joint: PreparedJoint, static: list[LoadCaseSection], extras: Extras
+) -> dict[str, LoadPath]:
+    """Follow static load cases to their openings; none where that failed or takes too long."""
+    points = joint.model.contact.n_points
+    with extras.attempt("load factors of opening"):
+        if static and points > MOST_POINTS:
+            message = (
+                f"left out, for loads are followed with up to {MOST_POINTS} contact points and "
+                f"there are {points}; take a coarser interface or a lower 'order' of it, or follow "
+                "one load by fy.load_path"
+            )
+            raise ModelError(message)
+        return {case.name: load_path(joint.model, case_load(case)) for case in static}
+    return {}
