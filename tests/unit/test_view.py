@@ -186,6 +186,28 @@ def test_names_cannot_end_the_script():
     assert json.loads(text)["bolts"][0]["name"] == "</script><b>"
 
 
+def test_of_very_large_surfaces_the_edges_alone_are_kept(monkeypatch):
+    whole = json.loads(scene(RESULTS).text)
+    monkeypatch.setattr("faying.report.view.scene.MOST_NODES", 50)
+    found = scene(RESULTS)
+    assert found.notes[0].startswith("The surface of the bodies is too large")
+    shown = json.loads(found.text)
+    assert shown["bodies"]["triangles"]["shape"] == [0, 3]
+    points, edges = (unpacked(shown["bodies"][name]) for name in ("points", "edges"))
+    length = np.linalg.norm(np.diff(points[edges], axis=1), axis=-1).sum()
+    assert length == pytest.approx(2 * 4 * 50, rel=1e-3)  # a step is 1e-5 of the size
+    # The contact faces are there, and know their nodes.
+    assert shown["contact"][0]["triangles"] == whole["contact"][0]["triangles"]
+    contact = shown["contact"][0]
+    for side, numbers in zip(contact["points"], contact["nodes"], strict=True):
+        assert np.allclose(points[unpacked(numbers)[:, 0]], unpacked(side), atol=1e-3)
+
+
+def test_matrices_without_elements_have_no_view():
+    joint = replace(RESULTS.interfaces["joint"], faces=())
+    assert scene(replace(RESULTS, blocks=(), interfaces={"joint": joint})) is None
+
+
 def test_nothing_to_see_is_no_view():
     assert scene(replace(RESULTS, blocks=(), interfaces={}, cases={})) is None
 

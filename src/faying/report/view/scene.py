@@ -65,8 +65,9 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
         Mesh(nodes=results.nodes, node_ids=np.arange(len(results.nodes)), blocks=results.blocks),
         np.concatenate([*(one.ravel() for one in pairs), np.empty(0, dtype=np.int64)]),
     )
-    if not len(surface.nodes):
-        return None
+    faces = any(record.faces for record in results.interfaces.values())
+    if not len(surface.triangles) and not faces:
+        return None  # matrices, without any elements
     notes = []
     if len(surface.nodes) > MOST_NODES:
         notes.append("The surface of the bodies is too large for a page; their edges are drawn.")
