@@ -1,10 +1,12 @@
 """Which decks of a folder are read, which are refused, and why.
 
     python benchmarks/decks.py FOLDER [--limit SECONDS] [--ignore plastic,friction,temperature]
+    python benchmarks/decks.py FOLDER --with 'CONTACT *PAIR' --without 'CYCLIC|HEAT *TRANSFER'
 
 Every deck below the folder is read and built in a process of its own, as ``faying check DECK``
 does. The tables count outcomes of decks with solids, and the names that stop them; a name that
-stops a deck is counted once for it, however often it stands there.
+stops a deck is counted once for it, however often it stands there. ``--with`` and ``--without``
+choose decks by regular expressions at the start of a line, behind the asterisk of a keyword.
 """
 
 import argparse
@@ -109,6 +111,17 @@ def has_solids(path: Path) -> bool:
     return SOLID[source].search(text) is not None or b"INCLUDE" in text.upper()
 
 
+def chosen(path: Path, wanted: str, unwanted: str) -> bool:
+    """Say whether a line of a deck starts as wished, and none as not wished."""
+    text = path.read_bytes()
+
+    def found(expression: str) -> bool:
+        pattern = rf"^\s*\*?\s*(?:{expression})".encode()
+        return re.search(pattern, text, re.IGNORECASE | re.MULTILINE) is not None
+
+    return found(wanted) and not (unwanted and found(unwanted))
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -116,11 +129,13 @@ def main() -> None:
     parser.add_argument("--limit", type=float, default=20.0, help="seconds for each deck")
     parser.add_argument("--ignore", default="", help="words for [model] ignore, with commas")
     parser.add_argument("--match", default="*", help="names of the decks, as in *contact*")
+    parser.add_argument("--with", default="", dest="wanted", help="a regular expression")
+    parser.add_argument("--without", default="", dest="unwanted", help="a regular expression")
     parser.add_argument("--all", action="store_true", help="print a line for every deck")
     wished = parser.parse_args()
     suffixes = {suffix for source in SOURCES.values() for suffix in source.suffixes}
     paths = sorted(p for p in wished.folder.rglob(wished.match) if p.suffix.lower() in suffixes)
-    solid = [path for path in paths if has_solids(path)]
+    solid = [p for p in paths if has_solids(p) and chosen(p, wished.wanted, wished.unwanted)]
     ignore = tuple(word for word in wished.ignore.split(",") if word)
     found = outcomes(solid, wished.limit, ignore)
     lines = []

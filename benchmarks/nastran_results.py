@@ -66,7 +66,10 @@ def from_op2(path: Path) -> Results | None:
             approach, sort, complexity = ident[0] // 10, ident[1] // 1000, ident[8]
             if sort > 1 or complexity != 1 or ident[9] != 8:
                 break
+            if found.subcase not in (None, int(ident[3])):
+                continue
             if approach == MODES:
+                found.subcase = int(ident[3])
                 value = float(ident[5:6].astype(word).view(real)[0])
                 found.frequencies.append(np.sqrt(max(value, 0.0)) / (2 * np.pi))
             elif approach == STATICS and not found.displacements:

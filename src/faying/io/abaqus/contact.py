@@ -14,7 +14,7 @@ from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
+from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
 from faying.io.left_out import IGNORABLE
 from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
@@ -119,13 +119,7 @@ def _pairs(
         ignored.append(note)
     pairs = []
     for row, fields in enumerate(keyword.rows()):
-        if len(fields) != 2 or not all(fields):
-            message = f"found {len(fields)} fields, expected the slave and the master surface"
-            raise keyword.error(message, row)
-        slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
-        if not master.facets:
-            message = f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT"
-            raise keyword.error(message, row)
+        slave, master = slave_and_master(surfaces, keyword, row, fields)
         if not slave.facets:
             ignored.append(
                 f"slave surface {slave.name} of nodes: taken as the facets between these nodes"

@@ -59,6 +59,26 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
     raise keyword.error(message, row)
 
 
+def slave_and_master(
+    surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]
+) -> tuple[DeckSurface, DeckSurface]:
+    """Return the two surfaces that a data line of *CONTACT PAIR or *TIE names.
+
+    Raises
+    ------
+    FormatError
+        If there are not two, one is not there, or the master has no facets.
+    """
+    if len(fields) != 2 or not all(fields):
+        message = f"found {len(fields)} fields, expected the slave and the master surface"
+        raise keyword.error(message, row)
+    slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
+    if not master.facets:
+        message = f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT"
+        raise keyword.error(message, row)
+    return slave, master
+
+
 def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
     """Return surfaces whose facets are all of one kind as face sets."""
     found = {}

@@ -13,7 +13,7 @@ from faying.io.abaqus.contact import Pair, with_mixed_sides
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
+from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
 from faying.model.assembly import Assembly, Equation
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS
@@ -60,13 +60,7 @@ def read_ties(
         if keyword.has("POSITION TOLERANCE"):
             tolerance = real(keyword, None, keyword.required("POSITION TOLERANCE"), "a tolerance")
         for row, fields in enumerate(keyword.rows()):
-            if len(fields) != 2 or not all(fields):
-                message = f"found {len(fields)} fields, expected the slave and the master surface"
-                raise keyword.error(message, row)
-            slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
-            if not master.facets:
-                message = f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT"
-                raise keyword.error(message, row)
+            slave, master = slave_and_master(surfaces, keyword, row, fields)
             name = keyword.value("NAME", f"{slave.name} {master.name}")
             found.append(
                 Tie(keyword=keyword, name=name, slave=slave, master=master, tolerance=tolerance)
