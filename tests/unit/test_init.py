@@ -161,7 +161,12 @@ def test_faces_across_a_gap_are_marked(tmp_path):
 def test_cylinders_are_found_whatever_their_place():
     rng = np.random.default_rng(3)
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    mesh = stacked(LOWER)
+    grid, table = washer([5.5, 9.0, 14.0], np.linspace(-8.0, 0.0, 6))
+    # Nodes anywhere on the circles, so that facets are inclined as a mesher's are.
+    angle = np.arctan2(grid[:, 1], grid[:, 0]) + rng.uniform(-0.08, 0.08, len(grid))
+    radius = np.linalg.norm(grid[:, :2], axis=1)
+    uneven = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), grid[:, 2]])
+    mesh = stacked((uneven, table))
     moved = Mesh(nodes=1e3 + mesh.nodes @ turn.T, node_ids=mesh.node_ids, blocks=mesh.blocks)
     found = cylinders(moved)
     order = np.argsort(found.radii)

@@ -163,12 +163,12 @@ def _materials(look: Look) -> Iterator[str]:
         yield f"nu = {_number(look.stand_in.poissons_ratio)}"
         yield f"rho = {_number(look.stand_in.density)}"
         return
-    materials = look.described.assembly.materials
-    shown = "; ".join(
+    constants = [
         f"{one.name or number}: E {one.youngs_modulus:g}, nu {one.poissons_ratio:g}, "
         f"rho {one.density:g}"
-        for number, one in list(materials.items())[:10]
-    )
+        for number, one in look.described.assembly.materials.items()
+    ]
+    shown = "; ".join(list(dict.fromkeys(constants))[:10])
     if shown:
         yield from _comment(f"Materials of the file, which [material.NAME] overrides: {shown}")
 
