@@ -10,12 +10,12 @@ from typing import Any
 from pages import DOCS
 from pydantic import BaseModel
 
-from faying.study import model_tables, tables
+from faying.study import model_tables, requirement_tables, tables
 from faying.study.editor_schema import EDITOR_SCHEMA
 
 SECTIONS: dict[str, type[BaseModel]] = {
     "top level": tables.Study,
-    "preload_scatter": tables.ScatterSection,
+    "preload_scatter": requirement_tables.ScatterSection,
     "[model]": model_tables.ModelSection,
     "[model.files]": model_tables.MatrixFiles,
     "[model.sets]": model_tables.NamedSet,
@@ -31,8 +31,8 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[reduction.training]": tables.TrainingSection,
     "[reduction.training] box": tables.BoxSide,
     "[validation]": tables.ValidationSection,
-    "[requirement]": tables.RequirementSection,
-    "[requirement] closed_ring": tables.RingSection,
+    "[requirement]": requirement_tables.RequirementSection,
+    "[requirement] closed_ring": requirement_tables.RingSection,
     "[[load_case]]": tables.LoadCaseSection,
     "[[load_case]] forces": tables.ForceSection,
     "[output]": tables.OutputSection,

@@ -22,8 +22,9 @@ from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
 from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
+from faying.study.requirement_tables import RequirementSection
 from faying.study.results import CaseResult
-from faying.study.tables import LoadCaseSection, RequirementSection, Study
+from faying.study.tables import LoadCaseSection, Study
 
 MOST_POINTS = 2000
 """Contact points up to which loads are followed to their openings: seconds each."""

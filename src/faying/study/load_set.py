@@ -13,8 +13,9 @@ from faying.simulation.integrators import ImplicitEuler, Integrator, named_integ
 from faying.simulation.load import History, Load
 from faying.study.load_table import LoadTable, read_load_table, table_inputs
 from faying.study.loads import case_load
+from faying.study.requirement_tables import RequirementSection
 from faying.study.schema import read_load_cases
-from faying.study.tables import LoadCaseSection, RequirementSection
+from faying.study.tables import LoadCaseSection
 from faying.study.timing import time_span, time_step
 
 TABLES = (".csv", ".parquet")

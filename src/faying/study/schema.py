@@ -13,7 +13,8 @@ from faying.files.contents import file_text
 from faying.study.consistency import inconsistencies
 from faying.study.errors import Problem, StudySource, reject, translated
 from faying.study.positions import line_numbers
-from faying.study.tables import LoadCaseSection, RequirementSection, Study
+from faying.study.requirement_tables import RequirementSection
+from faying.study.tables import LoadCaseSection, Study
 
 __all__ = ["Study", "parse_study", "read_load_cases", "read_study"]
 

@@ -25,6 +25,7 @@ from faying.study.model_tables import (
     SupportSection,
 )
 from faying.study.ranges import showable
+from faying.study.requirement_tables import RequirementSection, ScatterSection
 from faying.study.section import (
     Count,
     CountOrNone,
@@ -32,7 +33,6 @@ from faying.study.section import (
     Name,
     NotNegative,
     Number,
-    Point,
     Positive,
     Section,
     Switch,
@@ -191,10 +191,6 @@ MOST_INCREMENTS = 10_000
 """Increments of a path: each takes milliseconds and keeps its fields."""
 
 
-MOST_SAMPLES = 10_000
-"""Tightenings of one load case: their fields are in memory together."""
-
-
 class LoadCaseSection(Timed):
     """[[load_case]].
 
@@ -304,49 +300,6 @@ class ValidationSection(Section):
     penalty_sweep: Switch = True
     half_step: Switch = True
     reference: Literal["full", "worst", "none"] | None = None
-
-
-class ScatterSection(Section):
-    """preload_scatter: see :class:`faying.assessment.preload_scatter.PreloadScatter`."""
-
-    tightening_factor: Annotated[Number, Field(ge=1)] = 1.0
-    settlement: NotNegative = 0.0
-    samples: Annotated[Count, Field(le=MOST_SAMPLES)] = 200
-
-
-class RingSection(Section):
-    """[requirement] closed_ring: see :class:`faying.assessment.requirements.ClosedRing`."""
-
-    around: Point
-    pressure: NotNegative = 0.0
-    interface: Name | None = None
-
-
-class RequirementSection(Section):
-    """[requirement]: what the joint must hold under every load case; status 3 if it does not.
-
-    Attributes
-    ----------
-    min_clamp_force : [force]
-        Total normal force of every interface, or of those named.
-    max_pressure : [force/length²]
-        Of every contact point.
-    no_opening_within : [length]
-        Distance from a bolt's axis within which what the preload presses stays pressed.
-    min_opening_factor
-        Factor of a static load case at which an interface carries nothing any more.
-    min_slip_safety
-        Factor of a static load case or cycle with friction at which an interface slips as a whole.
-    closed_ring
-        Holes around which a closed ring stays pressed.
-    """
-
-    min_clamp_force: Positive | Mapping[Name, Positive] | None = None
-    max_pressure: Positive | None = None
-    no_opening_within: Positive | None = None
-    min_opening_factor: Positive | None = None
-    min_slip_safety: Positive | None = None
-    closed_ring: tuple[RingSection, ...] = ()
 
 
 def _units(label: str) -> str:

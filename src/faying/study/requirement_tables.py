@@ -1,0 +1,54 @@
+"""The tables of a study file that say what a joint must hold, and how its preloads scatter."""
+
+from collections.abc import Mapping
+from typing import Annotated
+
+from pydantic import Field
+
+from faying.study.section import Count, Name, NotNegative, Number, Point, Positive, Section
+
+MOST_SAMPLES = 10_000
+"""Tightenings of one load case: their fields are in memory together."""
+
+
+class ScatterSection(Section):
+    """preload_scatter: see :class:`faying.assessment.preload_scatter.PreloadScatter`."""
+
+    tightening_factor: Annotated[Number, Field(ge=1)] = 1.0
+    settlement: NotNegative = 0.0
+    samples: Annotated[Count, Field(le=MOST_SAMPLES)] = 200
+
+
+class RingSection(Section):
+    """[requirement] closed_ring: see :class:`faying.assessment.requirements.ClosedRing`."""
+
+    around: Point
+    pressure: NotNegative = 0.0
+    interface: Name | None = None
+
+
+class RequirementSection(Section):
+    """[requirement]: what the joint must hold under every load case; status 3 if it does not.
+
+    Attributes
+    ----------
+    min_clamp_force : [force]
+        Total normal force of every interface, or of those named.
+    max_pressure : [force/length²]
+        Of every contact point.
+    no_opening_within : [length]
+        Distance from a bolt's axis within which what the preload presses stays pressed.
+    min_opening_factor
+        Factor of a static load case at which an interface carries nothing any more.
+    min_slip_safety
+        Factor of a static load case or cycle with friction at which an interface slips as a whole.
+    closed_ring
+        Holes around which a closed ring stays pressed.
+    """
+
+    min_clamp_force: Positive | Mapping[Name, Positive] | None = None
+    max_pressure: Positive | None = None
+    no_opening_within: Positive | None = None
+    min_opening_factor: Positive | None = None
+    min_slip_safety: Positive | None = None
+    closed_ring: tuple[RingSection, ...] = ()
