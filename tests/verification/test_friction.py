@@ -11,7 +11,7 @@ from faying.assessment.stuck_modes import stuck_mode
 from faying.contact.frictional import ROUND_OFF, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
-from faying.exceptions import ModelError
+from faying.exceptions import ConvergenceError, ModelError
 from faying.export.formats import export
 from faying.export.linearized import linearize
 
@@ -193,6 +193,12 @@ def test_a_path_goes_on_from_an_earlier_one(coarse):
 def test_a_path_without_loads_is_refused(coarse):
     with pytest.raises(ModelError, match=r"the path has no loads; give at least one, fy\.Load"):
         fy.solve_path(coarse, [])
+
+
+def test_tightening_that_is_not_solved_says_what_to_do(coarse, monkeypatch):
+    monkeypatch.setattr("faying.contact.frictional.SOLVED", 0.0)  # nothing is solved to this
+    with pytest.raises(ConvergenceError, match="friction_during_preload = false"):
+        fy.solve_path(coarse, [fy.Load()])
 
 
 def test_a_newton_step_is_that_of_the_derivative(coarse):

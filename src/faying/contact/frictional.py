@@ -196,6 +196,11 @@ class FrictionalContact:
                 f"residual {left:.1e} of the largest force); take smaller increments, or a smaller "
                 "coefficient of friction: with large ones solutions need not exist"
             )
+            if start is None:
+                message += (
+                    "; a joint that friction alone holds while it is tightened can be tightened "
+                    "without (friction_during_preload = false in a study)"
+                )
             raise ConvergenceError(message)
         return Increment(forces=x, slack=self._slack(x, z_free), iterations=steps, residual=left)
 
