@@ -39,6 +39,7 @@ from faying.model.specs import BoltSpec as BoltSpec
 from faying.model.specs import BoundarySpec as BoundarySpec
 from faying.model.specs import InterfaceSpec as InterfaceSpec
 from faying.model.specs import Rayleigh as Rayleigh
+from faying.reduction.attachment import attachment_modes as attachment_modes
 from faying.reduction.basis import Basis as Basis
 from faying.reduction.compliance import interface_compliance as interface_compliance
 from faying.reduction.craig_bampton import craig_bampton as craig_bampton

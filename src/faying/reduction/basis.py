@@ -14,6 +14,9 @@ from faying.exceptions import ModelError
 DEPENDENT = 1e-8
 """A trial vector is dropped when this part of its energy norm, or less, is new."""
 
+NEW = 1e-12
+"""The same for blocks of shapes and their energy; round-off leaves less than 1e-15."""
+
 
 class ModeKind(StrEnum):
     """Kind of a trial vector."""
@@ -23,6 +26,11 @@ class ModeKind(StrEnum):
     BOLT = "bolt"
     LOAD = "load"
     JOINT = "joint"
+    ATTACHMENT = "attachment"
+
+
+VANISHING = tuple(kind for kind in ModeKind if kind is not ModeKind.CONSTRAINT)
+"""Kinds of trial vectors that vanish on the boundary, Φ_f."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -81,6 +89,28 @@ class Basis(Shown):
             vectors=self.vectors[:, kept],
             kinds=tuple(kind for kind, keep in zip(self.kinds, kept, strict=True) if keep),
         )
+
+    def extended(self, shapes: Matrix, kind: ModeKind, K: SparseMatrix) -> "Basis":
+        """Return the basis and what shapes add to it, block by block where Gram-Schmidt is slow.
+
+        Parameters
+        ----------
+        shapes : (n_dof, n)
+            They vanish on the boundary.
+        kind
+            Of what they add, which is orthonormal in K, like those of this basis that vanish on
+            the boundary. The basis itself stays as it is.
+        """
+        known = self.of_kind(*VANISHING)
+        energies = np.einsum("ij,ij->j", shapes, K @ shapes)
+        new = shapes[:, energies > 0] / np.sqrt(energies[energies > 0])
+        for _ in range(2):
+            new = new - known @ (known.T @ (K @ new))
+            gram = new.T @ (K @ new)
+            parts, directions = np.linalg.eigh((gram + gram.T) / 2)
+            kept = parts > NEW
+            new = new @ (directions[:, kept] / np.sqrt(parts[kept]))
+        return self + Basis(vectors=new, kinds=(kind,) * new.shape[1])
 
     def orthonormalized(self, K: SparseMatrix) -> "Basis":
         """Return the basis with the shapes that vanish on the boundary orthonormal in K.

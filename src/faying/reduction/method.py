@@ -77,6 +77,8 @@ class Method:
     source
         Publication of a method that is here to compare with; studies compare the others unless
         they name methods.
+    on_request
+        Whether studies compare it only where they name it.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Method:
     compliance: bool = False
     forces: Callable[[Model, Matrix, int], System] | None = None
     source: str = ""
+    on_request: bool = False
 
     @property
     def basis_name(self) -> str:

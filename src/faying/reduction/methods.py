@@ -1,9 +1,9 @@
 """The methods that a study can name, each said once: how it is built, what it means, how it looks.
 
-The first six are compared unless a study says otherwise; the others come from the literature and
-are here to compare with. Colours are from Okabe and Ito's palette, distinguishable with every
-colour vision (Color Universal Design, 2008), those of the literature's methods from Tol's muted
-scheme (SRON/EPS/TN/09-002).
+The first six are compared unless a study says otherwise. The seventh, for transients, is compared
+where it is named. The others come from the literature and are here to compare with. Colours are
+from Okabe and Ito's palette, distinguishable with every colour vision (Color Universal Design,
+2008), those of the literature's methods from Tol's muted scheme (SRON/EPS/TN/09-002).
 """
 
 from collections.abc import Mapping
@@ -12,6 +12,7 @@ from types import MappingProxyType
 from faying._typing import Matrix
 from faying.joint.model import Model
 from faying.joint.system import System
+from faying.reduction.attachment import attachment_modes
 from faying.reduction.basis import Basis
 from faying.reduction.deim import deim, with_deim
 from faying.reduction.force_basis import (
@@ -52,6 +53,10 @@ def _derivatives(model: Model, data: OfflineData, count: int) -> Basis:
     return trial_vector_derivatives(model, joint_modes=count, classic=data.classic)
 
 
+def _attachments(model: Model, data: OfflineData, count: int) -> Basis:  # noqa: ARG001
+    return attachment_modes(model, classic=data.classic)
+
+
 def _cone_greedy(model: Model, forces: Matrix, count: int) -> System:
     return with_force_basis(model, cone_projected_greedy(forces, count=count))
 
@@ -67,6 +72,7 @@ def _deim(model: Model, forces: Matrix, count: int) -> System:
 _JIM_A = JointModes(name="jim-a", extended=_test_loads)
 _JIM_B = JointModes(name="jim-b", extended=_training_forces, trained=True)
 _DERIVATIVES = JointModes(name="trial-vector-derivatives", extended=_derivatives)
+_ATTACHED = JointModes(name="attachment modes", extended=_attachments)
 
 METHODS: Mapping[str, Method] = MappingProxyType(
     {
@@ -116,6 +122,16 @@ METHODS: Mapping[str, Method] = MappingProxyType(
                 marker="P",
                 joint_modes=_JIM_B,
                 compliance=True,
+            ),
+            Method(
+                name="compliance+inertia",
+                meaning=f"{_CONSTRAINED}, static shapes of unit forces between all contact pairs, "
+                "and of the inertia forces of these shapes; static pressures are those of the "
+                "full model, and what responds at the interface has its inertia.",
+                colour="#000000",
+                marker="*",
+                joint_modes=_ATTACHED,
+                on_request=True,
             ),
             Method(
                 name="trial-vector-derivatives",

@@ -13,15 +13,12 @@ from faying.joint.system import PortCompliance
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import SingularMatrixError
 from faying.model.boundary import Boundary
-from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.basis import VANISHING, Basis, ModeKind
 from faying.reduction.mesh_shapes import MeshShapes
 from faying.reduction.recovery import frame_operator, supported_operator
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frame_motion import mass_invariants
 from faying.simulation.solution import Solution
-
-VANISHING = (ModeKind.NORMAL, ModeKind.BOLT, ModeKind.LOAD, ModeKind.JOINT)
-"""Kinds of trial vectors that vanish on the boundary, Φ_f."""
 
 MOST_SHAPE_BYTES = 256_000_000
 """What the nodal displacements of all trial vectors may take: 100 vectors of 100 000 nodes."""
@@ -283,6 +280,8 @@ def _boundaries(model: Model, basis: Basis) -> dict[str, Boundary]:
 
 def _method(basis: Basis, *, compliance: bool) -> str:
     """Name a reduction by its basis, where nobody gave it a name."""
+    if basis.count(ModeKind.ATTACHMENT):
+        return "compliance+inertia"
     if not basis.count(ModeKind.JOINT):
         return "compliance" if compliance else "craig-bampton"
     return "joint-modes+compliance" if compliance else "joint-modes"

@@ -41,7 +41,9 @@ from faying.study.section import (
 from faying.units import KINDS_OF_UNITS
 
 MethodName = Annotated[str, name_in(METHODS)]
-COMPARED = tuple(name for name, method in METHODS.items() if not method.source)
+COMPARED = tuple(
+    name for name, method in METHODS.items() if not (method.source or method.on_request)
+)
 """Methods compared unless the study says otherwise; the others come from the literature."""
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]

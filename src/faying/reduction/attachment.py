@@ -1,0 +1,106 @@
+"""Joint shapes that carry inertia: what ``compliance`` keeps without mass, kept with it.
+
+(M8) to (M10) of ``docs/theory/method.md``.
+"""
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Matrix, SparseMatrix
+from faying.exceptions import ModelError
+from faying.joint.model import Model
+from faying.linalg.memory import require_room
+from faying.linalg.substitution import dense
+from faying.reduction.basis import VANISHING, Basis, ModeKind
+from faying.reduction.craig_bampton import craig_bampton
+
+MOMENTS = 12
+"""Static shapes of inertia forces, one upon the other, that follow each boundary and load."""
+
+REFINED = 200
+"""Slowest shapes whose inertia forces have their static shapes too."""
+
+COPIES = 4
+"""Sets of all shapes alive at once: known, new, their forces, scratch."""
+
+
+def attachment_modes(
+    model: Model,
+    *,
+    normal_modes: int = 20,
+    moments: int = MOMENTS,
+    refined: int = REFINED,
+    classic: Basis | None = None,
+) -> Basis:
+    """Extend the classic basis by all static shapes of contact, and by what their inertia excites.
+
+    The static shape of a unit force at every contact pair makes static solutions exact, as the
+    residual compliance of :func:`faying.reduce` does, but with inertia: transients after a jump
+    converge. The other shapes answer inertia forces: of the boundary's motion and of load
+    patterns, ``moments`` times over, and of the ``refined`` slowest shapes found so far, once:
+    (M8) and (M10).
+
+    Parameters
+    ----------
+    normal_modes
+        Number of fixed-interface normal modes.
+    moments, refined
+        More of them, or more normal modes, carry more of what a jump excites.
+    classic
+        Result of :func:`craig_bampton` where it is known already.
+
+    Returns
+    -------
+    Basis
+        As many vectors as contact pairs (three times as many where an interface is curved) and
+        those above. To be reduced without residual compliance: nothing is left for it.
+
+    Raises
+    ------
+    ModelError
+        If the structure has no mass.
+    NotEnoughMemoryError
+        If all shapes would not fit.
+
+    Notes
+    -----
+    One back-substitution a vector, and products of n_dof n² operations for n vectors, which are the
+    greater part for a thousand of them. A step of the reduced model costs 4 n² operations more
+    than one of ``compliance``.
+    """
+    structure = model.structure
+    if not structure.has_mass:
+        message = (
+            "attachment modes give inertia to the interface, and the structure has no mass; take "
+            "the residual compliance, which statics do not distinguish, or give a density"
+        )
+        raise ModelError(message)
+    start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
+    inputs = len(structure.boundary) + len(model.load_patterns)
+    n = len(start) + moments * inputs + structure.relative_operator.shape[0] + refined
+    require_room(
+        8 * COPIES * n * structure.n_dof,
+        f"{n} shapes of interface and inertia",
+        "take the residual compliance instead, or a coarser interface",
+    )
+    K, M, P = structure.K, structure.M, structure.relative_operator
+    kind, basis = ModeKind.ATTACHMENT, start
+    carried = np.hstack([M @ structure.constraint_modes, model.pattern_forces.T])
+    for _ in range(moments):
+        before = len(basis)
+        basis = basis.extended(structure.solve_held(carried), kind, K)
+        carried = M @ basis.vectors[:, before:]
+    basis = basis.extended(structure.solve_held(dense(P.T)), kind, K)
+    slow = _slowest(basis.of_kind(*VANISHING), M, refined)
+    return basis.extended(structure.solve_held(M @ slow), kind, K)
+
+
+def _slowest(shapes: Matrix, M: SparseMatrix, count: int) -> Matrix:
+    """Return the Ritz vectors of lowest frequency in the span of shapes orthonormal in K."""
+    n = shapes.shape[1]
+    if count == 0 or n == 0:
+        return shapes[:, :0]
+    gram = shapes.T @ (M @ shapes)
+    softest = [max(n - count, 0), n - 1]
+    _, directions = la.eigh((gram + gram.T) / 2, subset_by_index=softest)
+    return np.asarray(shapes @ directions)
