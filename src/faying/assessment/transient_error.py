@@ -12,7 +12,8 @@ from faying._typing import Matrix
 from faying.assessment.accuracy import Accuracy, compare
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
-from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.attachment import refined_basis
+from faying.reduction.basis import ModeKind
 from faying.reduction.pod import pod
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
@@ -34,6 +35,17 @@ OBSERVED = (0.5, 2.2)
 OBSERVED_ON = (
     "two lap joints and a pipe flange (20 and 80 normal modes, loads that jump or rise over a "
     "tenth or a quarter of the longest period, three integrators)"
+)
+
+LARGE = 0.03
+"""Estimated error from which the remedy is named."""
+
+REMEDY = "compliance+inertia"
+"""Method that has the inertia whose lack is estimated."""
+
+HINT = (
+    f"Method '{REMEDY}' has the inertia that is missing: name it under [reduction] methods to "
+    "compare it (docs/theory/transient_accuracy.md says what it is worth and costs)."
 )
 
 NO_TRANSIENT = "only a transient of a reduced model can be judged by a model with more inertia"
@@ -113,6 +125,7 @@ def finer_model(model: Model, solution: Solution) -> ReducedModel:
     ReducedModel
         With the trial vectors of the other one, the Krylov shapes of the dominant patterns of the
         contact forces' changes, with the boundary held, and the residual compliance beyond them.
+        Of a model with attachment modes another step of :func:`refined_basis` instead.
 
     Raises
     ------
@@ -130,9 +143,11 @@ def finer_model(model: Model, solution: Solution) -> ReducedModel:
             "degrees of freedom; give the model that was reduced"
         )
         raise ModelError(message)
-    shapes = _krylov_shapes(model, solution)
-    basis = rom.basis + Basis(vectors=shapes, kinds=(ModeKind.JOINT,) * shapes.shape[1])
-    return projected(model, basis.orthonormalized(model.K), compliance=True)
+    if rom.basis.count(ModeKind.ATTACHMENT):
+        # It has the inertia of all contact forces already, and no residual compliance.
+        return projected(model, refined_basis(model, rom.basis))
+    basis = rom.basis.extended(_krylov_shapes(model, solution), ModeKind.JOINT, model.K)
+    return projected(model, basis, compliance=True)
 
 
 def _krylov_shapes(model: Model, solution: Solution) -> Matrix:

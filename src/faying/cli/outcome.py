@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from faying.assessment.transient_error import OBSERVED, OBSERVED_ON
+from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON, REMEDY
 from faying.study.jumps import Jump, jump_sentence
 from faying.study.results import FULL_MODEL
 
@@ -78,8 +78,10 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
 
 def _estimates(cases: Mapping[str, Any]) -> list[str]:
     """Say of each transient how far off the methods are estimated to be, their largest bases."""
-    said = []
+    said: list[str] = []
+    worst, named = 0.0, False
     for name, case in cases.items():
+        named = named or REMEDY in case["methods"]
         found = {
             method: sizes[max(sizes, key=int)].get("estimated_max_relative_error")
             for method, sizes in case["methods"].items()
@@ -88,12 +90,15 @@ def _estimates(cases: Mapping[str, Any]) -> list[str]:
         own = case["reference"].get("estimated_max_relative_error")
         if own is not None:
             found[f"the reference, {case['reference']['model']}"] = own
+        worst = max([worst, *(error for error in found.values() if error is not None)])
         shown = [f"{method} {error:.2%}" for method, error in found.items() if error is not None]
         if shown:
             said.append(f"{name}, errors estimated without a full solution: {', '.join(shown)}")
     if said:
         low, high = OBSERVED
         said.append(f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}.)")
+    if worst > LARGE and not named:
+        said.append(HINT)
     return said
 
 

@@ -1,12 +1,11 @@
 """Joint shapes that carry inertia: what ``compliance`` keeps without mass, kept with it.
 
-(M8) to (M10) of ``docs/theory/method.md``.
+(M8), (M9) and (M10) of ``docs/theory/method.md``.
 """
 
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Matrix, SparseMatrix
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.linalg.memory import require_room
@@ -91,16 +90,25 @@ def attachment_modes(
         basis = basis.extended(structure.solve_held(carried), kind, K)
         carried = M @ basis.vectors[:, before:]
     basis = basis.extended(structure.solve_held(dense(P.T)), kind, K)
-    slow = _slowest(basis.of_kind(*VANISHING), M, refined)
-    return basis.extended(structure.solve_held(M @ slow), kind, K)
+    return refined_basis(model, basis, refined)
 
 
-def _slowest(shapes: Matrix, M: SparseMatrix, count: int) -> Matrix:
-    """Return the Ritz vectors of lowest frequency in the span of shapes orthonormal in K."""
+def refined_basis(model: Model, basis: Basis, count: int = REFINED) -> Basis:
+    """Extend a basis by the static shapes of the inertia forces of its slowest Ritz vectors.
+
+    Those of lowest frequency among the shapes that vanish on the boundary: one step of subspace
+    iteration.
+
+    Notes
+    -----
+    One back-substitution a vector.
+    """
+    M, shapes = model.structure.M, basis.of_kind(*VANISHING)
     n = shapes.shape[1]
     if count == 0 or n == 0:
-        return shapes[:, :0]
+        return basis
     gram = shapes.T @ (M @ shapes)
     softest = [max(n - count, 0), n - 1]
     _, directions = la.eigh((gram + gram.T) / 2, subset_by_index=softest)
-    return np.asarray(shapes @ directions)
+    answers = model.structure.solve_held(M @ (shapes @ directions))
+    return basis.extended(answers, ModeKind.ATTACHMENT, model.K)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying.assessment.transient_error import OBSERVED, OBSERVED_ON
+from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON, REMEDY
 from faying.report.quantities import number, percent
 from faying.report.verdict import GOOD
 from faying.study.results import Results
@@ -29,6 +29,9 @@ def estimate_note(results: Results) -> str:
         "and is an estimate, no bound; what the time step adds is not in it. Against full "
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error."
     )
+    named = any(REMEDY in case.methods for case in results.cases.values())
+    if not named and max(one.max_relative_error for _, one, _ in found) > LARGE:
+        said = f"{said} {HINT}"
     ratios = [
         estimate.max_relative_error / true.max_relative_error
         for full, estimate, true in found
