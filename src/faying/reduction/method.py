@@ -97,6 +97,11 @@ class Method:
         return self.joint_modes.name if self.joint_modes else CLASSIC
 
     @property
+    def compared(self) -> bool:
+        """Whether studies compare it that name no methods."""
+        return not self.source and not self.on_request
+
+    @property
     def trained(self) -> bool:
         """Whether it learns from training runs."""
         by_modes = self.joint_modes is not None and self.joint_modes.trained

@@ -41,9 +41,7 @@ from faying.study.section import (
 from faying.units import KINDS_OF_UNITS
 
 MethodName = Annotated[str, name_in(METHODS)]
-COMPARED = tuple(
-    name for name, method in METHODS.items() if not (method.source or method.on_request)
-)
+COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
 """Methods compared unless the study says otherwise; the others come from the literature."""
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
