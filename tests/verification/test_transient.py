@@ -266,3 +266,15 @@ def test_energy_balance_of_the_cantilever(joint, classic):
 def test_energy_balance_needs_a_transient(joint):
     with pytest.raises(ModelError, match="is not a transient"):
         energy_balance(fy.solve_static(joint))
+
+
+def test_what_implicit_euler_returns_balances_at_every_instant():
+    system = beside_a_stop(gap=0.4, damping=0.7)
+    motion = fy.solve_transient(
+        system, fy.Load({"mass.Fx": -3.0}), step=0.01, duration=5.0, integrator=fy.ImplicitEuler()
+    )
+    assert motion.contact_forces.max() > 0  # it strikes the stop
+    u, v, a = motion.states[1:, 0], motion.velocities[1:, 0], motion.accelerations[1:, 0]
+    left = a + 0.7 * v + u
+    # M ü + C u̇ + K u = f + Gᵀλ to round-off over the square of the step.
+    np.testing.assert_allclose(left, -3.0 + motion.contact_forces[1:, 0], rtol=0, atol=1e-10)

@@ -1,0 +1,93 @@
+"""Contact laws at single points, where every branch has its figures."""
+
+import numpy as np
+import pytest
+
+from faying.contact.laws import Coulomb, Hard, Penalty
+from faying.contact.laws.coulomb import LARGEST_FRICTION
+from faying.exceptions import ModelError
+
+WEIGHTS = np.array([0.5, 4.0])
+RUBBING = Coulomb(Penalty(10.0), 0.5, 40.0)
+
+
+@pytest.mark.parametrize("law", [Penalty(10.0), Hard()])
+def test_without_friction_contact_presses_and_does_nothing_else(law):
+    forces = np.array([[3.0, 0.0, -2.0]])
+    assert (law.components, law.friction, law.proportional) == (1, 0.0, True)
+    np.testing.assert_array_equal(law.admissible(forces), [[3.0, 0.0, 0.0]])
+    # A point without force is open: neither sign of its slack then moves the solution.
+    np.testing.assert_array_equal(law.derivative(forces)[:, 0, 0], [1.0, 0.0, 0.0])
+
+
+def test_closures_are_forces_over_stiffness_and_area():
+    forces = np.array([[20.0, 20.0], [4.0, -8.0], [0.0, 16.0]])
+    closed, compliance = Penalty(10.0).closure(forces[:1], WEIGHTS)
+    np.testing.assert_allclose(closed, [[4.0, 0.5]], rtol=1e-15)
+    np.testing.assert_allclose(compliance, [[0.2, 0.025]], rtol=1e-15)
+    closed, compliance = RUBBING.closure(forces, WEIGHTS)
+    np.testing.assert_allclose(closed, [[4.0, 0.5], [0.2, -0.05], [0.0, 0.1]], rtol=1e-15)
+    np.testing.assert_allclose(compliance, [[0.2, 0.025], [0.05, 0.00625], [0.05, 0.00625]])
+    for hard in Hard().closure(forces[:1], WEIGHTS):
+        np.testing.assert_array_equal(hard, np.zeros((1, 2)))
+    rigid = Coulomb(Hard(), 0.5, np.inf).closure(forces, WEIGHTS)
+    for none in rigid:
+        np.testing.assert_array_equal(none, np.zeros((3, 2)))
+
+
+def test_coulomb_cuts_what_exceeds_friction():
+    # Sticks, slips along (3, 4), at its limit, open, pressed without pull.
+    forces = np.array(
+        [[10.0, 10.0, 10.0, -1.0, 6.0], [3.0, 6.0, 3.0, 2.0, 0.0], [0.0, 8.0, 4.0, 0.0, 0.0]]
+    )
+    expected = [[10.0, 10.0, 10.0, 0.0, 6.0], [3.0, 3.0, 3.0, 0.0, 0.0], [0.0, 4.0, 4.0, 0.0, 0.0]]
+    np.testing.assert_allclose(RUBBING.admissible(forces), expected, rtol=1e-15)
+
+
+def test_given_normal_forces_hold_in_the_place_of_ones_own():
+    forces = np.array([[10.0, 10.0, 10.0, -1.0], [3.0, 3.0, 3.0, 3.0], [4.0, 4.0, 4.0, 4.0]])
+    pressing = np.array([20.0, 5.0, -5.0, 20.0])
+    found = RUBBING.admissible(forces, pressing)
+    np.testing.assert_allclose(found[0], [10.0, 10.0, 10.0, 0.0])
+    # 10 holds 5; 2.5 cuts it to a half; what does not press, or is open, holds nothing.
+    np.testing.assert_allclose(found[1:], [[3.0, 1.5, 0.0, 0.0], [4.0, 2.0, 0.0, 0.0]])
+
+
+def test_derivatives_where_points_stick_slip_and_open():
+    forces = np.array([[10.0, 10.0, -1.0], [3.0, 6.0, 2.0], [0.0, 8.0, 0.0]])
+    stick, slip, opened = RUBBING.derivative(forces)
+    np.testing.assert_array_equal(stick, np.eye(3))
+    # n = (0.6, 0.8), μ λ_n = 5 of |λ_t| = 10.
+    turning = 0.5 * np.array([[1 - 0.36, -0.48], [-0.48, 1 - 0.64]])
+    expected = np.zeros((3, 3))
+    expected[0, 0], expected[1:, 0], expected[1:, 1:] = 1.0, [0.3, 0.4], turning
+    np.testing.assert_allclose(slip, expected, rtol=1e-14)
+    np.testing.assert_array_equal(opened, np.zeros((3, 3)))
+    expected[1:, 0] = 0.0  # held by given forces it does not follow its own
+    np.testing.assert_allclose(
+        RUBBING.derivative(forces, np.array([10.0, 10.0, 10.0]))[1], expected, rtol=1e-14
+    )
+
+
+def test_nothing_sticks_where_nothing_holds():
+    unloaded = np.array([[0.0], [0.0], [0.0]])
+    np.testing.assert_array_equal(RUBBING.derivative(unloaded)[0], np.zeros((3, 3)))
+    smooth = Coulomb(Penalty(10.0), 0.0, 40.0)
+    pressed = np.array([[5.0], [0.0], [0.0]])
+    np.testing.assert_array_equal(smooth.derivative(pressed)[0], np.diag([1.0, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize("stiffness", [0.0, -1.0, np.inf, np.nan])
+def test_a_penalty_is_a_positive_number(stiffness):
+    with pytest.raises(ModelError, match="give a positive number, 'auto' or 'hard'"):
+        Penalty(stiffness)
+    assert Penalty(0.5).penalty == 0.5  # of any size
+
+
+def test_the_ends_of_the_ranges_of_friction():
+    assert Coulomb(Hard(), 0.0, 0.5).friction == 0.0
+    assert Coulomb(Hard(), LARGEST_FRICTION, 0.5).friction == LARGEST_FRICTION == 10.0
+    with pytest.raises(ModelError, match=r"coefficient of friction is 10\.1; give a number from 0"):
+        Coulomb(Hard(), 10.1, 0.5)
+    with pytest.raises(ModelError, match="tangential penalty is 0; give a positive number"):
+        Coulomb(Hard(), 0.5, 0.0)
