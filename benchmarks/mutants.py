@@ -122,7 +122,7 @@ def changes(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
 
 
 class Walk(ast.NodeTransformer):
-    """Visit what computes: no annotations, messages, docstrings, decorators, places in arrays."""
+    """Visit a syntax tree without its messages and arguments of functions."""
 
     def __init__(self, wished: tuple[int, int] | None = None) -> None:
         self.count = 0
@@ -140,22 +140,6 @@ class Walk(ast.NodeTransformer):
             elif self.wished == (place, choice):
                 return ast.copy_location(changed, node)
         return self.generic_visit(node)
-
-    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        """Leave out decorators and annotations."""
-        node.body = [self.visit(one) for one in node.body]  # type: ignore[misc]
-        return node
-
-    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
-        """Leave out decorators."""
-        node.body = [self.visit(one) for one in node.body]  # type: ignore[misc]
-        return node
-
-    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.AST:
-        """Leave out the annotation."""
-        if node.value is not None:
-            node.value = self.visit(node.value)  # type: ignore[assignment]
-        return node
 
 
 def mutants(file: str) -> list[Mutant]:
