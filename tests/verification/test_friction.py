@@ -8,7 +8,7 @@ from test_reference_cantilever import AXIAL, generated, node_map, reference_pres
 
 import faying as fy
 from faying.assessment.stuck_modes import stuck_mode
-from faying.contact.frictional import ROUND_OFF, FrictionalContact
+from faying.contact.frictional import ROUND_OFF, SOLVED, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ConvergenceError, ModelError
@@ -246,6 +246,21 @@ def test_tangents_that_give_no_way_are_the_limit_of_stiff_ones():
     rom = fy.reduce(rigid, fy.craig_bampton(rigid, normal_modes=20), compliance=True)
     state = fy.solve_path(rom, [fy.Load()])
     assert stuck_mode(rom, state, 1).frequency == pytest.approx(found[0], rel=2e-4)
+
+
+@pytest.mark.parametrize("penalty", ["auto", "hard"])
+def test_plates_that_friction_alone_holds_between_others(penalty):
+    """The middle of three plates is hardly held: its points yield a million times their law."""
+    joint = fy.lap_joint(element_size=5.0, plates=3, penalty=penalty)
+    joint = joint.with_bolt_forces({"bolt": 10e3})
+    loads = [fy.Load(), fy.Load({"tip.Fx": 1000.0}), fy.Load({"tip.Fz": -300.0})]
+    for friction in (0.1, 0.15, 0.4):
+        path = fy.solve_path(joint.with_friction(friction), loads)
+        size, normal = np.linalg.norm(path.shear_forces, axis=1), path.contact_forces
+        # Natural residual to which an increment is solved, over the largest force.
+        assert (size <= friction * normal + SOLVED * normal.max()).all()
+        assert (normal[:, joint.contact.slices["joint-1"]].max(axis=1) > 0).all()
+        assert (normal[:, joint.contact.slices["joint-2"]].max(axis=1) > 0).all()
 
 
 def rom_of(model):

@@ -13,7 +13,7 @@ active set. An increment begins where forces go if no point changes sides, found
 system.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -69,6 +69,12 @@ BOLD = 1e3
 SOFTEST, MOST_PROXIMAL = 1.0, 40
 """First yield of proximal points over that of the structure, and how many of them are tried."""
 
+SOFT = 100.0
+"""Most that the structure counts over the law in factors r where a part is hardly held.
+
+The middle one of three plates yields a million times more than the law of its points.
+"""
+
 MOST_BOUNDS = 100
 """Fixed friction bounds tried where Newton's method on Coulomb's law stalls."""
 
@@ -112,10 +118,13 @@ class FrictionalContact:
         Gaps, tangential displacements and laws.
     S : (n_relative, n_relative) [length/force]
         Compliance between pairs.
+    softest
+        What a point yields with the structure, over what its law yields, at most in the factors r.
     """
 
     contact: Contact
     S: Matrix
+    softest: float = np.inf
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -155,7 +164,10 @@ class FrictionalContact:
     @cached_property
     def scale(self) -> Matrix:
         """Factors r of (F1) (3, n_point) [force/length], one over the diagonal of H and more."""
-        total = self.steps.own + self.D
+        own = self.steps.own
+        if np.isfinite(self.softest):
+            own = np.where(self.D > 0, np.minimum(own, self.softest * self.D), own)
+        total = own + self.D
         usable = (total > 0) & np.isfinite(total)
         scale = np.where(usable, 1.0 / np.where(usable, total, 1.0), 1.0)
         scale[1:] *= TANGENTIAL_SCALE
@@ -186,10 +198,18 @@ class FrictionalContact:
         if start is not None:
             x, factors = self._predicted(z_free, start)
         x, steps, left = self._newton(z_free, x, None, factors=factors)
-        for other in (self._boldly, self._by_proximal_points, self._with_fixed_bounds):
+        others = (
+            self._boldly,
+            self._from_smooth_contact,
+            replace(self, softest=SOFT)._from_smooth_forces,
+            self._by_proximal_points,
+            self._with_fixed_bounds,
+        )
+        for other in others:
             if left > SOLVED:
-                x, more, left = other(z_free, x)
+                x, more, _ = other(z_free, x)
                 steps += more
+                left = _relative(self._residual(x, self._slack(x, z_free), None), x)
         if left > SOLVED:
             message = (
                 f"an increment with friction was not solved in {steps} Newton steps (natural "
@@ -298,6 +318,23 @@ class FrictionalContact:
         slope = self.laws.derivative(x - self.scale * z, pressing)
         compliance = self.laws.closure(x)[1] + added * self.steps.own
         return self.steps.step(wrong, slope, self.scale, compliance, factors, tolerance)
+
+    def _from_smooth_contact(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
+        """Begin where contact without friction is, with all that it presses sticking."""
+        smooth, steps, _ = self._newton(z_free, np.zeros_like(x), np.zeros(x.shape[1]))
+        stuck, factors = self._predicted(z_free, smooth)
+        found, more, left = self._newton(z_free, stuck, None, WATCHED, factors=factors)
+        return found if left <= SOLVED else x, steps + more, left
+
+    def _from_smooth_forces(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
+        """Begin with the forces of contact without friction, whatever sticks under them."""
+        smooth, steps, left = self._newton(z_free, np.zeros_like(x), np.zeros(x.shape[1]))
+        for watched in (1, WATCHED):
+            found, more, left = self._newton(z_free, smooth, None, watched)
+            steps += more
+            if left <= SOLVED:
+                return found, steps, left
+        return x, steps, left
 
     def _boldly(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Let residuals rise between steps."""
