@@ -42,17 +42,17 @@ _log = logging.getLogger("faying")
 
 
 def check_compiler(system: System) -> None:
-    """Refuse to compile time steps where numba is missing or the joint has friction.
+    """Refuse to compile time steps where the joint has friction or numba is missing.
 
     Raises
     ------
     ModelError
     """
-    if find_spec("numba") is None:
-        message = "compiled time steps need numba; pip install 'faying[compiled]'"
-        raise ModelError(message)
     if system.contact.components > 1:
         message = "steps with friction are not compiled; leave compiled=True out"
+        raise ModelError(message)
+    if find_spec("numba") is None:
+        message = "compiled time steps need numba; pip install 'faying[compiled]'"
         raise ModelError(message)
 
 
