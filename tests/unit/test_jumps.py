@@ -12,20 +12,12 @@ from faying.study.jumps import load_jumps
 from faying.study.loads import case_load
 from faying.study.schema import parse_study
 from faying.study.store import read_results
+from small_study import SMALL_JOINT
 
 PERIOD = 1.0
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[damping]
-beta = 1e-6
-
+STUDY = (
+    SMALL_JOINT
+    + """
 [reduction]
 normal_modes = 4
 methods = ["compliance"]
@@ -38,6 +30,7 @@ half_step = false
 [output]
 report = false
 """
+)
 
 
 def case(folder, forces, keys):

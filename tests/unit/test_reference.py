@@ -12,19 +12,11 @@ from faying.study.schema import parse_study
 from faying.study.store import read_results
 from faying.study.worker_tasks import pieces
 from faying.workflow.run import run
+from small_study import SMALL_JOINT
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[damping]
-beta = 1e-6
-
+STUDY = (
+    SMALL_JOINT
+    + """
 [reduction]
 normal_modes = 4
 methods = ["craig-bampton", "compliance"]
@@ -63,6 +55,7 @@ steps_per_period = 40
 [output]
 report = false
 """
+)
 
 
 def study(tmp_path, line):

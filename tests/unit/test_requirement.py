@@ -13,19 +13,11 @@ from faying.study import assessing
 from faying.study.schema import parse_study
 from faying.study.store import read_results
 from faying.workflow.run import run
+from small_study import SMALL_JOINT
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[damping]
-beta = 1e-6
-
+STUDY = (
+    SMALL_JOINT
+    + """
 [reduction]
 normal_modes = 4
 methods = ["compliance"]
@@ -52,6 +44,7 @@ steps_per_period = 20
 [output]
 report = false
 """
+)
 
 
 THREAD = 'thread = { diameter = 6.0, pitch = 1.0, grade = "8.8" }'

@@ -201,7 +201,7 @@ class FrictionalContact:
         others = (
             self._boldly,
             self._from_smooth_contact,
-            replace(self, softest=SOFT)._from_smooth_forces,
+            self._as_the_law_scales,
             self._by_proximal_points,
             self._with_fixed_bounds,
         )
@@ -321,20 +321,28 @@ class FrictionalContact:
 
     def _from_smooth_contact(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Begin where contact without friction is, with all that it presses sticking."""
-        smooth, steps, _ = self._newton(z_free, np.zeros_like(x), np.zeros(x.shape[1]))
+        smooth, steps, _ = self._smooth(z_free)
         stuck, factors = self._predicted(z_free, smooth)
         found, more, left = self._newton(z_free, stuck, None, WATCHED, factors=factors)
         return found if left <= SOLVED else x, steps + more, left
 
-    def _from_smooth_forces(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
-        """Begin with the forces of contact without friction, whatever sticks under them."""
-        smooth, steps, left = self._newton(z_free, np.zeros_like(x), np.zeros(x.shape[1]))
+    def _as_the_law_scales(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
+        """Take factors r that a part which little holds does not make small, from smooth contact.
+
+        Begins with the forces of contact without friction, whatever sticks under them.
+        """
+        other = replace(self, softest=SOFT)
+        smooth, steps, left = other._smooth(z_free)
         for watched in (1, WATCHED):
-            found, more, left = self._newton(z_free, smooth, None, watched)
+            found, more, left = other._newton(z_free, smooth, None, watched)
             steps += more
             if left <= SOLVED:
                 return found, steps, left
         return x, steps, left
+
+    def _smooth(self, z_free: Matrix) -> tuple[Matrix, int, float]:
+        """Return the forces of contact without friction, as near as Newton's method comes."""
+        return self._newton(z_free, np.zeros_like(z_free), np.zeros(z_free.shape[1]))
 
     def _boldly(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Let residuals rise between steps."""
