@@ -1,12 +1,16 @@
 """Arguments that several commands share."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from faying.exceptions import StudyError
+from faying.exceptions import CampaignError, StudyError
+
+if TYPE_CHECKING:
+    from faying.execution import Executor
 
 StudyPath = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.")]
 
@@ -28,3 +32,23 @@ def usable_folder(out: Path) -> Path:
         message = f"cannot write to folder {out}: {error.strerror}; choose another with --out"
         raise StudyError(message) from None
     return out
+
+
+def shared_executor(workers: int, scheduler: str | None, stack: ExitStack) -> "Executor | None":
+    """Return what shares the work, if anything; closed with the stack.
+
+    Raises
+    ------
+    CampaignError
+        If both are given, or the scheduler does not answer.
+    """
+    if scheduler is None and workers == 1:
+        return None
+    from faying.execution import DaskExecutor, ProcessExecutor
+
+    if scheduler is None:
+        return ProcessExecutor(workers)
+    if workers != 1:
+        message = "--workers and --scheduler exclude each other; the cluster has its own workers"
+        raise CampaignError(message)
+    return stack.enter_context(DaskExecutor.connect(scheduler))

@@ -4,15 +4,12 @@ import shlex
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from faying.cli.arguments import StudyPath, usable_folder
-from faying.exceptions import CampaignError, StudyError
-
-if TYPE_CHECKING:
-    from faying.execution import Executor
+from faying.cli.arguments import StudyPath, shared_executor, usable_folder
+from faying.exceptions import StudyError
 
 NOT_CONVERGED = 1
 """Exit status of a study that ran but did not converge somewhere."""
@@ -68,7 +65,7 @@ def compute(
     console = Console(stderr=True)
     try:
         with ExitStack() as stack:
-            executor = _executor(workers, scheduler, stack)
+            executor = shared_executor(workers, scheduler, stack)
             progress = stack.enter_context(progress_bar(console))
             stack.enter_context(naming_tables(study))
             result = run_study(
@@ -88,17 +85,3 @@ def compute(
         raise typer.Exit(NOT_CONVERGED)
     if not met(result.summary):
         raise typer.Exit(NOT_MET)
-
-
-def _executor(workers: int, scheduler: str | None, stack: ExitStack) -> "Executor | None":
-    """Return what shares the work, if anything; closed with the stack."""
-    if scheduler is None and workers == 1:
-        return None
-    from faying.execution import DaskExecutor, ProcessExecutor
-
-    if scheduler is None:
-        return ProcessExecutor(workers)
-    if workers != 1:
-        message = "--workers and --scheduler exclude each other; the cluster has its own workers"
-        raise CampaignError(message)
-    return stack.enter_context(DaskExecutor.connect(scheduler))

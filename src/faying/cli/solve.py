@@ -1,12 +1,13 @@
 """``faying solve``: many loads on a reduced model, without the full one."""
 
 import shlex
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from faying.cli.arguments import usable_folder
+from faying.cli.arguments import shared_executor, usable_folder
 from faying.cli.run import INTERRUPTED, NOT_CONVERGED, NOT_MET
 from faying.exceptions import StudyError
 
@@ -56,6 +57,13 @@ def solve(
     resume: Annotated[
         bool, typer.Option("--resume", help="Keep what an interrupted call has finished.")
     ] = False,
+    workers: Annotated[
+        int, typer.Option(help="Processes that share static cases and loads over time.")
+    ] = 1,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
+    ] = None,
 ) -> None:
     """Solve many loads on a reduced model: metrics of all, fields of the worst, envelopes."""
     from rich.console import Console
@@ -84,8 +92,12 @@ def solve(
         requirements=requirements_of(wanted.requirement or stored_requirement(study_of(model))),
     )
     try:
-        with progress_bar(Console(stderr=True), remaining=True) as bar:
-            result = solve_loads(rom, wanted, folder, options, resume=resume, progress=bar)
+        with ExitStack() as stack:
+            executor = shared_executor(workers, scheduler, stack)
+            bar = stack.enter_context(progress_bar(Console(stderr=True), remaining=True))
+            result = solve_loads(
+                rom, wanted, folder, options, resume=resume, progress=bar, executor=executor
+            )
     except KeyboardInterrupt:
         again = shlex.join(["faying", "solve", str(model), str(loads), "--out", str(folder)])
         message = f"Interrupted; what is finished is kept in {folder / 'unfinished'}. Go on with"

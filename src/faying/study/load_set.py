@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +90,13 @@ def read_loads(
         files = sorted(one for one in path.iterdir() if one.suffix in TABLES)
         if not files:
             message = f"{path} has no tables ({', '.join(TABLES)}); name a file or another folder"
+            raise StudyError(message)
+        twice = [one for one, other in pairwise(files) if one.stem == other.stem]
+        if twice:
+            message = (
+                f"{path} has two tables of the name '{twice[0].stem}', which is that of their "
+                "results; rename or remove one"
+            )
             raise StudyError(message)
         tables = [read_load_table(one) for one in files]
         static = next((one for one in tables if one.times is None), None)

@@ -12,6 +12,7 @@ import numpy as np
 from faying import __version__
 from faying.assessment.requirements import Requirements
 from faying.exceptions import StudyError
+from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.files.lock import held
 from faying.files.names import file_names
@@ -28,6 +29,7 @@ from faying.study.summary import plain
 from faying.units import Units, units_of
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
+from faying.workflow.solve_workers import compute_pieces
 from faying.workflow.solved_pieces import Pieces
 from faying.workflow.solved_verdicts import rings_of, solved_verdicts
 
@@ -65,6 +67,7 @@ def solve_loads(
     *,
     resume: bool = False,
     progress: ProgressBar | None = None,
+    executor: Executor | None = None,
 ) -> Outcome:
     """Solve loads on a reduced model, without the full one.
 
@@ -76,6 +79,8 @@ def solve_loads(
     resume
         Take over what an interrupted call with the same model, loads and options has finished: the
         static cases piece by piece, transients as a whole.
+    executor
+        Shares pieces of the static cases, and the transients, among its workers.
 
     Raises
     ------
@@ -85,8 +90,9 @@ def solve_loads(
 
     Notes
     -----
-    Memory is that of a piece of the cases and of the loads themselves. The pieces are the same
-    whatever ran before, and so are their numbers.
+    Memory, of each worker as well, is that of a piece of the cases, of the model and of the loads
+    themselves. The pieces are the same whatever ran before and whoever computes them, and so are
+    their numbers.
     """
     chosen = options or SolveOptions()
     check_table_format(chosen.table)
@@ -109,6 +115,8 @@ def solve_loads(
             rings=rings_of(chosen.requirements, rom),
         )
         named = [loads.names.index(name) for name in chosen.named]
+        if executor is not None:
+            compute_pieces(solver, loads, named, executor)
         static = solver.static(loads, named) if loads.names else None
         transients = {one.load.name: solver.transient(one) for one in loads.transients}
         assessment = None

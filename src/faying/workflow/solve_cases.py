@@ -60,19 +60,15 @@ class CaseSolver:
 
     def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
         """Solve static cases, or take what an interrupted call has finished."""
-        total, keys, failed = len(loads.names), list[str](), list[str]()
-        with self.stages.stage("static cases", total) as advance:
-            for first in range(0, total, self._length):
-                rows = np.arange(first, min(first + self._length, total))
-                keys.append(f"static {first}")
-                arrays = self.checkpoint.bundle(
-                    keys[-1], partial(self._static_piece, loads, rows, named)
-                )
+        pieces, failed = self.static_pieces(len(loads.names)), list[str]()
+        with self.stages.stage("static cases", len(loads.names)) as advance:
+            for key, rows in pieces.items():
+                arrays = self.checkpoint.bundle(key, partial(self.static_piece, loads, rows, named))
                 failed += arrays[FAILED].tolist()
                 advance(len(rows))
         return Pieces(
             checkpoint=self.checkpoint,
-            keys=keys,
+            keys=list(pieces),
             metrics=self._metrics(certified=self._judge is not None),
             label=loads.names.__getitem__,
             failed=failed,
@@ -80,15 +76,19 @@ class CaseSolver:
 
     def transient(self, one: TimedLoad) -> Pieces:
         """Solve a transient, unless an interrupted call has done so to its end."""
-        name, end = one.load.name, f"{one.load.name} end"
-        known = self.checkpoint.bundle(end, partial(self._walked, one))
+        known = self.checkpoint.bundle(end_key(one), partial(self.walked, one))
         return Pieces(
             checkpoint=self.checkpoint,
-            keys=[f"{name} {number}" for number in range(int(known["count"]))],
+            keys=[_piece_key(one, number) for number in range(int(known["count"]))],
             metrics=self._metrics(certified=False),
             label=lambda row: f"{row * one.step:.12g}",
             failed=known[FAILED].tolist(),
         )
+
+    def static_pieces(self, total: int) -> dict[str, range]:
+        """Return the rows of each piece of so many static cases, by the key it is kept under."""
+        starts = range(0, total, self._length)
+        return {f"static {first}": range(total)[first : first + self._length] for first in starts}
 
     def _metrics(self, *, certified: bool) -> list[Metric]:
         interfaces = self.rom.interfaces
@@ -107,9 +107,10 @@ class CaseSolver:
             return certifier(self.rom.joint)
         return None
 
-    def _static_piece(self, loads: LoadSet, rows: Indices, named: Sequence[int]) -> Arrays:
+    def static_piece(self, loads: LoadSet, rows: range, named: Sequence[int]) -> Arrays:
+        """Solve one piece of the static cases; return what is kept of it."""
         judge = self._judge
-        solved, failed = self._solved(loads, rows)
+        solved, failed = self._solved(loads, np.asarray(rows))
         with self.stages.timed("certificates"):
             judged = [
                 (own, one, judge and judge.certify_inputs(one.inputs, one.pressure))
@@ -119,7 +120,7 @@ class CaseSolver:
             judged,
             self.rom.interfaces,
             self._metrics(certified=judge is not None),
-            rows=range(int(rows[0]), int(rows[-1]) + 1),
+            rows=rows,
             count=self.worst,
             named=named,
             rings=self.rings,
@@ -140,13 +141,13 @@ class CaseSolver:
             text for _, failed in halves for text in failed
         ]
 
-    def _walked(self, one: TimedLoad) -> Arrays:
+    def walked(self, one: TimedLoad) -> Arrays:
         """Keep the pieces of a transient; return their number, and what went wrong."""
         name, first, count, gain = one.load.name, 0, 0, 0.0
         metrics = self._metrics(certified=False)
         solver = transient_solver(self.rom, step=one.step, integrator=one.integrator)
         failed: list[str] = []
-        with self.stages.stage(name, round(one.duration / one.step)) as advance:
+        with self.stages.stage(name, n_steps(one)) as advance:
             pieces = solver.pieces(
                 one.load, duration=one.duration, length=self._length, progress=advance
             )
@@ -162,10 +163,24 @@ class CaseSolver:
                         count=self.worst,
                         rings=self.rings,
                     )
-                    self.checkpoint.put(f"{name} {count}", arrays)
+                    self.checkpoint.put(_piece_key(one, count), arrays)
                     first, count, gain = rows.stop, count + 1, piece.energy_gain
             except ConvergenceError as error:
                 failed.append(f"{name}: {error}")
         if gain > MOST_GAIN:
             failed.append(f"{name}: {gain_message(gain)}")
         return {"count": np.asarray(count), FAILED: np.array(failed, dtype=str)}
+
+
+def end_key(one: TimedLoad) -> str:
+    """Return the key under which it is kept that a transient is finished."""
+    return f"transient {one.load.name} end"
+
+
+def n_steps(one: TimedLoad) -> int:
+    """Return the number of steps of a transient."""
+    return round(one.duration / one.step)
+
+
+def _piece_key(one: TimedLoad, number: int) -> str:
+    return f"transient {one.load.name} {number}"
