@@ -14,12 +14,14 @@ from faying.study.results import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
-    LoadSpaceRecord,
-    LoadSpaceResult,
     MethodResult,
-    PenaltyRecord,
     Response,
     Results,
+)
+from faying.study.validation_record import (
+    LoadSpaceRecord,
+    LoadSpaceResult,
+    PenaltyRecord,
     ValidationRecord,
     WorstCaseRecord,
 )

@@ -28,16 +28,18 @@ from faying.study.results import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
-    LoadSpaceRecord,
-    LoadSpaceResult,
     MethodResult,
-    PenaltyRecord,
     Response,
     Results,
+)
+from faying.study.store_fields import MEANINGS
+from faying.study.validation_record import (
+    LoadSpaceRecord,
+    LoadSpaceResult,
+    PenaltyRecord,
     ValidationRecord,
     WorstCaseRecord,
 )
-from faying.study.store_fields import MEANINGS
 
 GROUPS = {
     "/": Results,

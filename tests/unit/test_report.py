@@ -20,7 +20,7 @@ from faying.report.quantities import percent
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.unseen_loads import worst_case_table
 from faying.report.verdict import headline, reservations, verdicts
-from faying.study.results import ValidationRecord
+from faying.study.validation_record import ValidationRecord
 from faying.units import units_of
 
 WHOLE = fake_results()

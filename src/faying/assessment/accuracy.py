@@ -43,15 +43,15 @@ class Accuracy(Shown):
 
     Attributes
     ----------
-    max_relative_error
+    max_relative_error : [1]
         Largest difference ``|p − p_ref|`` over all points and instants, over the largest p_ref.
-    rms_relative_error
+    rms_relative_error : [1]
         Root mean square of the same over all points and instants.
-    p999_relative_error
-        Its 99.9th percentile.
-    max_pressure_ratio
+    p999_relative_error : [1]
+        99.9th percentile of the same.
+    max_pressure_ratio : [1]
         Largest pressure over the largest reference pressure.
-    displacement_error
+    displacement_error : [1]
         Largest distance of boundary translations over the largest reference translation of any
         boundary; zero where none moves but by round-off.
     """

@@ -42,43 +42,50 @@ class Backbone(Shown):
 
     Attributes
     ----------
-    mode
-        Its number, from 1.
+    mode : [1]
+        Number of the mode of small vibrations, from 1.
     small_frequency : [1/time]
-        That of small vibrations, in which nothing slips.
+        Frequency of small vibrations, in which nothing slips.
     measured_at
         Where the amplitude is measured: a boundary, or one of its components.
     amplitude : (n,) [length]
         Half of the way there and back, in a stationary cycle.
     load : (n,)
-        α of (F5).
+        Largest load on the mass-normalized mode, α of (F5).
     modal_amplitude : (n,)
-        q of (F5).
+        Half of the way of the modal coordinate, q of (F5).
     frequency : (n,) [1/time]
-    damping_ratio : (n,)
+        Frequency.
+    damping_ratio : (n,) [1]
         Of friction and of the damping matrix C together.
-    friction_damping, linear_damping : (n,)
-        Their shares.
+    friction_damping : (n,) [1]
+        Its share of friction.
+    linear_damping : (n,) [1]
+        Its share of the damping matrix.
     energy_per_cycle : (n,) [force·length]
-        What friction takes, by slip.
+        Energy that friction takes, by slip.
     loop_area : (n,) [force·length]
         The same by the loop of load and displacement; both agree as increments shrink.
-    stick_share : (n,)
+    stick_share : (n,) [1]
         Least share of the closed area that sticks during the cycle.
-    macroslip : (n,)
+    macroslip : (n,) [1]
         Whether an interface slips as a whole, nothing of it sticking.
-    cycles : (n,)
+    cycles : (n,) [1]
         Cycles solved until they repeated.
-    stationary : (n,)
+    stationary : (n,) [1]
         Whether they do.
-    loop_load, loop_modal : (n, n_increment + 1)
-        α and q = φᵀ M (u − u₀) along the last cycle, from its positive reversal on.
-    masing_frequency, masing_damping : (n,) or None
+    loop_load : (n, n_increment + 1)
+        Load α along the last cycle, from its positive reversal on.
+    loop_modal : (n, n_increment + 1)
+        Modal coordinate q = φᵀ M (u − u₀) along it.
+    masing_frequency : (n,) [1/time]
+        By Masing's rule from the first loading alone; None unless asked for.
+    masing_damping : (n,) [1]
         By Masing's rule from the first loading alone, friction only; None unless asked for.
-    remarks
+    remarks : (n_remark,)
         What a reader should know.
     units
-        Label of the consistent unit set of the model.
+        Consistent unit set of the model, length-mass-time.
     """
 
     mode: int

@@ -30,13 +30,19 @@ class BestPossible:
 
     Attributes
     ----------
-    counts : (n_count,)
-        Numbers of vectors k.
-    training_rms, training_max : (n_count,)
-        Root mean square and largest error over the points and cases the modes were made of.
-    unseen_rms, unseen_median, unseen_max : (n_count,)
-        Of cases the modes have not seen: over all points and cases, the median case's largest
-        error, the worst case's. None without such cases.
+    counts : (n_count,) [1]
+        Numbers of vectors k of the basis.
+    training_rms : (n_count,) [1]
+        Root mean square error over the points and cases the modes were made of.
+    training_max : (n_count,) [1]
+        Largest error over the same.
+    unseen_rms : (n_count,) [1]
+        Root mean square error over all points and cases that the modes have not seen; None
+        without such cases.
+    unseen_median : (n_count,) [1]
+        The median of these cases' largest errors.
+    unseen_max : (n_count,) [1]
+        The worst of these cases' largest errors.
     """
 
     counts: Indices

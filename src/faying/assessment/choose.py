@@ -23,15 +23,18 @@ class JointModeChoice:
 
     Attributes
     ----------
-    count
-        The choice: the fewest that are certified to do, or all there are if none is (``met``).
+    count : [1]
+        Chosen number of joint modes: the fewest that are certified to do, or all there are if
+        none is (``met``).
     met
         Whether the tolerance is certified.
-    tolerance, measure
+    tolerance : [1]
         What was asked for.
-    counts : (n,)
+    measure
+        Certified quantity.
+    counts : (n,) [1]
         Numbers of joint modes that were tried.
-    bounds : (n,)
+    bounds : (n,) [1]
         Certified error of each, the largest over the loads.
     """
 

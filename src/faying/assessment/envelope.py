@@ -15,10 +15,18 @@ class Envelope:
 
     Attributes
     ----------
-    max_pressure, min_pressure : (n_point,) [force/length²]
+    max_pressure : (n_point,) [force/length²]
+        Largest pressure of each contact point.
+    max_pressure_case : (n_point,) [1]
+        Number of the case or instant it is from, from 0, the first of several.
+    min_pressure : (n_point,) [force/length²]
+        Smallest pressure of each contact point.
+    min_pressure_case : (n_point,) [1]
+        Number of the case or instant it is from, from 0, the first of several.
     max_gap : (n_point,) [length]
-    max_pressure_case, min_pressure_case, max_gap_case : (n_point,)
-        Number of the case, the first of several.
+        Largest gap of each contact point.
+    max_gap_case : (n_point,) [1]
+        Number of the case or instant it is from, from 0, the first of several.
     """
 
     max_pressure: Vector

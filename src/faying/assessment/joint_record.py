@@ -36,15 +36,19 @@ class BoltAssessment:
     Attributes
     ----------
     preload : [force]
-        Force at rest.
-    least, most : [force]
-        Smallest and largest force.
-    least_case, most_case
-        Load cases they belong to.
+        Axial force at rest.
+    least : [force]
+        Smallest axial force.
+    least_case
+        Load case it belongs to.
+    most : [force]
+        Largest axial force.
+    most_case
+        Load case it belongs to.
     axial_loads : [force]
         Load case to F_A = ΔF_S − ΔF_K, what the case takes from the bolt and the area around it
         along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
-    load_factors
+    load_factors : [1]
         Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
     thread
         Stress in the thread, where that is known.
@@ -72,22 +76,22 @@ class InterfaceAssessment:
     least_clamp : [force]
         Smallest clamp force.
     least_clamp_case
-        Its load case.
-    certified : (2,) or None [force]
-        Interval in which the full model's lies in that case.
+        Load case it belongs to.
+    certified : (2,) [force]
+        Interval in which the full model's clamp force lies in that case.
     max_pressure : [force/length²]
-        Largest pressure.
+        Largest pressure of a contact point.
     max_pressure_case
-        Its load case.
+        Load case it belongs to.
     max_pressure_point : (3,) [length]
         Where it is.
     closed_area : [length²]
         Smallest area under pressure.
     closed_area_case
-        Its load case.
-    first_opening
+        Load case it belongs to.
+    first_opening : [1]
         Load case to the factor at which a point opens that the preload presses.
-    loss_of_clamp
+    loss_of_clamp : [1]
         Load case to the factor from which nothing is pressed any more; infinite if never.
     """
 
@@ -111,10 +115,12 @@ class Assessment:
 
     Attributes
     ----------
-    bolts, interfaces
-        By name.
+    bolts
+        Bolts by name.
+    interfaces
+        Interfaces by name.
     verdicts
-        Of the requirements, where they are nearest to failing.
+        Requirements, each where it is nearest to failing.
     scatter
         What scatter of the preloads does to static load cases, where that was asked for.
     """

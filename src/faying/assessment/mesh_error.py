@@ -25,11 +25,11 @@ class MeshError:
 
     Attributes
     ----------
-    field
-        Root mean square over the area under pressure.
-    largest
-        Largest at a contact point, usually where contact ends.
-    peak
+    field : [1]
+        Root mean square over the area under pressure, over the peak.
+    largest : [1]
+        Largest at a contact point, usually where contact ends, over the peak.
+    peak : [1]
         Of the largest pressure: the largest error on the facets around it.
     """
 

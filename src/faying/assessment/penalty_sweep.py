@@ -46,10 +46,10 @@ class PenaltySweep:
 
     Attributes
     ----------
-    loads
+    loads : (n_load,)
         Names of the load cases.
     penalties : (n_penalty,) [force/length³]
-        Ascending.
+        Contact stiffness, ascending.
     automatic : [force/length³]
         10 E/h of the adjoining elements, or the model's own penalty where that is unknown.
     max_pressure : (n_penalty, n_load) [force/length²]
@@ -57,19 +57,20 @@ class PenaltySweep:
     max_average : (n_penalty, n_load) [force/length²]
         Largest nodal average of the pressure that displacements feel.
     penetration : (n_penalty, n_load) [length]
-        Largest one.
-    deviation, rms_deviation : (n_penalty, n_load)
-        Largest and root mean square difference of nodal averages to hard contact, over the
-        largest nodal average of hard contact (where that has pressure, for the latter).
+        Largest penetration.
+    deviation : (n_penalty, n_load) [1]
+        Largest difference of nodal averages to hard contact, over the largest nodal average of
+        hard contact.
+    rms_deviation : (n_penalty, n_load) [1]
+        Root mean square of the same where hard contact has pressure.
     hard_max_average : (n_load,) [force/length²]
         Largest nodal average of hard contact.
     element_size : [length]
         Root of the mean facet area.
     deflection : (n_load,) [length]
         Largest boundary translation of hard contact.
-    errors
-        Method name to its max relative error (n_penalty, n_load) against the full model of the
-        same penalty.
+    errors : (n_penalty, n_load) [1]
+        Method name to its largest relative error against the full model of the same penalty.
     """
 
     loads: tuple[str, ...]

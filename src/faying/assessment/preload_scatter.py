@@ -59,13 +59,21 @@ class Spread:
     case
         Load case.
     metric
-        As in ``clamp_force.joint``.
+        What, as in ``clamp_force.joint``.
     dimension
-        In words, as ``"force/length²"``.
+        Dimension of the values in words, as ``force/length²``.
     meant
         At the preloads that were meant, without settlement.
-    least, p05, median, p95, most
-        Smallest value, those that 5, 50 and 95 % of the tightenings stay below, and the largest.
+    least
+        Smallest value.
+    p05
+        Value that 5 % of the tightenings stay below.
+    median
+        Value that half of them stay below.
+    p95
+        Value that 95 % of them stay below.
+    most
+        Largest value.
     """
 
     case: str

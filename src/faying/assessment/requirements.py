@@ -58,15 +58,18 @@ class Verdict:
     Attributes
     ----------
     requirement
-        Its name.
+        Its key in the study.
     met
+        Whether it is met.
     place
         Interface or bolt.
     case
         Load case.
-    value, limit
-        In the units of the model; of openings the smallest pressure near a bolt, which must stay
-        above zero.
+    value
+        Where it is nearest to failing, in the unit of the key; of openings the smallest pressure
+        near a bolt, which must stay above zero.
+    limit
+        Limit that the study sets.
     """
 
     requirement: str

@@ -44,23 +44,25 @@ class SlipReserve:
 
     Attributes
     ----------
-    first_slip
-        At which the first point slips; None where none does up to ``largest``.
-    interface, point
-        Where: the interface, and the number of the point among its points (the one that slips
-        farthest if several begin together); empty and -1 where none does.
-    onset
-        At which a twentieth of the area in contact slips, counting only points that tightening
-        left within their bounds; None where less does.
-    share
+    first_slip : [1]
+        Load factor at which the first point slips; None where none does up to ``largest``.
+    interface
+        Interface of that point; empty where none slips.
+    point : [1]
+        Its number among the points of the interface, of the one that slips farthest if several
+        begin together; -1 where none does.
+    onset : [1]
+        Load factor at which a twentieth of the area in contact slips, counting only points that
+        tightening left within their bounds; None where less does.
+    share : [1]
         Share of the area in contact that ``share_slip`` is about.
-    share_slip
-        At which that share slips; None where less does.
-    gross_slip
-        At which everything that is closed slips on some interface with friction; None where it
-        does not.
-    largest
-        Factor up to which the path was followed.
+    share_slip : [1]
+        Load factor at which that share slips; None where less does.
+    gross_slip : [1]
+        Load factor at which everything that is closed slips on some interface with friction; None
+        where it does not.
+    largest : [1]
+        Load factor up to which the path was followed.
     stopped
         Whether it ended there because the next increment had no solution.
     """

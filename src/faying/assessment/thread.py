@@ -92,16 +92,16 @@ class ThreadStress:
     Attributes
     ----------
     axial : [force/length²]
-        σ_z of the largest bolt force.
+        Axial stress σ_z of the largest bolt force.
     torsion : [force/length²]
-        τ that tightening leaves; zero where the friction of the thread is not given.
+        Shear stress τ that tightening leaves; zero where the friction of the thread is not given.
     reduced : [force/length²]
         σ_red,B = √(σ_z² + 3 (k_τ τ)²), section 5.5.2.
     amplitude : [force/length²]
         σ_a, half the range of σ_z, section 5.5.3.
     proof : [force/length²]
-        R_p0.2 of the grade.
-    safety
+        Proof stress R_p0.2 of the grade.
+    safety : [1]
         S_F = R_p0.2 / σ_red,B.
     """
 

@@ -25,35 +25,12 @@ from faying._typing import SparseMatrix
 from faying.exceptions import FormatError
 from faying.files.atomic import replacing
 from faying.files.hdf5 import open_hdf5
+from faying.files.meanings import Meaning, Table
 from faying.units import Units
 
 SMALL = 64
 """Arrays of up to this many numbers are not worth a compressed chunk."""
 
-
-@dataclass(frozen=True)
-class Meaning:
-    """Meaning of one field.
-
-    Attributes
-    ----------
-    description
-    dimension
-        In words, as ``"force/length²"``; ``"1"`` is a plain number; empty for text and groups.
-    shape
-        Names of the axes; empty for one value.
-    index
-        Axis that whole numbers point into.
-    """
-
-    description: str
-    dimension: str = ""
-    shape: str = ""
-    index: str = ""
-
-
-Table = Mapping[str, Meaning]
-"""Members of a group and what they mean."""
 
 SPARSE: Table = {
     "values": Meaning("entries", "1", "(n_entry,)"),

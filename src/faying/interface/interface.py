@@ -31,10 +31,11 @@ class FacePairs:
     Attributes
     ----------
     kind
-        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
-    minus, plus : (n_face, n_node_per_face)
-        Node indices; column j of ``plus`` touches column j of ``minus``. Columns run
-        counter-clockwise seen from outside the minus body.
+        One of tri3, tri6, quad4 or quad8.
+    minus : (n_face, n_node_per_face) [into n_node]
+        Node indices; columns run counter-clockwise seen from outside the minus body.
+    plus : (n_face, n_node_per_face) [into n_node]
+        Node indices; column j touches column j of ``minus``.
     """
 
     kind: str

@@ -15,32 +15,42 @@ class ContactSurface:
 
     Attributes
     ----------
-    points, normals : (n_point, 3)
-    weights, initial_gap : (n_point,)
-    slice
+    points : (n_point, 3) [length]
+        Contact points.
+    normals : (n_point, 3) [1]
+        Unit normals out of the minus side.
+    weights : (n_point,) [length²]
+        Area each contact point stands for.
+    initial_gap : (n_point,) [length]
+        Gap before any load.
+    slice : (2,) [1]
         First and last + 1 of its points among all contact points.
-    pairs : (n_pair, 2)
-        Node indices.
-    pair_points : (n_pair, 3)
-    averaging : (n_pair, n_point)
+    pairs : (n_pair, 2) [into n_node]
+        Touching nodes (minus, plus), as indices.
+    pair_points : (n_pair, 3) [length]
+        Where the pairs are.
+    averaging : (n_pair, n_point) [1]
         Takes point values to nodal averages.
     faces
-        Matched facets (node indices).
-    penalty
-        ``inf`` for hard contact.
-    friction
-        Coefficient μ.
-    tangential_penalty
-        c_t, ``inf`` where nothing moves that sticks; zero without friction.
-    stuck : (n_pair,)
-        Sticking area.
-    face_coverage : (n_face,), optional
+        Matched facets, one group per kind.
+    penalty : [force/length³]
+        Contact stiffness c_n; inf is hard contact.
+    quadrature
+        Rule that places the contact points.
+    stuck : (n_pair,) [1]
+        Pairs that stick in tangential direction.
+    face_coverage : (n_face,) [1]
         Share of each facet that the other side covers, through all entries of ``faces``; None
         where the meshes match, and every facet is wholly covered.
-    overlap : (n_triangle, 3, 3), optional
-        Triangles of the common part on facets that are covered in part.
-    declared_area : optional
+    overlap : (n_triangle, 3, 3) [length]
+        Triangles of the common part of facets covered in part; absent where meshes match.
+    declared_area : [length²]
         Area of the smaller side that was named as faces; None where both were bodies.
+    friction : [1]
+        Coefficient of friction μ.
+    tangential_penalty : [force/length³]
+        Tangential stiffness c_t of points that stick, ``inf`` where they do not move; zero
+        without friction.
     """
 
     points: Matrix

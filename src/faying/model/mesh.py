@@ -20,11 +20,11 @@ class CellBlock:
     ----------
     kind
         A key of :data:`faying.model.elements.SOLIDS`, as in ``"hex8"``.
-    nodes : (n_cell, n_node_per_cell)
-        Indices into ``Mesh.nodes``, in the Nastran order of the element.
-    ids : (n_cell,)
+    nodes : (n_cell, n_node_per_cell) [into n_node]
+        Node indices, in the Nastran order of the element.
+    ids : (n_cell,) [1]
         Element ids as the user knows them; unique over all blocks of a mesh.
-    properties : (n_cell,)
+    properties : (n_cell,) [1]
         Property ids; they name the material through ``Assembly.materials``.
     formulation
         Of these elements, as in ``"reduced"``; empty for that of the assembly.

@@ -31,12 +31,13 @@ class ModeCount:
     Attributes
     ----------
     below : [1/time]
-    found
+        Frequency in a gap between modes.
+    found : [1]
         Modes computed below it.
-    counted
-        Modes there are; None if they could not be counted.
+    counted : [1]
+        Modes there are, by the inertia of K − ω² M; None if they could not be counted.
     reason
-        Why not.
+        Why they could not be counted.
     """
 
     below: float

@@ -1,11 +1,10 @@
 """What every entry of a stored reduced model means, in results.h5 and in a file of its own."""
 
 from faying.contact.laws import Coulomb, Hard, Penalty
-from faying.files.described import Meaning, Table
+from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.interface import FacePairs
 from faying.interface.surface import ContactSurface
 from faying.model.boundary import Boundary
-from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock
 
 PORTS: Table = {
@@ -59,66 +58,20 @@ COORDINATES: Table = {
 }
 """Of a reduced model in its coordinates."""
 
-SURFACE: Table = {
-    "points": Meaning("contact points", "length", "(n_point, 3)"),
-    "normals": Meaning("unit normals out of the minus side", "1", "(n_point, 3)"),
-    "weights": Meaning("area each contact point stands for", "length²", "(n_point,)"),
-    "initial_gap": Meaning("gap before any load", "length", "(n_point,)"),
-    "slice": Meaning("first and last + 1 of its points in pressures and gaps", "1", "(2,)"),
-    "pairs": Meaning(
-        "touching nodes (minus, plus), indices into /nodes", "1", "(n_pair, 2)", "n_node"
-    ),
-    "pair_points": Meaning("where the pairs are", "length", "(n_pair, 3)"),
-    "averaging": Meaning("point values to nodal averages", "1", "(n_pair, n_point)"),
-    "faces": Meaning("matched facets, one group per kind"),
-    "penalty": Meaning("contact stiffness c_n; inf is hard contact", "force/length³"),
-    "quadrature": Meaning("rule that places the contact points"),
-    "stuck": Meaning("pairs that stick in tangential direction", "1", "(n_pair,)"),
-    "face_coverage": Meaning(
-        "share of each facet that the other side covers; absent where meshes match",
-        "1",
-        "(n_face,)",
-    ),
-    "overlap": Meaning(
-        "triangles of the common part of facets covered in part; absent where meshes match",
-        "length",
-        "(n_triangle, 3, 3)",
-    ),
-    "declared_area": Meaning(
-        "area of the smaller side that was named as faces; absent where none was", "length²"
-    ),
-    "friction": Meaning("coefficient of friction", "1"),
-    "tangential_penalty": Meaning(
-        "tangential stiffness c_t of points that stick; zero without friction", "force/length³"
-    ),
-}
-"""Of a contact surface."""
-
 BOUNDARY: Table = {
     "nodes": Meaning("node id of each degree of freedom", "1", "(n,)"),
     "components": Meaning("its component, 0..5 for ux..rz", "1", "(n,)"),
 }
 """Of a boundary."""
 
-GEOMETRY: dict[type, Table] = {
-    CellBlock: {
-        "kind": Meaning(f"one of {', '.join(SOLIDS)}"),
-        "nodes": Meaning(
-            "indices into /nodes, Nastran order", "1", "(n_cell, n_node_per_cell)", "n_node"
-        ),
-        "ids": Meaning("element ids", "1", "(n_cell,)"),
-        "properties": Meaning("property ids", "1", "(n_cell,)"),
-        "formulation": Meaning("of these elements, as reduced; empty for that of the model"),
-    },
-    FacePairs: {
-        "kind": Meaning("tri3, tri6, quad4 or quad8"),
-        "minus": Meaning("indices into /nodes", "1", "(n_face, n_node_per_face)", "n_node"),
-        "plus": Meaning("the nodes that touch them", "1", "(n_face, n_node_per_face)", "n_node"),
-    },
-}
+GEOMETRY: dict[type, Table] = {kind: meanings(kind) for kind in (CellBlock, FacePairs)}
 """Of values that results and models have in common."""
 
-TABLES: dict[type, Table] = {**GEOMETRY, ContactSurface: SURFACE, Boundary: BOUNDARY}
+TABLES: dict[type, Table] = {
+    **GEOMETRY,
+    ContactSurface: meanings(ContactSurface),
+    Boundary: BOUNDARY,
+}
 """Of all values in a file of one model."""
 
 OWN_ROOT: Table = {

@@ -18,7 +18,8 @@ import numpy as np
 from faying._typing import Indices
 from faying.contact.laws import Law
 from faying.exceptions import FormatError
-from faying.files.described import Format, Meaning, new_file, new_group, write_members
+from faying.files.described import Format, new_file, new_group, write_members
+from faying.files.meanings import Meaning
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations
 from faying.reduction.model_data import ModelData

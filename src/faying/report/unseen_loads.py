@@ -3,7 +3,8 @@
 from faying.report.quantities import number, percent
 from faying.report.tables import Cell, Table, table
 from faying.report.verdict import grade
-from faying.study.results import Results, WorstCaseRecord
+from faying.study.results import Results
+from faying.study.validation_record import WorstCaseRecord
 from faying.units import Units, units_of
 
 

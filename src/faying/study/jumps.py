@@ -31,16 +31,16 @@ class Jump:
     ----------
     load
         ``"boundary.component"`` or the name of a load of the deck.
-    time
-        When it begins [time].
-    change
-        By how much the load changes [force], [force·length], or a factor.
-    share
+    time : [time]
+        When it begins.
+    change : [force]
+        By how much the load changes: force, moment or factor.
+    share : [1]
         The same over the largest magnitude of the load.
-    window
-        Within which it does so [time]; zero at an instant.
-    rise
-        Over which it is proposed to rise [time]; None where the period is not known.
+    window : [time]
+        Within which it does so; zero at an instant.
+    rise : [time]
+        Over which it is proposed to rise; None where the period is not known.
     """
 
     load: str

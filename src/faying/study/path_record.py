@@ -20,25 +20,36 @@ class PathRecord:
 
     Attributes
     ----------
-    loads
+    loads : (n_load,)
         What the columns of ``factors`` multiply.
-    factors : (n_increment, n_load)
-    pressure : (n_increment, n_point)
-    traction, slip : (n_increment, n_point, 3)
-        Traction on the plus side; slip of the plus side since the joint was unstressed.
-    status : (n_increment, n_point)
+    factors : (n_increment, n_load) [1]
+        Load factors.
+    pressure : (n_increment, n_point) [force/length²]
+        Contact pressure, compression positive.
+    traction : (n_increment, n_point, 3) [force/length²]
+        Tangential traction on the plus side.
+    slip : (n_increment, n_point, 3) [length]
+        Slip of the plus side since the joint was unstressed.
+    status : (n_increment, n_point) [1]
         0 open, 1 stick, 2 slip.
-    open_share, stick_share, slip_share : (n_increment,)
-        Of the area of all interfaces with friction.
-    macroslip : (n_increment,)
+    open_share : (n_increment,) [1]
+        Open area over that of all interfaces with friction.
+    stick_share : (n_increment,) [1]
+        Sticking area over the same.
+    slip_share : (n_increment,) [1]
+        Slipping area over the same.
+    macroslip : (n_increment,) [1]
         Whether all that is closed slips, on some interface.
-    dissipation : (n_increment,)
+    dissipation : (n_increment,) [force·length]
         Energy that friction took.
-    load_work : (n_increment,)
-        Displacement that the load does work on: the load at factor one times it.
-    displacements, bolt_forces
-        By boundary (n_increment, n) and bolt (n_increment,).
-    iterations : (n_increment,)
+    load_work : (n_increment,) [force·length]
+        Load at factor one times the displacement it does work on.
+    iterations : (n_increment,) [1]
+        Newton steps.
+    displacements : (n_increment, n) [length]
+        By boundary: translations [length] and rotations [rad].
+    bolt_forces : (n_increment,) [force]
+        Axial force by bolt, tension positive.
     """
 
     loads: tuple[str, ...]
@@ -74,25 +85,25 @@ class CycleRecord:
 
     Attributes
     ----------
-    amplitude
+    amplitude : [1]
         Load factor at the reversals.
-    energies : (n_cycle,)
+    energies : (n_cycle,) [force·length]
         Energy that friction took in each cycle.
     stationary
         Whether the last two cycles agree.
-    loop_area
-        Of load factor over the displacement the load does work on, in the last cycle.
-    slip_range : (n_point,)
+    loop_area : [force·length]
+        Area of the last loop of load factor over the displacement the load does work on.
+    slip_range : (n_point,) [length]
         Largest distance between two places of a point in the last cycle, moved while closed.
-    fretting : (n_point,)
+    fretting : (n_point,) [force/length]
         Slip range times largest traction (Ruiz, Boddington & Chen 1984).
-    slip_work : (n_point,)
+    slip_work : (n_point,) [force/length]
         Energy per area that friction took in the last cycle, increments that had to be halved by
         their ends.
-    start_work
+    start_work : [force·length]
         ``load_work`` at the beginning of the last cycle.
     increments
-        The last cycle.
+        The last cycle: down from the amplitude and up again.
     """
 
     amplitude: float

@@ -16,8 +16,9 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.extras import Extras
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.reference import Reference
-from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results, ValidationRecord
+from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results
 from faying.study.tables import Study
+from faying.study.validation_record import ValidationRecord
 
 
 def record(

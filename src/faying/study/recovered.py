@@ -12,24 +12,38 @@ class RecoveredRecord:
 
     Attributes
     ----------
+    title
+        Title of the study.
+    units
+        Consistent unit set, length-mass-time.
     history
-        Name of its file.
+        Name of the file the pressures were recovered from.
     route
-        ``"modal"`` or ``"boundary loads"``.
-    method, joint_modes
-        Reduced model whose coordinates the history has, or that was simulated.
+        What they were recovered from: modal coordinates or boundary loads.
+    method
+        Reduced model whose coordinates these are, or that was simulated.
+    joint_modes : [1]
+        Its joint modes.
     derivatives
         Where velocities and accelerations come from.
-    loads
+    loads : (n_load,)
         Boundary forces and load patterns that the history has; all others are zero.
-    times : (n_time,)
-    pressure, gap : (n_time, n_point)
-    displacements
-        Boundary name to (n_time, n).
-    contact_force, bolt_force
-        Interface or bolt name to (n_time,).
-    max_pressure : (n_time,)
-    iterations : (n_time,)
+    times : (n_time,) [time]
+        Instants.
+    pressure : (n_time, n_point) [force/length²]
+        Contact pressure, compression positive.
+    gap : (n_time, n_point) [length]
+        Gap, open positive.
+    displacements : (n_time, n) [length]
+        By boundary: translations [length] and rotations [rad].
+    contact_force : (n_time,) [force]
+        Total normal force by interface.
+    bolt_force : (n_time,) [force]
+        Axial force by bolt, tension positive.
+    max_pressure : (n_time,) [force/length²]
+        Largest over all contact points.
+    iterations : (n_time,) [1]
+        Linear systems of the contact problem.
     """
 
     title: str

@@ -6,11 +6,8 @@ from dataclasses import dataclass, field
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
-from faying.assessment.best_possible import BestPossible
-from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment
 from faying.assessment.mesh_error import MeshError
-from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
 from faying.model.mesh import CellBlock
@@ -18,6 +15,7 @@ from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
+from faying.study.validation_record import ValidationRecord
 
 FULL_MODEL = "full model"
 """What people call the reference that is no reduced model."""
@@ -29,27 +27,31 @@ class Response:
 
     Attributes
     ----------
-    pressure, gap : (n_point,) or (n_time, n_point)
-    displacements
-        Boundary name to (n,) or (n_time, n), in the order of its components.
-    bolt_forces, contact_forces
-        Bolt or interface name to () or (n_time,).
-    open_fraction
-        Interface name to () or (n_time,).
-    iterations : () or (n_time,)
+    pressure : ([n_time,] n_point) [force/length²]
+        Contact pressure, compression positive.
+    gap : ([n_time,] n_point) [length]
+        Gap, open positive.
+    displacements : ([n_time,] n) [length]
+        By boundary, in the order of its components: translations [length] and rotations [rad].
+    bolt_forces : ([n_time]) [force]
+        Axial force by bolt, tension positive.
+    contact_forces : ([n_time]) [force]
+        Total normal force by interface.
+    open_fraction : ([n_time]) [1]
+        Area without pressure by interface.
+    iterations : ([n_time]) [1]
         Linear systems of the contact problem.
-    seconds
+    seconds : [s]
         Wall time of the solution, offline work excluded; its share where others were beside it.
-    nodal_displacement : (n_node, 3), optional
-        Of static cases.
-    recovered_pressure : (n_time, n_point), optional
-        Of transients of reduced models: recovered from the motion, see
-        :mod:`faying.assessment.recovery`.
-    energy_gain
-        Of transients: share of the energy in motion that the time integration gained from nothing.
+    nodal_displacement : (n_node, 3) [length]
+        Displacement of the nodes, of static cases.
+    recovered_pressure : (n_time, n_point) [force/length²]
+        Pressure recovered from the motion, of transients of reduced models.
+    energy_gain : [1]
+        Of transients: share of the energy in motion that the time integration gained from
+        nothing.
     estimate
-        Of transients of reduced models: errors estimated without a full solution, see
-        :mod:`faying.assessment.transient_error`.
+        Errors estimated without a full solution, of transients of reduced models.
     path
         The increments of a case that is a path, or a static load with friction; the other fields
         are those of the last one.
@@ -57,7 +59,8 @@ class Response:
         Amplitude as text to cycles of that amplitude; the other fields are those of the largest
         amplitude at its positive reversal.
     backbones
-        Number of a mode as text to its backbone; the other fields are those of the preloaded joint.
+        Number of a mode as text to its backbone; the other fields are those of the preloaded
+        joint.
     """
 
     pressure: Matrix
@@ -83,18 +86,27 @@ class MethodResult:
 
     Attributes
     ----------
-    joint_modes
+    joint_modes : [1]
         Number of joint modes of the basis (0 for methods without).
-    n_modes
+    n_modes : [1]
         Length of the basis.
-    recovered_error
+    response
+        Solution of the reduced model.
+    accuracy
+        Errors against the reference.
+    recovered_error : [1]
         Largest relative error of the recovered pressures, of transients.
-    certified_energy_error, certified_force_error, certified_bound
-        Bounds that need no full solution, of static cases: of the error in the energy norm, of the
-        total contact force, and of the largest relative error.
-    traction_error, dissipation_error
-        Of cases with friction: largest difference of tractions over the largest, and difference of
-        the energies that friction took, over that of the full model.
+    certified_energy_error : [1]
+        Bound of the error in the energy norm that needs no full solution, of static cases.
+    certified_force_error : [1]
+        Such a bound of the error of the total contact force.
+    certified_bound : [1]
+        Such a bound of ``max_relative_error``.
+    traction_error : [1]
+        Largest difference of tractions over points and increments, over the largest, of cases
+        with friction.
+    dissipation_error : [1]
+        Difference of the energies that friction took, over that of the full model.
     """
 
     joint_modes: int
@@ -115,20 +127,26 @@ class CaseResult:
 
     Attributes
     ----------
+    name
+        Name of the load case.
     kind
-        ``"static"``, ``"step"``, ``"history"``, ``"path"``, ``"cycle"`` or
-        ``"backbone"``.
-    times : (n_time,) or None
+        ``"static"``, ``"step"``, ``"history"``, ``"path"``, ``"cycle"`` or ``"backbone"``.
+    times : (n_time,) [time]
+        Instants; absent for static cases.
     components
         Boundary name to the names of its displacement components (ux … rz).
+    reference
+        Solution that the methods are compared with.
     methods
         Method name to joint mode count to result.
-    half_step : Response or None
+    half_step
         The reference with half the time step: the time-step check of transients.
+    half_step_times : (n_half_time,) [time]
+        Instants of half_step.
     reserve
-        How far the load may grow until the joint slips, of static loads and cycles with friction.
+        Load factors at which the joint slips, of static loads and cycles with friction.
     reference_model
-        Which model the reference is of.
+        Model that the reference is of.
     mesh_errors
         Interface name to what the mesh does to the pressures of the reference, estimated.
     jumps
@@ -160,7 +178,7 @@ class InterfaceRecord(ContactSurface):
 
     Attributes
     ----------
-    preload_pressure : (n_point,)
+    preload_pressure : (n_point,) [force/length²]
         Pressure after tightening, before the sticking area was tied (Fig. 15.3).
     """
 
@@ -173,13 +191,13 @@ class BoltRecord:
 
     Attributes
     ----------
-    preload
+    preload : [force]
         Nominal final force; of a bolt locked at an initial force, the force it is left with.
-    initial_force
-        N₀ it is locked at.
-    history : (n_stage,)
-        Its force while all bolts were tightened one after the other.
-    axis : (2, 3), optional
+    initial_force : [force]
+        Initial force N₀ the bolt is locked at.
+    history : (n_stage,) [force]
+        Axial force while all bolts were tightened one after the other.
+    axis : (2, 3) [length]
         Ends of the element that is tightened, for pictures.
     """
 
@@ -189,154 +207,63 @@ class BoltRecord:
     axis: Matrix | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class LoadSpaceResult:
-    """Errors of one reduced model over random loads of the training box.
-
-    Attributes
-    ----------
-    median_error, worst_error
-        Of the largest relative pressure errors of the loads.
-    """
-
-    median_error: float
-    worst_error: float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LoadSpaceRecord:
-    """Methods at loads they have not seen.
-
-    Attributes
-    ----------
-    n_loads
-        Random loads from the training box.
-    methods
-        Method name to joint mode count to errors.
-    best_possible
-        What any linear basis of pressures of as many vectors could reach at best.
-    best_possible_gap
-        The same for displacement bases, which represent the gap and leave the clipping to the law;
-        None where contact is hard, for pressures do not follow from gaps then.
-    """
-
-    n_loads: int
-    methods: Mapping[str, Mapping[int, LoadSpaceResult]]
-    best_possible: BestPossible
-    best_possible_gap: BestPossible | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class WorstCaseRecord:
-    """The load of the validation box that a method gets most wrong.
-
-    Attributes
-    ----------
-    forces
-        ``"boundary.component"`` to force or moment.
-    bolt_forces
-        Initial bolt forces there.
-    bound
-        Certified energy error, which the search maximizes.
-    certified_bound
-        Certified bound of the relative pressure error.
-    max_relative_error
-        The true error, confirmed by one full solution.
-    evaluations
-        Loads judged by their certificate, without full solution.
-    within_round_off
-        Whether the method is exact to round-off at all of them, so that none is worst.
-    """
-
-    joint_modes: int
-    forces: Mapping[str, float]
-    bolt_forces: Mapping[str, float]
-    bound: float
-    certified_bound: float
-    max_relative_error: float
-    evaluations: int
-    within_round_off: bool = False
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PenaltyRecord:
-    """What the contact stiffness does to the study's static load cases.
-
-    Attributes
-    ----------
-    recommended : [force/length³]
-    reached
-        Whether its pressures are those of hard contact within the doctor's tolerance.
-    advice
-        The reasons, for people.
-    """
-
-    sweep: PenaltySweep
-    recommended: float
-    reached: bool
-    advice: str
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ValidationRecord:
-    """What a run found beyond its load cases.
-
-    Attributes
-    ----------
-    load_space
-        None without a training box.
-    worst_cases
-        Method name to its worst load; empty without a validation box.
-    penalty
-        None where it was switched off.
-    choices
-        Basis name to the number of joint modes chosen automatically.
-    """
-
-    load_space: LoadSpaceRecord | None = None
-    worst_cases: Mapping[str, WorstCaseRecord] = field(default_factory=dict)
-    penalty: PenaltyRecord | None = None
-    choices: Mapping[str, JointModeChoice] = field(default_factory=dict)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Results:
     """Everything a run computed.
 
     Attributes
     ----------
-    nodes : (n_node, 3)
-    body : (n_node,)
-        Number of the body a node belongs to, -1 where none.
+    title
+        Title of the study.
+    units
+        Consistent unit set, length-mass-time.
+    study_text
+        The study file as run (TOML).
+    nodes : (n_node, 3) [length]
+        Coordinates in the basic frame.
+    node_ids : (n_node,) [1]
+        Node ids as the user knows them.
+    body : (n_node,) [1]
+        Number of the body a node belongs to; -1 where none.
     blocks
-        Solid elements.
-    mass, dofs
-        Of the model.
-    factor_bytes
-        Memory of the factors of the full model, boundary held.
-    reference, reference_reason
-        What the study's load cases were compared with: ``"full"``, ``"worst"`` or ``"none"``; and
-        why, where the study leaves it open.
-    assessment
-        The joint judged over the load cases; None where that failed.
-    normal_modes
-        Count of the fixed-interface normal modes; None where there are none, or no gap to count in.
-    tightening_stages
+        Solid elements, one group per block of one kind.
+    mass : [mass]
+        Total mass.
+    dofs : [1]
+        Free degrees of freedom of the full model.
+    interfaces
+        Contact interfaces by name.
+    bolts
+        Bolts by name.
+    tightening_stages : (n_stage,)
         What was done at each entry of the bolts' histories.
     cases
-        By load case name.
-    timings
-        Seconds by stage.
+        Load cases by name.
+    timings : [s]
+        Wall time by stage; together that of the run before its files.
     provenance
-        faying version, Python, NumPy, SciPy, platform, date.
-    warnings
-        What did not converge.
-    omissions
+        What computed this: faying version, Python, NumPy, SciPy, platform, date.
+    warnings : (n_warning,)
+        What did not converge or deserves notice.
+    omissions : (n_omission,)
         Validation and other extras that failed, with the reasons.
+    validation
+        Load space, worst loads and penalty.
     reduced
         Method name to number of joint modes to reduced model; those without basis are not there,
         ``craig-bampton`` and ``compliance`` always. None are read back from the file where the
         interface was too large to keep its compliance.
+    normal_modes
+        Count of the fixed-interface normal modes; None where there are none, or no gap to count
+        in.
+    factor_bytes : [1]
+        Memory of the factors of the full model, boundary held.
+    reference
+        What the study's load cases were compared with: ``full``, ``worst`` or ``none``.
+    reference_reason
+        Why, where the study leaves it open.
+    assessment
+        The joint judged over the load cases; None where that failed.
     """
 
     title: str

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from faying.files.described import Meaning
+from faying.files.meanings import Meaning
 from faying.interface.interface import FacePairs
 from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock

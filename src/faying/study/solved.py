@@ -6,9 +6,10 @@ from pathlib import Path
 
 from faying._typing import Matrix
 from faying.assessment.envelope import Envelope
-from faying.files.described import Format, Meaning, Table, new_file, write_members
+from faying.files.described import Format, new_file, write_members
+from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.surface import ContactSurface
-from faying.reduction.model_fields import GEOMETRY, SURFACE
+from faying.reduction.model_fields import GEOMETRY
 from faying.reduction.reduced_model import ReducedModel
 from faying.units import units_of
 
@@ -30,13 +31,16 @@ class SolvedFields:
 
     Attributes
     ----------
-    names
-        Of the cases; of an instant its time.
-    reasons
+    names : (n_chosen,)
+        Names of the cases; of an instant its time.
+    reasons : (n_chosen,)
         Why each was chosen.
-    pressure, gap : (n_chosen, n_point)
+    pressure : (n_chosen, n_point) [force/length²]
+        Contact pressure.
+    gap : (n_chosen, n_point) [length]
+        Gap.
     envelope
-        Over all cases or instants.
+        Extremes over all cases or instants.
     """
 
     names: tuple[str, ...]
@@ -46,34 +50,16 @@ class SolvedFields:
     envelope: Envelope
 
 
-_PRESSURE, _LENGTH = "force/length²", "length"
-_NUMBER = Meaning("number of the case or instant it is from, from 0", "1", "(n_point,)")
-
 TABLES: dict[type, Table] = {
     **GEOMETRY,
-    ContactSurface: SURFACE,
-    Envelope: {
-        "max_pressure": Meaning("largest pressure of each contact point", _PRESSURE, "(n_point,)"),
-        "max_pressure_case": _NUMBER,
-        "min_pressure": Meaning("smallest pressure of each contact point", _PRESSURE, "(n_point,)"),
-        "min_pressure_case": _NUMBER,
-        "max_gap": Meaning("largest gap of each contact point", _LENGTH, "(n_point,)"),
-        "max_gap_case": _NUMBER,
-    },
-    SolvedFields: {
-        "names": Meaning("case, or instant of a transient", "", "(n_chosen,)"),
-        "reasons": Meaning("why each was chosen", "", "(n_chosen,)"),
-        "pressure": Meaning("contact pressure", _PRESSURE, "(n_chosen, n_point)"),
-        "gap": Meaning("gap", _LENGTH, "(n_chosen, n_point)"),
-        "envelope": Meaning("extremes over all cases or instants"),
-    },
+    **{kind: meanings(kind) for kind in (ContactSurface, Envelope, SolvedFields)},
 }
 
 ROOT: Table = {
     "name": Meaning("name of the model"),
     "method": Meaning("name of its reduction"),
     "units": Meaning("consistent unit set, length-mass-time"),
-    "nodes": Meaning("coordinates in the basic frame", _LENGTH, "(n_node, 3)"),
+    "nodes": Meaning("coordinates in the basic frame", "length", "(n_node, 3)"),
     "interfaces": Meaning("contact interfaces by name"),
     "static": Meaning("static load cases; absent without any"),
     "transients": Meaning("loads over time by name; absent without any"),

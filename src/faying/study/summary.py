@@ -14,15 +14,9 @@ from faying.study.comparison import increments
 from faying.study.declared import missing_contacts
 from faying.study.opening import opening
 from faying.study.path_record import CycleRecord
-from faying.study.results import (
-    CaseResult,
-    InterfaceRecord,
-    MethodResult,
-    Response,
-    Results,
-    ValidationRecord,
-)
+from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Response, Results
 from faying.study.step_check import step_check
+from faying.study.validation_record import ValidationRecord
 
 TRAINING = ["static training", "step training"]
 """Stages in which methods learn."""

@@ -23,14 +23,14 @@ from faying.study.loads import case_load, training_box, validation_box
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
-from faying.study.results import (
+from faying.study.tables import Study
+from faying.study.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,
     PenaltyRecord,
     ValidationRecord,
     WorstCaseRecord,
 )
-from faying.study.tables import Study
 from faying.units import units_of
 
 Models = Mapping[str, Mapping[int, System]]

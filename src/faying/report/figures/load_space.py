@@ -9,7 +9,8 @@ from faying.display.style import plain
 from faying.report.figures.convergence import FLOOR
 from faying.report.figures.entry import Drawn
 from faying.report.style import colour, marker, new_figure
-from faying.study.results import LoadSpaceRecord, LoadSpaceResult, Results
+from faying.study.results import Results
+from faying.study.validation_record import LoadSpaceRecord, LoadSpaceResult
 
 
 def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes:

@@ -1,0 +1,96 @@
+"""What the entries of a stored value mean, as the docstring of its class says it.
+
+Each entry under ``Attributes`` of a stored dataclass reads
+
+    name : (n_point,) [force/length²]
+        What it is.
+
+with the names of its axes (none for one value) and its dimension in words (``1`` for plain numbers,
+none for text and groups). ``[into n_node]`` are whole numbers that point into that axis.
+"""
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+
+_ENTRY = re.compile(
+    r"(?P<names>\w+(?:, \w+)*)(?: :(?: (?P<shape>\(.*?\)))?(?: \[(?P<dimension>[^]]*)\])?)?"
+)
+_ROLE = re.compile(r":\w+:`~?\.?([^`]*)`")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """Meaning of one field.
+
+    Attributes
+    ----------
+    description
+    dimension
+        In words, as ``"force/length²"``; ``"1"`` is a plain number; empty for text and groups.
+    shape
+        Names of the axes; empty for one value.
+    index
+        Axis that whole numbers point into.
+    """
+
+    description: str
+    dimension: str = ""
+    shape: str = ""
+    index: str = ""
+
+
+Table = Mapping[str, Meaning]
+"""Members of a group and what they mean."""
+
+
+def meanings(kind: type) -> Table:
+    """Return what the docstrings of a dataclass and its bases say of its fields, in their order.
+
+    Raises
+    ------
+    TypeError
+        If a field is not among the attributes of a docstring, or has no description.
+    """
+    said: dict[str, Meaning] = {}
+    for base in reversed(inspect.getmro(kind)):
+        said.update(_entries(base.__doc__))
+    names = [field.name for field in fields(kind)]
+    missing = [name for name in names if name not in said or not said[name].description]
+    if missing:
+        message = (
+            f"the docstring of {kind.__name__} does not say what {', '.join(missing)} mean; "
+            "describe them there, and run Python without -OO, which drops docstrings"
+        )
+        raise TypeError(message)
+    return {name: said[name] for name in names}
+
+
+def _entries(docstring: str | None) -> Iterator[tuple[str, Meaning]]:
+    """Yield the entries under ``Attributes``."""
+    text = inspect.cleandoc(docstring or "")
+    section = re.search(r"^Attributes\n-+\n((?:.*\n?)*?)(?=\n\S+\n-+\n|\Z)", text, re.MULTILINE)
+    if section is None:
+        return
+    for entry in re.split(r"\n(?=\w)", section[1].rstrip()):
+        header, _, body = entry.partition("\n")
+        found = _ENTRY.fullmatch(header.removesuffix(", optional"))
+        if found is None:
+            continue
+        dimension = found["dimension"] or ""
+        points_into = dimension.startswith("into ")
+        meaning = Meaning(
+            description=_plain(body),
+            dimension="1" if points_into else dimension,
+            shape=found["shape"] or "",
+            index=dimension.removeprefix("into ") if points_into else "",
+        )
+        for name in found["names"].split(", "):
+            yield name, meaning
+
+
+def _plain(body: str) -> str:
+    """Return a description as one line without markup or its final full stop."""
+    text = " ".join(body.split()).replace("``", "")
+    return _ROLE.sub(r"\1", text).removesuffix(".")

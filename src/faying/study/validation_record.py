@@ -1,0 +1,125 @@
+"""What a run found beyond its load cases, as plain values."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from faying.assessment.best_possible import BestPossible
+from faying.assessment.choose import JointModeChoice
+from faying.assessment.penalty_sweep import PenaltySweep
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadSpaceResult:
+    """Errors of one reduced model over random loads of the training box.
+
+    Attributes
+    ----------
+    median_error : [1]
+        Median of the loads' largest relative pressure errors.
+    worst_error : [1]
+        Largest of them.
+    """
+
+    median_error: float
+    worst_error: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadSpaceRecord:
+    """Methods at loads they have not seen.
+
+    Attributes
+    ----------
+    n_loads : [1]
+        Random loads from the training box.
+    methods
+        Method name to joint mode count to errors.
+    best_possible
+        What any linear basis of pressures of as many vectors could reach at best.
+    best_possible_gap
+        The same for displacement bases, which represent the gap and leave the clipping to the
+        law; None where contact is hard, for pressures do not follow from gaps then.
+    """
+
+    n_loads: int
+    methods: Mapping[str, Mapping[int, LoadSpaceResult]]
+    best_possible: BestPossible
+    best_possible_gap: BestPossible | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorstCaseRecord:
+    """The load of the validation box that a method gets most wrong.
+
+    Attributes
+    ----------
+    joint_modes : [1]
+        Joint modes of the basis.
+    forces : [force]
+        ``boundary.component`` to force or moment, deck load to factor.
+    bolt_forces : [force]
+        Initial bolt forces there.
+    bound : [1]
+        Certified energy error, which the search maximizes.
+    certified_bound : [1]
+        Certified bound of the relative pressure error.
+    max_relative_error : [1]
+        The true error, confirmed by one full solution.
+    evaluations : [1]
+        Loads judged by their certificate, without full solution.
+    within_round_off
+        Whether the method is exact to round-off at all of them, so that none is worst.
+    """
+
+    joint_modes: int
+    forces: Mapping[str, float]
+    bolt_forces: Mapping[str, float]
+    bound: float
+    certified_bound: float
+    max_relative_error: float
+    evaluations: int
+    within_round_off: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PenaltyRecord:
+    """What the contact stiffness does to the study's static load cases.
+
+    Attributes
+    ----------
+    sweep
+        Static cases over the contact stiffness.
+    recommended : [force/length³]
+        Recommended contact stiffness.
+    reached
+        Whether its pressures are those of hard contact within the tolerance of the advice.
+    advice
+        The reasons, for people.
+    """
+
+    sweep: PenaltySweep
+    recommended: float
+    reached: bool
+    advice: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ValidationRecord:
+    """What a run found beyond its load cases.
+
+    Attributes
+    ----------
+    load_space
+        Methods at random loads of the training box; None without one.
+    worst_cases
+        Method name to the load it gets most wrong; empty without a validation box.
+    penalty
+        What the contact stiffness does; None where that was switched off.
+    choices
+        Basis name to the number of joint modes chosen automatically.
+    """
+
+    load_space: LoadSpaceRecord | None = None
+    worst_cases: Mapping[str, WorstCaseRecord] = field(default_factory=dict)
+    penalty: PenaltyRecord | None = None
+    choices: Mapping[str, JointModeChoice] = field(default_factory=dict)
