@@ -16,8 +16,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import test_backbone
 import test_bar_impact
+import test_block_on_a_plane
 import test_bolts
+import test_cattaneo_mindlin
 import test_friction
+import test_frictional_bar
 import test_hertz
 import test_hertz_sphere
 import test_joint_assessment
@@ -310,6 +313,72 @@ def rubbing_cantilever() -> Iterator[Row]:
     )  # fmt: skip
 
 
+def block_on_a_plane() -> Iterator[Row]:
+    """A rigid block pulled obliquely through a spring, sticking and slipping."""
+    module = test_block_on_a_plane
+    for state, force in (("sticking", 230.0), ("slipping", 500.0)):
+        found, (moved, held) = module.pulled(force), module.end_of(force)
+        rows = [("force on the block", held, float(np.linalg.norm(found.held)), "N")]
+        if state == "slipping":
+            exact = 4 * module.LIMIT * (moved - module.LIMIT / module.TOGETHER)
+            rows.append(("energy per cycle", exact, found.energy, "mJ"))
+        for quantity, exact, ours, unit in rows:
+            first = state == "sticking"
+            yield Row(
+                "block on a plane, pulled by a spring" if first else "",
+                "Coulomb's law by hand" if first else "",
+                f"{quantity}, {state} [{unit}]", f"{exact:.6g}", f"{ours:.6g}",
+                relative(ours, exact), "exact", "test_block_on_a_plane",
+            )  # fmt: skip
+
+
+def frictional_bar() -> Iterator[Row]:
+    """A bar on a bed of friction, errors over seven forces."""
+    module = test_frictional_bar
+    found = [module.pulled(n) for n in (50, 100)]
+    errors = [module.errors(one) for one in found]
+    middle = len(module.PULLS) // 2
+    exact = module.exact(found[1].force[middle])
+    for place, (quantity, name, digits) in enumerate(
+        (
+            ("slip length [mm]; element 1", "slip", ".4g"),
+            ("displacement of the end [mm]", "moved", ".6g"),
+            ("energy per cycle [mJ]", "energy", ".5g"),
+        )
+    ):
+        yield Row(
+            "bar on a frictional bed, seven forces" if not place else "",
+            "shear layer, Menq et al. 1986" if not place else "",
+            quantity, f"{getattr(exact, name):{digits}}",
+            f"{getattr(found[1], name)[middle]:{digits}}", rounded(errors[1][place]),
+            f"{np.log2(errors[0][place] / errors[1][place]):.2f}", "test_frictional_bar",
+        )  # fmt: skip
+
+
+def cattaneo_mindlin() -> Iterator[Row]:
+    """The cylinders of Hertz's problem pushed sideways by half of μ P."""
+    module = test_cattaneo_mindlin
+    source = "Cattaneo 1938, Mindlin 1949; Johnson 1985, §7.2"
+    exact = module.energy()
+    for penalty, rule in (("hard", "hard, nodal"), ("auto", "penalty, gauss")):
+        coarse, fine = (module.pushed(1 / n, penalty) for n in (8, 16))
+        yield Row(
+            "Cattaneo–Mindlin", source, f"half width of stick, {rule}; element 1/16",
+            f"{module.STICKS:.3f}", f"{fine.half_width:.3f}",
+            relative(fine.half_width, module.STICKS), "", "test_cattaneo_mindlin",
+        )  # fmt: skip
+        errors = [one.traction_error for one in (coarse, fine)]
+        yield Row(
+            "", "", f"traction field, {rule}, root mean square", "0", "", rounded(errors[1]),
+            f"{np.log2(errors[0] / errors[1]):.2f}", "test_cattaneo_mindlin",
+        )  # fmt: skip
+        errors = [abs(one.energy / exact - 1) for one in (coarse, fine)]
+        yield Row(
+            "", "", f"energy per cycle and mm, {rule} [mJ]", f"{exact:.4g}", f"{fine.energy:.4g}",
+            rounded(errors[1]), f"{np.log2(errors[0] / errors[1]):.2f}", "test_cattaneo_mindlin",
+        )  # fmt: skip
+
+
 PROBLEMS: tuple[Callable[[], Iterator[Row]], ...] = (
     patch,
     hertz_line,
@@ -321,6 +390,9 @@ PROBLEMS: tuple[Callable[[], Iterator[Row]], ...] = (
     vibration_on_a_stop,
     bar_impact,
     slider,
+    block_on_a_plane,
+    frictional_bar,
+    cattaneo_mindlin,
     cantilever,
     rubbing_cantilever,
 )
