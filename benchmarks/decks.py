@@ -4,7 +4,8 @@
     python benchmarks/decks.py FOLDER --with 'CONTACT *PAIR' --without 'CYCLIC|HEAT *TRANSFER'
 
 Every deck below the folder is read and built in a process of its own, as ``faying check DECK``
-does. The tables count outcomes of decks with solids, and the names that stop them; a name that
+does. The tables count outcomes of decks with solids, in them or in what they include (a file that
+another deck includes is a piece of that one and no deck), and the names that stop them; a name that
 stops a deck is counted once for it, however often it stands there. ``--with`` and ``--without``
 choose decks by regular expressions at the start of a line, behind the asterisk of a keyword.
 """
@@ -25,6 +26,10 @@ from faying.sources import SOURCES
 SOLID = {
     "abaqus": re.compile(rb"^\s*\*\s*ELEMENT\s*,.*TYPE\s*=\s*C3D", re.IGNORECASE | re.MULTILINE),
     "nastran": re.compile(rb"^\s*(CHEXA|CPENTA|CTETRA|CPYRAM)", re.IGNORECASE | re.MULTILINE),
+}
+INCLUDE = {
+    "abaqus": re.compile(rb"^\s*\*\s*INCLUDE\s*,\s*INPUT\s*=\s*([^\s,]+)", re.I | re.M),
+    "nastran": re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?([^'\"\r\n$]+)", re.I | re.M),
 }
 PLACE = re.compile(r"^\s*\S.*?:\d+: ([^:]+?)(?: \(\d+\))?(?::|$)")
 
@@ -104,11 +109,33 @@ def outcomes(paths: list[Path], limit: float, ignore: tuple[str, ...]) -> list[O
     return found
 
 
-def has_solids(path: Path) -> bool:
-    """Say whether a deck has three-dimensional solids, in it or in what it includes."""
-    text = path.read_bytes()
-    source = "abaqus" if path.suffix.lower() == ".inp" else "nastran"
-    return SOLID[source].search(text) is not None or b"INCLUDE" in text.upper()
+def parts_of(path: Path, top: Path, seen: dict[Path, bytes]) -> dict[Path, bytes]:
+    """Return the text of a deck and of what it includes, as far as it is there."""
+    here = path.resolve()
+    if here not in seen and path.is_file():
+        seen[here] = path.read_bytes()
+        for match in INCLUDE[program(top)].finditer(seen[here]):
+            name = match[1].decode("latin-1").strip()
+            for folder in dict.fromkeys((path.parent, top.parent)):
+                parts_of(folder / name, top, seen)
+    return seen
+
+
+def program(path: Path) -> str:
+    """Return whose deck a file is, by its suffix."""
+    return "abaqus" if path.suffix.lower() == ".inp" else "nastran"
+
+
+def with_solids(paths: list[Path]) -> list[Path]:
+    """Return the decks that have solids, without the pieces that other decks include."""
+    parts = {path: parts_of(path, path, {}) for path in paths}
+    pieces = {one for path, found in parts.items() for one in found if one != path.resolve()}
+    return [
+        path
+        for path, found in parts.items()
+        if path.resolve() not in pieces
+        and any(SOLID[program(path)].search(text) for text in found.values())
+    ]
 
 
 def chosen(path: Path, wanted: str, unwanted: str) -> bool:
@@ -135,7 +162,7 @@ def main() -> None:
     wished = parser.parse_args()
     suffixes = {suffix for source in SOURCES.values() for suffix in source.suffixes}
     paths = sorted(p for p in wished.folder.rglob(wished.match) if p.suffix.lower() in suffixes)
-    solid = [p for p in paths if has_solids(p) and chosen(p, wished.wanted, wished.unwanted)]
+    solid = [p for p in with_solids(paths) if chosen(p, wished.wanted, wished.unwanted)]
     ignore = tuple(word for word in wished.ignore.split(",") if word)
     found = outcomes(solid, wished.limit, ignore)
     lines = []

@@ -125,12 +125,39 @@ def test_material_constants(read: Read) -> None:
     brick = (BRICK, "PSOLID,1,8")
     assert read(*brick, "MAT1,8,,80000.,.25").materials[1].youngs_modulus == 200000.0
     assert read(*brick, "MAT1,8,200000.,80000.").materials[1].poissons_ratio == 0.25
-    with pytest.raises(FormatError, match="G = 70000, but E and NU give 80000"):
-        read(*brick, "MAT1,8,200000.,70000.,.25")
     with pytest.raises(FormatError, match="gives 1 of E, G, NU"):
-        read(*brick, "MAT1,8,200000.")
+        read(*brick, "MAT1,8,,70000.")
     with pytest.raises(FormatError, match=r"MAT1: material '8': Poisson's ratio is 0\.6"):
         read(*brick, "MAT1,8,200000.,,.6")
+
+
+def test_constants_that_contradict_each_other_count_as_in_nastran(read: Read) -> None:
+    """Solids and membranes take E and NU, transverse shear and torsion of lines take G."""
+    assembly = read(
+        BRICK,
+        "PSOLID,1,8",
+        "MAT1,8,200000.,70000.,.25",
+        "PSHELL,2,8,2.,8,,8\nCQUAD4,2,2,1,2,3,4",
+        "PBAR,3,8,1.,2.,3.,4.\nCBAR,3,3,1,2,0.,1.,0.",
+    )
+    solid, section, beam = assembly.materials[1], assembly.shell_sections[2], assembly.beams[0]
+    assert (solid.youngs_modulus, solid.poissons_ratio) == (200000.0, 0.25)
+    assert section.stiffness[2, 2] == pytest.approx(2 * 80000)
+    assert section.shear == pytest.approx(5 / 6 * 2 * 70000 * np.eye(2))
+    assert beam.material.shear_modulus * beam.section.torsion == pytest.approx(4 * 70000)
+    assert any(note.startswith("E, G and NU of MAT1 8 contradict") for note in assembly.ignored)
+
+
+def test_youngs_modulus_alone(read: Read) -> None:
+    """NU and G are zero then; solids take NU, lines G."""
+    bar = "PBAR,3,8,1.,2.,3.,4.\n\n,.5,.5\nCBAR,3,3,1,2,0.,1.,0."
+    assembly = read(BRICK, "PSOLID,1,8", "MAT1,8,200000.", bar)
+    assert assembly.materials[1].poissons_ratio == 0.0
+    section = assembly.beams[0].section
+    assert (section.torsion, section.shear_factor_y) == (0.0, np.inf)
+    assert any(note.startswith("MAT1 8 with E alone") for note in assembly.ignored)
+    with pytest.raises(FormatError, match="gives 1 of E, G, NU"):
+        read("MAT1,8,200000.", "PSHELL,2,8,2.\nCQUAD4,2,2,1,2,3,4")
 
 
 def test_wtmass_scales_density_and_masses(read: Read) -> None:

@@ -124,5 +124,63 @@ def test_materials_that_no_property_names_are_left_out(read):
         read("MATS1,1,,PLASTIC,0.,1,1,200.")
     with pytest.raises(FormatError, match=r"MAT9: material 50: .* stable material"):
         read(*library, "PSOLID,9,50")
-    with pytest.raises(FormatError, match="material 51 gives 1 of E, G, NU"):
-        read("MAT1,51,1.", "PSOLID,9,51")
+    with pytest.raises(FormatError, match="material 51 gives 0 of E, G, NU"):
+        read("MAT1,51", "PSOLID,9,51")
+
+
+def test_cards_are_made_of_the_card_above(read):
+    """Repeated fields, fields that count on, and lines that repeat this."""
+    made = read("GRID,101,,.5,1.,0.,,456", "=,*2,=,*.25,*1,==", "=3", "GRID,201,,7.", "=,*1,==")
+    ids, nodes = made.assembly.mesh.node_ids, made.assembly.mesh.nodes
+    here = np.isin(ids, np.arange(101, 110, 2))
+    np.testing.assert_array_equal(nodes[here, 0], [0.5, 0.75, 1.0, 1.25, 1.5])
+    np.testing.assert_array_equal(nodes[here, 1], [1.0, 2.0, 3.0, 4.0, 5.0])
+    assert 202 in ids
+    (held,) = [one for one in made.assembly.supports if one.components == (3, 4, 5)]
+    assert len(held.nodes) == 5
+    fixed = "GRID         101              .5      1.      0.             456"
+    line = "=       *2      =       *.25    *(1)    =="
+    other = read(fixed, line, "=(3)").assembly.mesh
+    np.testing.assert_array_equal(other.nodes[-5:], nodes[here])
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (("GRID,101,,1.", "=,*X,=="), "'X' is no number to count on"),
+        (("GRID,101,,1.", "=2"), "there is none above"),
+        (("GRID,101,,1.", "=,*1,==", "=9999999"), "at most 1000000"),
+        (("GRID,101,,1.", "=X"), "'=X' is no name of a card"),
+        (("GRID,101,,1.", "=,*1,==", ",7"), "a repeated card with a second line"),
+        (("CHEXA,7,1,1,2,3,4,5,6\n,7,8", "=,*1,=="), "the card above has several lines"),
+        (("SET1,7,1,2", "=,*1,=,*X"), "no number to count on"),
+    ],
+)
+def test_repetitions_that_are_refused(read, lines, message):
+    with pytest.raises(FormatError, match=re.escape(message)):
+        read(*lines)
+
+
+def test_a_line_of_repetition_needs_a_card(read):
+    with pytest.raises(FormatError, match=r"a\.bdf:1: a line of '=' without a card above it"):
+        read(bulk="=,*1,==\n" + BULK)
+
+
+def test_blanks_separate_the_name_from_its_id(read):
+    assert 99 in read("GRID      99,,1.,2.,3.").assembly.mesh.node_ids
+    with pytest.raises(FormatError, match="write points for decimal commas"):
+        read("GRID          99       1,5     2.")
+
+
+def test_marks_of_continuations_begin_behind_their_first_column(read):
+    first = "CONM2   7       1       0       5.                                      PART"
+    assert read(first, "+ART    2.").assembly.masses[0].inertia[0][0] == 2.0
+    with pytest.raises(FormatError, match="does not belong to the line above"):
+        read(first, "+ARM    2.")
+
+
+def test_rotors_do_not_turn_and_are_named(read):
+    notes = read("ROTORG,5,1,THRU,4", "RSPINR,5,1,2").assembly.ignored
+    assert "1 ROTORG, 1 RSPINR: rotors do not turn: no gyroscopic terms" in notes
+    with pytest.raises(FormatError, match="CBEAR"):
+        read("CBEAR,9,1,1,2")

@@ -113,6 +113,19 @@ def test_include_is_relative_to_the_including_file(tmp_path: Path) -> None:
         read_deck(tmp_path / "a.bdf")
 
 
+def test_includes_beside_the_deck_where_none_is_beside_the_file(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    lines = SMALL.splitlines(keepends=True)
+    deck(tmp_path / "parts" / "mesh.dat", "".join(lines[:5]) + "INCLUDE 'parts/more.dat'\n")
+    deck(tmp_path / "parts" / "more.dat", lines[5])
+    main = deck(tmp_path / "a.bdf", "BEGIN BULK\nINCLUDE 'parts/mesh.dat'\n" + lines[6])
+    assert read_deck(main).mesh.n_elements == 1
+    (tmp_path / "parts" / "parts").mkdir()
+    deck(tmp_path / "parts" / "parts" / "more.dat", "PSOLID,3,x\n")
+    with pytest.raises(FormatError, match="field 3 holds 'X'"):
+        read_deck(main)
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -352,7 +352,7 @@ def test_prescribed_displacements_leave_their_load_set_out(read: Read) -> None:
 
 
 def test_lines_have_the_shear_modulus_they_are_given(read: Read) -> None:
-    """E and G of a beam need not be those of an isotropic material; those of a solid must."""
+    """E and G of a beam need not be those of an isotropic material; the NU of a shell must."""
     steel = "MAT1,8,1000.,100.,,2."
     beam, rod = read(
         steel, "PBAR,1,8,3.,4.,5.,6.\n\n,.5", "CBAR,1,1,1,2,0.,1.,0.", "CONROD,2,1,3,8,1.,2."

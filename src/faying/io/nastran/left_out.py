@@ -44,6 +44,10 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         # of ZAERO
         *("AEROZ", "CAERO7", "PAFOIL7", "PANLST1", "PANLST2", "PANLST3", "MKAEROZ", "TRIMFLT"),
         *("TRIMFNC", "TRIMVAR", "CELLBOX", "CELLWNG", "INPCFD", "LOADMOD", "DMIS"),
+        *("FIXMACH", "OMITCFD", "PLTAERO", "PLTMODE", "PLTVG", "PLTCP", "PLTTRIM", "PLTFLUT"),
+    ),
+    "rotors do not turn: no gyroscopic terms": (
+        *("ROTORD", "ROTORG", "RSPINR", "RSPINT", "RGYRO", "UNBALNC", "ROTPARM"),
     ),
     "data of failure and of materials that are not linear": ("TABLES1", "TABLEST"),
     "optimization and sensitivities: nothing is optimized": (

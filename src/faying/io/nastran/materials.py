@@ -30,8 +30,9 @@ def read_materials(
 ) -> dict[int, Material]:
     """Return the materials that are used, by id; densities are multiplied by PARAM,WTMASS.
 
-    Two of E, G, NU must be given. All three may be, within one per cent of G = E / (2 (1 + NU)).
-    E and G of materials that only beams and rods name may be any: see :func:`shear_factors`.
+    Two of E, G, NU are given, or E alone with NU = 0. Where all three are and contradict each
+    other, solids and the membranes of shells take E and NU, lines and transverse shear of shells
+    G: see :func:`shear_factors`.
 
     Raises
     ------
@@ -41,7 +42,9 @@ def read_materials(
     found: dict[int, Material] = {}
     origin: dict[int, str] = {}
     damped = 0
-    named = materials_named(cards)
+    contradicting: list[int] = []
+    single: list[int] = []
+    named, shells = materials_named(cards), materials_of_shells(cards)
     only_lines = named - _named_by_bodies(cards)
     for card in cards.get("MAT1", ()):
         number = card.integer(0)
@@ -51,7 +54,11 @@ def read_materials(
             text = f"material {number} is already defined at {origin[number]}; renumber one"
             raise card.error(text)
         lines = _line_constants(card) if number in only_lines else None
-        youngs, poisson = _constants(card, number) if lines is None else (lines[0], 0.0)
+        youngs, poisson = _constants(card, number, shells) if lines is None else (lines[0], 0.0)
+        if lines is None and _contradict(card):
+            contradicting.append(number)
+        if not (card.text(2) or card.text(3)):
+            single.append(number)
         if not math.isfinite(youngs + poisson):
             text = f"material {number}: E, G and NU are too large for a number; check the units"
             raise card.error(text)
@@ -68,21 +75,43 @@ def read_materials(
         damped += card.real(7, 0.0) != 0.0
     if damped:
         ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
+    if contradicting:
+        ignored.append(
+            f"E, G and NU of MAT1 {_listed(contradicting)} contradict each other by more than 1 %: "
+            "as in Nastran solids and membranes of shells have E and NU, transverse shear and "
+            "torsion of lines G"
+        )
+    if single:
+        ignored.append(
+            f"MAT1 {_listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
+            "and shear of lines"
+        )
     return found
 
 
-def shear_factors(cards: Mapping[str, Cards]) -> dict[int, float]:
-    """Return G over E/2 of materials that only lines name and that no Poisson's ratio explains.
+def _listed(numbers: list[int]) -> str:
+    shown = ", ".join(map(str, numbers[:5]))
+    return shown if len(numbers) <= 5 else f"{shown} and {len(numbers) - 5} more"
 
-    Beams and rods use E and G each on its own; such a material is read with NU = 0, and the torsion
-    and shear of its sections are multiplied by this.
+
+def shear_factors(cards: Mapping[str, Cards]) -> dict[int, float]:
+    """Return G over E / (2 (1 + NU)) of materials in which they differ.
+
+    Lines use E and G each on its own, and transverse shear of shells uses G: the torsion and shear
+    of their sections are multiplied by this. Materials that only lines name are read with NU = 0
+    where no Poisson's ratio explains them.
     """
     only_lines = materials_named(cards) - _named_by_bodies(cards)
     factors = {}
     for card in cards.get("MAT1", ()):
-        lines = _line_constants(card) if card.integer(0) in only_lines else None
+        number = card.integer(0)
+        lines = _line_constants(card) if number in only_lines else None
         if lines is not None:
-            factors[card.integer(0)] = 2 * lines[1] / lines[0]
+            factors[number] = 2 * lines[1] / lines[0]
+        elif _contradict(card):
+            factors[number] = card.real(2) / _consistent(card)
+        elif not (card.text(2) or card.text(3)):
+            factors[number] = 0.0
     return factors
 
 
@@ -95,6 +124,19 @@ def _line_constants(card: Card) -> tuple[float, float] | None:
     consistent = youngs / (2 * (1 + ratio)) if ratio > -1 else 0.0
     contradict = abs(shear - consistent) > _CONTRADICTION * consistent
     return (youngs, shear) if contradict or not -1 < ratio < _INCOMPRESSIBLE else None
+
+
+def _consistent(card: Card) -> float:
+    """G of E and NU."""
+    return card.real(1) / (2 * (1 + card.real(3)))
+
+
+def _contradict(card: Card) -> bool:
+    """Whether E, G and NU are all given, and are not those of an isotropic material."""
+    if not all(card.text(j) for j in (1, 2, 3)) or not card.real(1) > 0 or card.real(3) <= -1:
+        return False
+    consistent = _consistent(card)
+    return card.real(2) > 0 and abs(card.real(2) - consistent) > _CONTRADICTION * consistent
 
 
 def materials_of_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
@@ -119,9 +161,12 @@ def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:
     )
 
 
-def _constants(card: Card, number: int) -> tuple[float, float]:
+def _constants(card: Card, number: int, shells: frozenset[int]) -> tuple[float, float]:
+    """E and NU, from G where one of them is blank."""
     given = [bool(card.text(j)) for j in (1, 2, 3)]
     youngs, shear, poisson = (card.real(j, 0.0) for j in (1, 2, 3))
+    if given == [True, False, False] and number not in shells:
+        return youngs, 0.0
     if sum(given) < 2:
         text = f"material {number} gives {sum(given)} of E, G, NU; two are needed"
         raise card.error(text)
@@ -132,12 +177,4 @@ def _constants(card: Card, number: int) -> tuple[float, float]:
             text = f"material {number} has G = {shear:g}; it must be positive"
             raise card.error(text)
         return youngs, youngs / (2 * shear) - 1
-    if given[1] and poisson > -1:
-        consistent = youngs / (2 * (1 + poisson))
-        if abs(shear - consistent) > _CONTRADICTION * abs(consistent):
-            text = (
-                f"material {number} has G = {shear:g}, but E and NU give {consistent:g}; an "
-                "isotropic material has only two constants, leave G blank or correct it"
-            )
-            raise card.error(text)
     return youngs, poisson

@@ -33,10 +33,16 @@ class PlaneMaterial:
 def read_plane_materials(
     cards: Mapping[str, Cards],
     materials: Mapping[int, Material],
+    factors: Mapping[int, float],
     mass_factor: float,
     ignored: list[str],
 ) -> dict[int, PlaneMaterial]:
     """Return the materials of shells by id.
+
+    Parameters
+    ----------
+    factors
+        Of the transverse shear, as :func:`faying.io.nastran.materials.shear_factors`.
 
     Raises
     ------
@@ -46,7 +52,7 @@ def read_plane_materials(
     found = {
         number: PlaneMaterial(
             law=plane_stress(one.youngs_modulus, one.poissons_ratio),
-            shear=one.shear_modulus * np.eye(2),
+            shear=factors.get(number, 1.0) * one.shear_modulus * np.eye(2),
             density=one.density,
         )
         for number, one in materials.items()

@@ -138,7 +138,7 @@ def read_parts(
         check_element_ids([cards[name] for name in RIGID if name in cards])
         by_property = element_sets(solids.blocks)
         node_sets, more_sets = read_sets(cards, grids, by_property, ignored)
-        plane = read_plane_materials(cards, materials, factor, ignored)
+        plane = read_plane_materials(cards, materials, factors, factor, ignored)
         laminates = read_shell_properties(cards, plane, factor, ignored)
         shells = read_shells(cards, grids, laminates, ignored)
         rigid, rigid_equations = read_rigid_elements(cards, grids)

@@ -81,9 +81,11 @@ def _mass_field(card: Card) -> int:
 
 
 def with_shear(section: BeamSection, factor: float) -> BeamSection:
-    """Multiply what the shear modulus does by a factor."""
+    """Multiply what the shear modulus does by a factor; without one nothing bends by shear."""
     if factor == 1.0:
         return section
+    if factor == 0.0:
+        return replace(section, torsion=0.0, shear_factor_y=math.inf, shear_factor_z=math.inf)
     return replace(
         section,
         torsion=factor * section.torsion,

@@ -107,10 +107,20 @@ def _expand(
         parts.append((upper[start:line], start + 1, index))
         origin = f"{files.names[index]}:{line + 1}"
         name, line = _file_name(original, line, match.end(), origin)
-        parts += _expand(path.parent / name, files, (*parents, here), origin)
+        parts += _expand(_included(name, path, parents), files, (*parents, here), origin)
         start = line
     parts.append((upper[start:], start + 1, index))
     return parts
+
+
+def _included(name: str, path: Path, parents: tuple[Path, ...]) -> Path:
+    """Return an included file: beside the one that includes it, else beside the deck."""
+    beside = path.parent / name
+    deck = (parents[0] if parents else path).parent / name
+    try:
+        return deck if deck.is_file() and not beside.is_file() else beside
+    except (OSError, ValueError):  # no name of a file: refused when it is read
+        return beside
 
 
 def _file_name(lines: list[bytes], line: int, at: int, origin: str) -> tuple[str, int]:

@@ -4,6 +4,8 @@ A physical line contributes eight data fields, four in large field form. Everyth
 lines at once; a Python loop touches only free-field lines.
 """
 
+import re
+
 import numpy as np
 import numpy.typing as npt
 
@@ -14,10 +16,14 @@ from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields
 from faying.io.nastran.free_lines import unfolded
+from faying.io.nastran.replication import replicated
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
 _COLUMNS = 80
 _DATA = 72
+_NAME_AND_ID = re.compile(rb"([A-Z][A-Z0-9]{0,7}\*?) +(\d+)")
+"""What may stand before the first comma: blanks separate fields too."""
+
 _Letters = npt.NDArray[np.uint8]
 
 
@@ -36,6 +42,7 @@ def read_cards(lines: Lines) -> Bulk:
     About 1 µs a line, 130 bytes of memory a line.
     """
     text, origin = unfolded([_without_comment(line) for line in lines.text])
+    text, origin = replicated(text, origin, lines)
     for i, line in enumerate(text):
         if b"\t" in line:
             text[i] = _without_tabs(line, lines, int(origin[i]))
@@ -91,6 +98,8 @@ def _letters(text: list[bytes]) -> _Letters:
 def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
     """Name and exactly eight (large: four) data fields of a free-field line."""
     parts = [part.strip() for part in line.split(b",")]
+    if match := _NAME_AND_ID.fullmatch(parts[0]):
+        parts[:1] = match.groups()
     if len(parts[0]) > 8 or b" " in parts[0]:
         shown = parts[0][:24].decode("latin-1")
         message = (
@@ -117,8 +126,10 @@ def _check_markers(
     below = below[(below > 0) & ~free[below - 1]]
     mark = np.ascontiguousarray(letters[below, :8]).view("S8").ravel()
     expected = np.ascontiguousarray(letters[below - 1, 72:80]).view("S8").ravel()
+    # Nastran looks at seven of the eight columns only, whatever stands in the first.
+    named = np.char.strip(_behind_first(mark)) == np.char.strip(_behind_first(expected))
     mark, expected = np.char.strip(mark, b"+* "), np.char.strip(expected, b"+* ")
-    wrong = below[(mark != b"") & (expected != b"") & (mark != expected)]
+    wrong = below[(mark != b"") & (expected != b"") & (mark != expected) & ~named]
     if wrong.size:
         i = int(kept[wrong[0]])
         message = (
@@ -126,6 +137,12 @@ def _check_markers(
             "differs); put continuation lines directly below their card"
         )
         raise FormatError(message)
+
+
+def _behind_first(marks: Fields) -> Fields:
+    """Eight columns without the first."""
+    rest: Fields = np.ascontiguousarray(numbers.characters(marks)[:, 1:]).view("S7").ravel()
+    return rest
 
 
 def _check_straddling(

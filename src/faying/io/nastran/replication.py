@@ -1,0 +1,162 @@
+"""Cards made of the card above: fields repeated (=, ==) and counted on (*d), some times (=n)."""
+
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.exceptions import FormatError
+from faying.io.deck_lines import Lines
+from faying.io.nastran import fields as numbers
+
+_TIMES = re.compile(rb"=\(?(\d+)\)?")
+_STEP = re.compile(rb"\*\(?([^()]+)\)?")
+_DATA = 8
+_MOST = 1_000_000
+"""Cards that one line may make: a slip in the number shall not fill the memory."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Above:
+    """The card above: name and fields, and what was last added to each."""
+
+    fields: list[bytes]
+    steps: dict[int, Decimal]
+
+
+def replicated(text: list[bytes], origin: Indices, lines: Lines) -> tuple[list[bytes], Indices]:
+    """Return lines of bulk data with cards that repeat the one above written out, in free field.
+
+    ``=`` repeats a field of the card above, ``==`` this and all behind it, ``*d`` adds d to it; a
+    line ``=n`` repeats the last line n times more, adding again. Cards of one line only.
+
+    Parameters
+    ----------
+    text
+        Without comments.
+    origin : (n_line,)
+        Where each is in ``lines``.
+
+    Raises
+    ------
+    FormatError
+        If there is no card of one line above, or nothing that can be counted on.
+    """
+    here = [i for i, line in enumerate(text) if line[:1] == b"="]
+    if not here:
+        return text, origin
+    made: list[bytes] = []
+    places: list[Indices] = []
+    done = 0
+    above: _Above | None = None
+    for i in here:
+        where = lines.where(int(origin[i]))
+        between = [k for k in range(done, i) if text[k].strip()]
+        if between:
+            above = _card(text, between[-1], where)
+        if above is None:
+            message = f"{where}: a line of '=' without a card above it; write the card out"
+            raise FormatError(message)
+        _check_one_line(text, i, where)
+        cards, above = _repeated(_split(text[i]), above, where)
+        made += text[done:i] + cards
+        places += [np.asarray(origin[done:i]), np.full(len(cards), origin[i], dtype=np.int64)]
+        done = i + 1
+    places.append(np.asarray(origin[done:]))
+    return made + text[done:], np.concatenate(places)
+
+
+def _split(line: bytes) -> list[bytes]:
+    """Name and eight fields of a line."""
+    if b"," in line:
+        parts = [part.strip() for part in line.split(b",")]
+    else:
+        flat = line.expandtabs(8)
+        parts = [flat[k : k + 8].strip() for k in range(0, min(len(flat), 72), 8)]
+    return (parts + [b""] * (_DATA + 1))[: _DATA + 1]
+
+
+def _continues(line: bytes) -> bool:
+    return line[:1] in (b" ", b"+", b"*", b",", b"\t")
+
+
+def _card(text: list[bytes], i: int, where: str) -> _Above:
+    if _continues(text[i]) or b"*" in text[i].partition(b",")[0][:8]:
+        message = (
+            f"{where}: the card above has several lines or fields of sixteen columns, which is not "
+            "repeated; write the card out"
+        )
+        raise FormatError(message)
+    return _Above(fields=_split(text[i]), steps={})
+
+
+def _check_one_line(text: list[bytes], i: int, where: str) -> None:
+    following = next((line for line in text[i + 1 :] if line.strip()), b"")
+    if _continues(following):
+        message = f"{where}: a repeated card with a second line is not supported; write it out"
+        raise FormatError(message)
+
+
+def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], _Above]:
+    """Cards that a line makes, and the last of them."""
+    times = _TIMES.fullmatch(row[0])
+    if times is None and row[0] not in (b"=", b"=="):
+        message = f"{where}: '{_shown(row[0])}' is no name of a card; = repeats one, =n n times"
+        raise FormatError(message)
+    if times is None:
+        fields, steps = _derived(row, above, where)
+        return [b",".join(fields)], _Above(fields=fields, steps=steps)
+    if not above.steps or int(times[1]) > _MOST:
+        message = (
+            f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d), at most "
+            f"{_MOST} times; there is none above"
+        )
+        raise FormatError(message)
+    made = []
+    fields = above.fields
+    for _ in range(int(times[1])):
+        fields = [
+            _sum(field, above.steps[k], where) if k in above.steps else field
+            for k, field in enumerate(fields)
+        ]
+        made.append(b",".join(fields))
+    return made, _Above(fields=fields, steps=above.steps)
+
+
+def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], dict[int, Decimal]]:
+    """Fields of a card that says what it repeats, and what it adds to each."""
+    fields = [above.fields[0]]
+    steps: dict[int, Decimal] = {}
+    for k in range(1, _DATA + 1):
+        if row[k] == b"==" or row[0] == b"==":
+            return fields + above.fields[k:], steps
+        if row[k] == b"=":
+            fields.append(above.fields[k])
+        elif match := _STEP.fullmatch(row[k]):
+            steps[k] = _decimal(match[1], where)
+            fields.append(_sum(above.fields[k], steps[k], where))
+        else:
+            fields.append(row[k])
+    return fields, steps
+
+
+def _sum(field: bytes, step: Decimal, where: str) -> bytes:
+    """Count a field on; what was a real stays one."""
+    total = _decimal(field, where) + step
+    whole = numbers.integer(field.decode("latin-1")) is not None and total == int(total)
+    return str(int(total)).encode() if whole else repr(float(total)).upper().encode()
+
+
+def _decimal(field: bytes, where: str) -> Decimal:
+    text = field.decode("latin-1").strip()
+    value = numbers.real(text)
+    if value is None:
+        message = f"{where}: '{text}' is no number to count on; write the card out"
+        raise FormatError(message)
+    return Decimal(repr(value))
+
+
+def _shown(text: bytes) -> str:
+    return text.decode("latin-1")[:24]
