@@ -24,6 +24,7 @@ from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
 from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
+from faying.study.remedy import Remedy, Tried
 from faying.study.results import (
     BoltRecord,
     CaseResult,
@@ -50,6 +51,8 @@ GROUPS = {
     "/bolts/NAME": BoltRecord,
     "/cases/NAME": CaseResult,
     "/cases/NAME/jumps/0": Jump,
+    "/cases/NAME/remedy": Remedy,
+    "/cases/NAME/remedy/first": Tried,
     "/cases/NAME/reserve": SlipReserve,
     "/cases/NAME/mesh_errors/INTERFACE": MeshError,
     "/cases/NAME/reference": Response,

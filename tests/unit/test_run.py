@@ -14,6 +14,7 @@ from faying.simulation.transient import solve_transient
 from faying.study import (
     cases,
     comparison,
+    full_transients,
     offline,
     progress,
     record,
@@ -334,13 +335,13 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
 
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
     solved = []
-    original, together = cases.solve_transient, cases.step_responses
+    original, together = cases.solve_transient, full_transients.step_responses
 
     def full(solver, loads, **options):
         solved.extend(load.name for load in loads)
         return together(solver, loads, **options)
 
-    monkeypatch.setattr(cases, "step_responses", full)
+    monkeypatch.setattr(full_transients, "step_responses", full)
 
     def interrupted(system, load, **options):
         if len(solved) == 2:

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON, REMEDY
 from faying.study.jumps import Jump, jump_sentence
+from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results import FULL_MODEL
 
 
@@ -27,6 +28,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
         table.add_row(method, *_row(method, list(cases.values())))
     console.print(table)
     for line in _estimates(cases):
+        console.print(line, highlight=False)
+    for line in _remedies(summary):
         console.print(line, highlight=False)
     for name, case in cases.items():
         jumps = [Jump(**jump) for jump in case.get("jumps", [])]
@@ -76,12 +79,23 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     return [largest, *(_percent(entry) for entry in found)]
 
 
+def _remedies(summary: Mapping[str, Any]) -> list[str]:
+    """Say of each transient that was solved again what it was solved by, and what that cost."""
+    shapes = shapes_seconds(summary["timings"]["stages"])
+    found = {name: case.get("remedy") for name, case in summary["load_cases"].items()}
+    return [
+        remedy_sentence(name, remedy_from(one), shapes)
+        for name, one in found.items()
+        if one is not None
+    ]
+
+
 def _estimates(cases: Mapping[str, Any]) -> list[str]:
     """Say of each transient how far off the methods are estimated to be, their largest bases."""
     said: list[str] = []
     worst, named = 0.0, False
     for name, case in cases.items():
-        named = named or REMEDY in case["methods"]
+        named = named or REMEDY in case["methods"] or case.get("remedy") is not None
         found = {
             method: sizes[max(sizes, key=int)].get("estimated_max_relative_error")
             for method, sizes in case["methods"].items()

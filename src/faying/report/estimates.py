@@ -5,6 +5,7 @@ import numpy as np
 from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON, REMEDY
 from faying.report.quantities import number, percent
 from faying.report.verdict import GOOD
+from faying.study.remedy import remedy_sentence, shapes_seconds
 from faying.study.results import Results
 
 ROUND_OFF = 1e-6
@@ -29,7 +30,7 @@ def estimate_note(results: Results) -> str:
         "and is an estimate, no bound; what the time step adds is not in it. Against full "
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error."
     )
-    named = any(REMEDY in case.methods for case in results.cases.values())
+    named = any(REMEDY in case.methods or case.remedy for case in results.cases.values())
     if not named and max(one.max_relative_error for _, one, _ in found) > LARGE:
         said = f"{said} {HINT}"
     ratios = [
@@ -41,6 +42,16 @@ def estimate_note(results: Results) -> str:
         return said
     least, most = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
     return f"{said} In this run it is {least} to {most} times the true one."
+
+
+def remedies(results: Results) -> list[str]:
+    """Say of each transient that was solved again what it was solved by, and what that cost."""
+    shapes = shapes_seconds(results.timings)
+    return [
+        remedy_sentence(name, case.remedy, shapes)
+        for name, case in results.cases.items()
+        if case.remedy is not None
+    ]
 
 
 def doubtful_references(results: Results) -> list[str]:

@@ -10,7 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from faying.files.atomic import write_text
 from faying.files.names import file_names
 from faying.report.certified import sharpness
-from faying.report.estimates import doubtful_references, estimate_note
+from faying.report.estimates import doubtful_references, estimate_note, remedies
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.friction_table import friction_table
@@ -109,7 +109,11 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         headline=headline(found, results),
         verdicts=found,
         methods=meanings(results),
-        reservations=[*doubtful_references(results), *reservations(results)],
+        reservations=[
+            *doubtful_references(results),
+            *remedies(results),
+            *reservations(results),
+        ],
         good=f"{100 * GOOD:g} %",
         fair=f"{100 * FAIR:g} %",
         model=model_table(results),

@@ -41,6 +41,8 @@ class MethodVerdict:
     grade
         ``"good"``, ``"fair"`` or ``"poor"``.
     sentence
+    only
+        Load cases it was compared on; empty where on all of them.
     """
 
     method: str
@@ -49,6 +51,7 @@ class MethodVerdict:
     case: str
     grade: str
     sentence: str
+    only: str = ""
 
 
 def grade(error: float) -> str:
@@ -69,9 +72,13 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
     counts = sorted({n for case in cases.values() for n in case.methods.get(method, {})})
     if not counts:
         return None
+    asked = cases
+    if any(case.remedy and case.remedy.taken.method == method for case in cases.values()):
+        asked = {name: case for name, case in cases.items() if method in case.methods}
     if not _is_transient(method):
-        cases = {name: case for name, case in cases.items() if case.times is None}
-    worst = {count: _worst(cases, method, count) for count in counts}
+        asked = {name: case for name, case in asked.items() if case.times is None}
+    only = _only(method, asked, cases)
+    worst = {count: _worst(asked, method, count) for count in counts}
     good = [
         count for count in counts if all(worst[more][0] <= GOOD for more in counts if more >= count)
     ]
@@ -83,8 +90,16 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
         worst=error,
         case=case,
         grade=grade(error),
-        sentence=_sentence(cases, method, chosen, error, case, several=len(counts) > 1),
+        sentence=_sentence(asked, method, chosen, error, case, only, several=len(counts) > 1),
+        only=only,
     )
+
+
+def _only(method: str, asked: Mapping[str, CaseResult], cases: Mapping[str, CaseResult]) -> str:
+    """Name the load cases a method was compared on, where it was not on all of them."""
+    if not _is_transient(method):
+        return "static loads"
+    return "" if len(asked) == len(cases) else ", ".join(asked)
 
 
 def _is_transient(method: str) -> bool:
@@ -109,6 +124,7 @@ def _sentence(
     count: int,
     error: float,
     case: str,
+    only: str,
     *,
     several: bool,
 ) -> str:
@@ -119,7 +135,7 @@ def _sentence(
     span = f"largest pressure {_span(ratios)} × {other}'s"
     size = f"max relative pressure error against {other} {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
-    these = "these load cases" if _is_transient(method) else "these static load cases"
+    these = only if only and _is_transient(method) else f"these {only or 'load cases'}"
     if error <= GOOD:
         modes = f" from {_modes(count)} on" if count and several else ""
         return f"can be trusted for pressure on {these}{modes}: {size}."
@@ -185,7 +201,7 @@ def _answer(found: list[MethodVerdict]) -> str:
     if not found:
         return "No reduced model was compared with the full model."
     good = [
-        label(v.method, v.joint_modes) + ("" if _is_transient(v.method) else " (static loads only)")
+        label(v.method, v.joint_modes) + (f" ({v.only} only)" if v.only else "")
         for v in found
         if v.grade == "good"
     ]

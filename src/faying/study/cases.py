@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -11,23 +11,27 @@ from faying._typing import Matrix
 from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
 from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
 from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.transient_error import REMEDY
 from faying.exceptions import ConvergenceError
-from faying.execution.groups import grouped
-from faying.execution.transients import step_responses
 from faying.interface.smoothing import Smoothing
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
-from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
-from faying.simulation.stepping import transient_solver
 from faying.simulation.transient import solve_transient
 from faying.study.checkpoint import Checkpoint
 from faying.study.comparison import accuracy, recovered_error, slip_errors
 from faying.study.extras import Extras
+from faying.study.full_transients import (
+    FullTransient,
+    full_transients,
+    integrator_of,
+    response_key,
+)
+from faying.study.inertia import CURED, InertiaWhenNeeded, remedy_of
 from faying.study.jumps import Jump, load_jumps
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
@@ -39,25 +43,15 @@ from faying.study.path_cases import (
     rest_state,
 )
 from faying.study.progress import Stages
-from faying.study.reference import Reference
+from faying.study.reference import REDUCED, Reference, Solved
+from faying.study.remedy import Remedy
 from faying.study.responses import FAILED, packed, respond, unpacked
 from faying.study.results import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.tables import LoadCaseSection
-from faying.study.timing import instants, time_span, time_step
+from faying.study.timing import time_span, time_step
 from faying.study.transient_judge import TransientJudge
 
 Models = Mapping[str, Mapping[int, System]]
-
-REDUCED = "reference"
-"""Label of a reduced model that the methods are compared with."""
-
-
-@dataclass(frozen=True)
-class FullTransient:
-    """A load case over time that the full model solves, its time step divided by ``refinement``."""
-
-    case: LoadCaseSection
-    refinement: int = 1
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,6 +65,7 @@ class CaseRunner:
     checkpoint: Checkpoint
     groups: Sequence[Mapping[str, FullTransient]]
     reference: Reference
+    inertia: InertiaWhenNeeded
     half_step: bool = True
 
     def solve(
@@ -90,45 +85,24 @@ class CaseRunner:
         """
         model = self.joint.model
         full = confirmed or self.reference.kind == "full" or goes_in_increments(case, model)
-        name = FULL_MODEL if full else self.reference.name
-        reference = self._reference(case, full=full)
+        found = self._reference(case, full=full)
+        reference, remedy = found.response, found.remedy
         methods: dict[str, dict[int, MethodResult]] = {}
-        failures = _gained(f"{case.name}, {name}", reference)
+        failures = _gained(f"{case.name}, {found.name}", reference)
         for method, sizes in self.models.items():
             methods[method] = {}
             if case.transient and not METHODS[method].transient:
                 continue
             for count, rom in sizes.items():
-                label = f"{case.name}, {method} with {count} joint modes"
-                try:
-                    response = self._response(case, rom, f"{method}/{count}", reference)
-                except ConvergenceError as error:
-                    failures.append(f"{label}: {error}")
-                    continue
-                failures += _gained(label, response)
-                found = recovered = slips = None
-                with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
-                    slips = slip_errors(response, reference)
-                    recovered = recovered_error(response, reference)
-                    found = accuracy(model, response, reference)
-                if found is None or slips is None:
-                    continue
-                certificate = self._certified(case, response)
-                methods[method][count] = MethodResult(
-                    joint_modes=count,
-                    n_modes=int(rom.K.shape[0]),
-                    response=response,
-                    accuracy=found,
-                    recovered_error=recovered,
-                    traction_error=slips.traction,
-                    dissipation_error=slips.dissipation,
-                    certified_energy_error=_bound(certificate, "energy_error"),
-                    certified_force_error=_bound(certificate, "contact_force_error"),
-                    certified_bound=_bound(certificate, "max_relative_error"),
-                )
+                compared = self._compared(case, rom, method, count, reference, failures)
+                if compared is not None:
+                    methods[method][count] = compared
+        if remedy is None and not self.inertia.named:
+            with self.extras.attempt(f"{case.name}, {REMEDY}"):
+                remedy = self._with_inertia(case, methods, reference, failures)
         half_step = None
         with self.extras.attempt(f"{case.name}, half the time step"):
-            half_step = _sound(self._half_step(case))
+            half_step = _sound(self._half_step(case, found))
         reserve = None
         with self.extras.attempt(f"{case.name}, slip reserve"):
             reserve = self._reserve(case)
@@ -145,11 +119,67 @@ class CaseRunner:
             half_step=half_step,
             half_step_times=None if half_step is None else self._times(case, 2),
             reserve=reserve,
-            reference_model=name,
+            reference_model=found.name,
+            remedy=remedy,
             jumps=self._jumps(case),
             mesh_errors=self._mesh_errors(case, reference),
         )
         return result, failures
+
+    def _compared(
+        self,
+        case: LoadCaseSection,
+        rom: System,
+        method: str,
+        count: int,
+        reference: Response,
+        failures: list[str],
+    ) -> MethodResult | None:
+        """Solve with a reduced model and compare; None, and a failure noted, where that fails."""
+        label = f"{case.name}, {method} with {count} joint modes"
+        try:
+            response = self._response(case, rom, f"{method}/{count}", reference)
+        except ConvergenceError as error:
+            failures.append(f"{label}: {error}")
+            return None
+        failures += _gained(label, response)
+        found = recovered = slips = None
+        with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
+            slips = slip_errors(response, reference)
+            recovered = recovered_error(response, reference)
+            found = accuracy(self.joint.model, response, reference)
+        if found is None or slips is None:
+            return None
+        certificate = self._certified(case, response)
+        return MethodResult(
+            joint_modes=count,
+            n_modes=int(rom.K.shape[0]),
+            response=response,
+            accuracy=found,
+            recovered_error=recovered,
+            traction_error=slips.traction,
+            dissipation_error=slips.dissipation,
+            certified_energy_error=_bound(certificate, "energy_error"),
+            certified_force_error=_bound(certificate, "contact_force_error"),
+            certified_bound=_bound(certificate, "max_relative_error"),
+        )
+
+    def _with_inertia(
+        self,
+        case: LoadCaseSection,
+        methods: dict[str, dict[int, MethodResult]],
+        reference: Response,
+        failures: list[str],
+    ) -> Remedy | None:
+        """Compare with inertia at the interface too, where the estimate asks for it."""
+        first = methods.get(CURED, {}).get(0)
+        if first is None or not self.inertia.wanted(first.response):
+            return None
+        result = self._compared(case, self.inertia.system, REMEDY, 0, reference, failures)
+        if result is None:
+            return None
+        methods[REMEDY] = {0: result}
+        return remedy_of((CURED, first.response), (REMEDY, result.response))
 
     def _jumps(self, case: LoadCaseSection) -> tuple[Jump, ...]:
         if not case.transient:
@@ -216,20 +246,35 @@ class CaseRunner:
                 return self._judge.certify_inputs(inputs, response.pressure)
         return None
 
-    def _reference(self, case: LoadCaseSection, *, full: bool) -> Response:
+    def _reference(self, case: LoadCaseSection, *, full: bool) -> Solved:
         """Solve with the reference; a full transient with those that are stepped beside it."""
-        if not full:
-            return self._response(case, self.reference.system, REDUCED)
-        if not case.transient:
-            return self._response(case, self.joint.model, "full")
-        return self._full_transient(response_key(case))
+        if full and case.transient:
+            return Solved(self._full_transient(response_key(case)), self.joint.model, FULL_MODEL)
+        if full:
+            model = self.joint.model
+            return Solved(self._response(case, model, "full"), model, FULL_MODEL)
+        first = Solved(
+            self._response(case, self.reference.system, REDUCED),
+            self.reference.system,
+            self.reference.name,
+        )
+        if not self.inertia.wanted(first.response):
+            return first
+        with self.extras.attempt(f"{case.name}, {REMEDY}"):
+            system, label = self.inertia.system, f"{REMEDY}/0"
+            response = self._response(case, system, label)
+            remedy = remedy_of((first.name, first.response), (REMEDY, response))
+            if remedy.helped:
+                return Solved(response, system, REMEDY, label, remedy)
+            return replace(first, remedy=remedy)
+        return first
 
-    def _half_step(self, case: LoadCaseSection) -> Response | None:
+    def _half_step(self, case: LoadCaseSection, reference: Solved) -> Response | None:
         """Repeat a transient of the reference with half the time step, where the study does."""
         if self.reference.kind != "full":
             if not (case.transient and self.half_step):
                 return None
-            return self._response(case, self.reference.system, REDUCED, refinement=2)
+            return self._response(case, reference.system, reference.label, refinement=2)
         key = response_key(case, refinement=2)
         return self._full_transient(key) if any(key in group for group in self.groups) else None
 
@@ -293,11 +338,6 @@ class CaseRunner:
         return unpacked(arrays)
 
 
-def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
-    """Return the key that a response is kept under; that of the full model unless told."""
-    return f"{case.name} {label} {refinement}"
-
-
 def solve_case(
     joint: PreparedJoint,
     case: LoadCaseSection,
@@ -324,55 +364,6 @@ def solve_case(
             progress=progress,
         )
     return solution, time.perf_counter() - start
-
-
-def case_groups(
-    cases: Sequence[LoadCaseSection], *, half_step: bool
-) -> list[dict[str, FullTransient]]:
-    """Return which transients the full model computes together, by the keys they are kept under.
-
-    Their steps, their lengths and their integrators are the same. With half the step last, where a
-    study asks for it.
-    """
-    alike: dict[object, dict[str, FullTransient]] = {}
-    for refinement in (1, 2) if half_step else (1,):
-        for case in cases:
-            if case.transient:
-                kind = (refinement, instants(case), integrator_of(case))
-                run = FullTransient(case=case, refinement=refinement)
-                key = response_key(case, refinement=refinement)
-                alike.setdefault(kind, {})[key] = run
-    return [group for some in alike.values() for group in grouped(some)]
-
-
-def full_transients(
-    joint: PreparedJoint,
-    runs: Sequence[FullTransient],
-    progress: Callable[[int], object] | None = None,
-) -> list[Response]:
-    """Solve transients with the full model, side by side; each has its share of the time."""
-    first, start = runs[0], time.perf_counter()
-    solver = transient_solver(
-        joint.model,
-        step=time_step(first.case, joint.period) / first.refinement,
-        integrator=integrator_of(first.case),
-    )
-    found = step_responses(
-        solver,
-        [case_load(run.case) for run in runs],
-        duration=time_span(first.case, joint.period),
-        # Solved anew it would depend, in the last digits, on what was solved before.
-        initial=joint.rest,
-        progress=progress,
-    )
-    responses = list(map(partial(respond, model=joint.model, seconds=0.0), found))
-    seconds = (time.perf_counter() - start) / len(runs)
-    return [replace(response, seconds=seconds) for response in responses]
-
-
-def integrator_of(case: LoadCaseSection) -> Integrator:
-    """Return the integrator of a transient load case; the seed's implicit Euler by default."""
-    return named_integrator(case.integrator, case.rho_infinity)
 
 
 def _gained(what: str, response: Response) -> list[str]:

@@ -10,7 +10,8 @@ from faying.reduction.projection import completed, projected
 from faying.study.offline import PreparedJoint
 from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
-from faying.study.results import FULL_MODEL
+from faying.study.remedy import Remedy
+from faying.study.results import FULL_MODEL, Response
 from faying.study.tables import Study
 
 FULL_UP_TO = 100_000
@@ -46,6 +47,31 @@ class Reference:
     reason: str
     system: System
     name: str = FULL_MODEL
+
+
+REDUCED = "reference"
+"""Label of a reduced model that the methods are compared with."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A load case solved by what methods are compared with.
+
+    Attributes
+    ----------
+    name
+        What people call the model.
+    label
+        What its responses are kept under.
+    remedy
+        Of a transient that was solved again.
+    """
+
+    response: Response
+    system: System
+    name: str
+    label: str = REDUCED
+    remedy: Remedy | None = None
 
 
 def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:

@@ -15,6 +15,7 @@ from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
+from faying.study.remedy import Remedy
 from faying.study.validation_record import ValidationRecord
 
 FULL_MODEL = "full model"
@@ -151,6 +152,8 @@ class CaseResult:
         Interface name to what the mesh does to the pressures of the reference, estimated.
     jumps
         Of the loads of transients, the largest one of each that jumps.
+    remedy
+        Of transients: what was solved again with inertia at the interface, unasked.
     """
 
     name: str
@@ -165,6 +168,7 @@ class CaseResult:
     reference_model: str = FULL_MODEL
     mesh_errors: Mapping[str, MeshError] = field(default_factory=dict)
     jumps: tuple[Jump, ...] = ()
+    remedy: Remedy | None = None
 
     @property
     def is_full(self) -> bool:

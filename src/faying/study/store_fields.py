@@ -17,6 +17,7 @@ from faying.reduction.model_fields import GEOMETRY
 from faying.study.jumps import Jump
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
+from faying.study.remedy import Remedy, Tried
 from faying.study.results import (
     BoltRecord,
     CaseResult,
@@ -47,6 +48,8 @@ STORED = (
     BoltRecord,
     CaseResult,
     Jump,
+    Remedy,
+    Tried,
     MeshError,
     SlipReserve,
     MethodResult,

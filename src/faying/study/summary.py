@@ -192,6 +192,7 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
     }
     if case.times is not None:
         summary["jumps"] = [asdict(jump) for jump in case.jumps]
+        summary["remedy"] = None if case.remedy is None else asdict(case.remedy)
     summary |= _slip(case)
     check = step_check(case)
     if check is not None:

@@ -154,12 +154,16 @@ class ReductionSection(Section):
     joint_modes
         Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
         meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
+    inertia
+        Whether transients that ``compliance`` is estimated to get wrong are solved again by
+        ``compliance+inertia``, which the study does not name.
     """
 
     normal_modes: CountOrNone = 20
     joint_modes: JointModes = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
+    inertia: Switch = True
     training: TrainingSection = TrainingSection()
 
     @model_validator(mode="before")

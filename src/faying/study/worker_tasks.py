@@ -16,7 +16,7 @@ from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
-from faying.study.cases import FullTransient, case_groups, full_transients
+from faying.study.full_transients import FullTransient, case_groups, full_transients
 from faying.study.load_model import build_loaded, load_model
 from faying.study.loads import is_trained
 from faying.study.offline import PreparedJoint, prepare_joint, step_training

@@ -6,15 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from faying.assessment.transient_error import REMEDY
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.files.lock import held
 from faying.reduction.method import CLASSIC
 from faying.study.assessing import assess_run
-from faying.study.cases import CaseRunner, case_groups
+from faying.study.cases import CaseRunner
 from faying.study.checkpoint import Checkpoint, open_checkpoint
 from faying.study.extras import Extras
-from faying.study.kept_models import Kept, kept_models, with_kept
+from faying.study.full_transients import case_groups
+from faying.study.inertia import InertiaWhenNeeded
+from faying.study.kept_models import Kept, Models, kept_models, with_kept
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
@@ -88,8 +91,8 @@ def _computed(
     bare = reduced_models(study, joint.model, trained, choices, stages)
     extras = Extras()
     kept: Kept = {}
+    title = study.title or study.path.stem
     with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
-        title = study.title or study.path.stem
         kept = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
     models = with_kept(bare, kept)
     reference = reference_of(study, joint, stages)
@@ -102,6 +105,13 @@ def _computed(
         checkpoint=checkpoint,
         groups=case_groups(study.load_cases, half_step=study.validation.half_step) if full else [],
         reference=reference,
+        inertia=InertiaWhenNeeded(
+            model=joint.model,
+            classic=trained.bases[CLASSIC],
+            stages=stages,
+            models=models,
+            allowed=study.reduction.inertia,
+        ),
         half_step=study.validation.half_step,
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
@@ -109,6 +119,10 @@ def _computed(
         solved |= _confirmed(study, runner, solved)
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
+    if runner.inertia.built is not None:
+        with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
+            more: Models = {**bare, REMEDY: {0: runner.inertia.built}}
+            kept = kept_models(joint.model, more, trained.bases[CLASSIC], title)
     validation = validate(study, joint, models, trained, choices, stages, extras)
     exact = kept[EXACT][0] if EXACT in kept else joint.model
     assessment = assess_run(study, joint, cases, stages, extras, exact)
