@@ -135,7 +135,7 @@ def _sentence(
     span = f"largest pressure {_span(ratios)} × {other}'s"
     size = f"max relative pressure error against {other} {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
-    these = only if only and _is_transient(method) else f"these {only or 'load cases'}"
+    these = only or "these load cases" if _is_transient(method) else "these static load cases"
     if error <= GOOD:
         modes = f" from {_modes(count)} on" if count and several else ""
         return f"can be trusted for pressure on {these}{modes}: {size}."
