@@ -134,6 +134,39 @@ def test_couplings_with_moments(tmp_path, how):
     compare(tmp_path, text, without=(9001, 9002) if how == "distributing" else (9002,))
 
 
+@pytest.mark.parametrize("how", ["mean rotation", "kinematic along an orientation"])
+def test_mean_rotations_and_turned_couplings(tmp_path, how):
+    """A moment on the node of the rotation, and a coupling that lets its surface widen."""
+    count = CELLS[1] * CELLS[2]
+    last = [len(mesh("C3D8")[2]) - i for i in range(count)]
+    end = np.flatnonzero(mesh("C3D8")[0][:, 0] == 2 * CELLS[0]) + 1
+    tied = {
+        "mean rotation": ["*MPC"]
+        + [
+            ("MEANROT, " if not start else "0, ")
+            + ", ".join(str(i) for i in end[start : start + 4] for _ in range(3))
+            for start in range(0, len(end), 4)
+        ],
+        "kinematic along an orientation": [
+            "*SURFACE, NAME=FACE", *(f"{i}, S4" for i in last),
+            "*ORIENTATION, NAME=O, SYSTEM=CYLINDRICAL", "4., 1.62, 1.3, 5., 1.62, 1.3",
+            "*COUPLING, REF NODE=9001, SURFACE=FACE, CONSTRAINT NAME=C, ORIENTATION=O",
+            "*KINEMATIC", "2, 3",
+        ],
+    }[how]  # fmt: skip
+    if how == "mean rotation":
+        tied[-1] += ", 9001"
+    load = "9001, 1, 700." if how == "mean rotation" else "9001, 4, 700."
+    text = "\n".join(
+        [
+            block("C3D8"), "*NODE, NSET=NALL", "9001, 6., 1., 2.", *tied,
+            "*BOUNDARY", "HELD, 1, 3", "*STEP", "*STATIC", "*CLOAD", load, "END, 1, 3.",
+            "*NODE PRINT, NSET=NALL", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    compare(tmp_path, text)
+
+
 def test_cylindrical_axes_equations_and_springs(tmp_path):
     grid, _, _ = mesh("C3D8")
     end = (np.flatnonzero(grid[:, 0] == 2 * CELLS[0]) + 1).tolist()

@@ -318,7 +318,7 @@ def test_steps_that_change_the_structure_are_not_read(read, tmp_path):
     with pytest.raises(FormatError, match=r"\*MODEL CHANGE: .* not supported"):
         read_joint(tmp_path / "wood.inp", step=2)
     with pytest.raises(FormatError, match="MODEL CHANGE"):  # nothing comes before step 1
-        read(WOOD.replace("*STATIC", "*STATIC\n*MODEL CHANGE, TYPE=ELEMENT, REMOVE\nLOWER", 1))
+        read(WOOD.replace("*STATIC", "*STATIC\n*MODEL CHANGE, TYPE=ELEMENT, ADD\nLOWER", 1))
 
 
 def test_a_removed_preload_is_missed(read):
@@ -527,7 +527,6 @@ REFUSED = [
      r"deck\.inp:5: \*NODE: a coordinate: '0.O' is not"),
     (edited(("1, 0., 0., 0.", "1, 0., 1.E400, 0.")), r":5: .*too large for a number"),
     (edited(("2, 2., 0., 0.", "1, 2., 0., 0.")), r":6: \*NODE: node 1 is defined twice"),
-    (edited(("2, 2., 0., 0.", "2, 2., 0.")), r":6: \*NODE: found 3 fields, expected id, x, y, z"),
     (edited(("2, 2., 0., 0.", "2 2., 0., 0., 0.")), r":6: .* a node id: '2 2\.' is not a number"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7\n")), r":27: \*ELEMENT: expected an id and 8 nodes"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 99\n")), r":27: \*ELEMENT: there is no node 99"),
@@ -569,7 +568,7 @@ REFUSED = [
      r"coefficient of friction is -0\.2; give a number from 0 to 10"),
     (edited(("*CONTACT PAIR", "*FRICTION\n0.2, -1.\n*CONTACT PAIR")), r"stick slope is -1; give"),
     (edited(("SLAVE, MASTER", "SLAVE, MISTER")), r"no surface 'MISTER'; known are SLAVE, MASTER"),
-    (edited(("BEAM, 100", "PLANE, 100")), r"type PLANE is not supported"),
+    (edited(("BEAM, 100", "DIST, 100")), r"type DIST is not supported .* an inequality"),
     (edited(("1, 1., 15, 1, -1.", "1, 1., 15, 1")), r"\*EQUATION: expected node, degree"),
     (edited(("*EQUATION\n2", "*EQUATION\n3")), r"found 2 terms, expected 3"),
     (edited(("104, 1, 400.\n", "")), r"\*PRE-TENSION SECTION: .*has no force"),

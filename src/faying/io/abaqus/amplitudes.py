@@ -51,6 +51,7 @@ class Amplitudes:
         total = keyword.choice("TIME", "STEP TIME") == "TOTAL TIME"
         time = sum(self.lengths[: step + 1]) if total else self.lengths[load.step]
         times, values = _table(keyword)
+        time -= real(load, None, load.value("TIME DELAY", "0"), "TIME DELAY")
         return float(np.interp(time, times, values))
 
     def note(self, load: Keyword, ignored: list[str]) -> None:

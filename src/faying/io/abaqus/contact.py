@@ -14,7 +14,7 @@ from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
+from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slave_and_master
 from faying.io.left_out import IGNORABLE
 from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
@@ -119,6 +119,11 @@ def _pairs(
         ignored.append(note)
     pairs = []
     for row, fields in enumerate(keyword.rows()):
+        if removed := removed_sides(surfaces, keyword, row, fields):
+            ignored.append(
+                f"contact pair {', '.join(fields)}: *MODEL CHANGE removes all elements of {removed}"
+            )
+            continue
         slave, master = slave_and_master(surfaces, keyword, row, fields)
         if not slave.facets:
             ignored.append(

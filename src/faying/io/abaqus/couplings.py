@@ -1,7 +1,7 @@
 """``*COUPLING`` and ``*DISTRIBUTING COUPLING``: nodes tied rigidly or on average."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.orientations import orientation_at
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
@@ -22,12 +23,24 @@ _ROUNDING = 1e-12
 """Share of a node over the largest of its facet that is rounding."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Couplings:
+    """What *COUPLING becomes: rigid and average couplings, equations along turned axes."""
+
+    rigid: list[RigidCoupling]
+    average: list[AverageCoupling]
+    turned: list[Equation]
+    turned_references: list[int]
+
+
 def read_couplings(
-    deck: Deck, dofs: Dofs, surfaces: Surfaces, first_id: int
-) -> tuple[list[RigidCoupling], list[AverageCoupling]]:
+    deck: Deck, dofs: Dofs, surfaces: Surfaces, first_id: int, ignored: list[str]
+) -> Couplings:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
-    Distributing couplings weight nodes by their share of the surface's area, ∫N dA.
+    Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
+    of some translations with ORIENTATION are equations a · u = a · (u_ref + θ_ref × r) along the
+    axes a of each node.
 
     Raises
     ------
@@ -36,8 +49,10 @@ def read_couplings(
     """
     rigid: list[RigidCoupling] = []
     average: list[AverageCoupling] = []
+    turned: list[Equation] = []
+    references: list[int] = []
     for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
-        head.allow("CONSTRAINT NAME", "REF NODE", "SURFACE")
+        head.allow("CONSTRAINT NAME", "REF NODE", "SURFACE", "ORIENTATION")
         if len(members) != 1:
             message = "expected one *KINEMATIC or *DISTRIBUTING below it"
             raise head.error(message)
@@ -48,10 +63,26 @@ def read_couplings(
         components = _components(member)
         if member.name == "KINEMATIC":
             member.allow()
+            translations = tuple(c for c in components if c < 3)
+            if head.has("ORIENTATION") and 0 < len(translations) < 3:
+                if len(translations) < len(components):
+                    message = "rotations along an ORIENTATION are not supported beside some, not "
+                    message += "all, translations; tie all translations, or no rotations"
+                    raise member.error(message)
+                axes = orientation_at(deck, head, dofs.nodes.coordinates[nodes], ignored)
+                turned += _along(dofs.nodes.coordinates, reference, nodes, axes[:, translations])
+                references.append(reference)
+                continue
             rigid.append(
                 RigidCoupling(id=number, reference=reference, nodes=nodes, components=components)
             )
             continue
+        if head.has("ORIENTATION"):
+            message = (
+                "ORIENTATION is not supported with *DISTRIBUTING, whose forces CalculiX turns to "
+                "it and Abaqus does not; leave it out, and turn the forces on the reference node"
+            )
+            raise head.error(message)
         member.allow("COUPLING", "WEIGHTING METHOD")
         _check_distributing(member)
         weights = _areas(found, dofs.nodes.coordinates)[found.nodes != reference]
@@ -64,7 +95,22 @@ def read_couplings(
                 reference_components=tuple(sorted({0, 1, 2, *components})),
             )
         )
-    return rigid, average
+    turned = [replace(e, id=first_id + len(rigid) + len(average) + i) for i, e in enumerate(turned)]
+    return Couplings(rigid=rigid, average=average, turned=turned, turned_references=references)
+
+
+def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list[Equation]:
+    """Tie each node to the motion of the reference along its axes (n_node, n_axis, 3)."""
+    arms = points[nodes] - points[reference]
+    moments = np.cross(arms[:, None], axes)
+    found = []
+    for node, rows, turning in zip(nodes.tolist(), axes, moments, strict=True):
+        for axis, moment in zip(rows.tolist(), turning.tolist(), strict=True):
+            own = sorted(((node, c, a) for c, a in enumerate(axis)), key=lambda t: -abs(t[2]))
+            other = [(reference, c, -a) for c, a in enumerate([*axis, *moment])]
+            terms = tuple(term for term in [*own, *other] if term[2] != 0.0)
+            found.append(Equation(id=0, terms=terms))
+    return found
 
 
 def _check_distributing(member: Keyword) -> None:

@@ -1,7 +1,7 @@
 """``*ELEMENT``: solids as blocks of cells, and tables of all other elements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,6 +46,23 @@ class Elements:
     def of(self, *types: str) -> list[ElementBlock]:
         """Return the blocks of elements that are no solids."""
         return [block for name in types for block in self.others.get(name, ())]
+
+    def without(self, ids: Indices) -> "Elements":
+        """Return all elements but these; blocks that nothing remains of are gone."""
+
+        def kept(blocks: tuple[ElementBlock, ...]) -> tuple[ElementBlock, ...]:
+            masks = [~np.isin(block.ids, ids) for block in blocks]
+            return tuple(
+                replace(block, ids=block.ids[m], nodes=block.nodes[m], rows=block.rows[m])
+                for block, m in zip(blocks, masks, strict=True)
+                if m.any()
+            )
+
+        others = {name: kept(blocks) for name, blocks in self.others.items()}
+        return Elements(
+            solids=kept(self.solids),
+            others={name: blocks for name, blocks in others.items() if blocks},
+        )
 
     @property
     def blocks(self) -> list[ElementBlock]:

@@ -1,4 +1,4 @@
-"""``*EQUATION`` and ``*MPC``: linear equations between degrees of freedom."""
+"""``*EQUATION``: linear equations between degrees of freedom."""
 
 from collections.abc import Iterator
 
@@ -6,14 +6,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.fields import integer, real
 from faying.io.abaqus.keyword import Keyword
-from faying.model.assembly import Equation, RigidCoupling
-
-_MPC_REMEDIES = {
-    "PLANE": "it is nonlinear; write *EQUATION",
-    "STRAIGHT": "it is nonlinear; write *EQUATION",
-    "LINK": "use a stiff beam",
-    "SLIDER": "write *EQUATION",
-}
+from faying.model.assembly import Equation
 
 Term = tuple[int, int, float]
 
@@ -84,45 +77,3 @@ def _term(node: int, c: int, value: float, dofs: Dofs) -> list[Term]:
     turned = [(node, first + k, value * float(axes[c % 3, k])) for k in range(3)]
     # The largest comes first, for the first term of an equation is eliminated.
     return sorted((t for t in turned if t[2] != 0.0), key=lambda term: -abs(term[2]))
-
-
-def read_mpcs(deck: Deck, dofs: Dofs, first_id: int) -> tuple[list[Equation], list[RigidCoupling]]:
-    """Read *MPC of type PIN, TIE and BEAM.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of any other type.
-    """
-    equations: list[Equation] = []
-    rigid: list[RigidCoupling] = []
-    for keyword in deck.of("MPC"):
-        keyword.allow()
-        for row, fields in enumerate(keyword.rows()):
-            kind = fields[0].upper()
-            if kind not in ("PIN", "TIE", "BEAM"):
-                remedy = _MPC_REMEDIES.get(kind, "write *EQUATION")
-                message = f"type {kind} is not supported (PIN, TIE and BEAM are); {remedy}"
-                raise keyword.error(message, row)
-            if len(fields) != 3:
-                message = (
-                    f"found {len(fields)} fields, expected {kind}, dependent node or set, node"
-                )
-                raise keyword.error(message, row)
-            dependent = dofs.find(keyword, row, fields[1])
-            leader = dofs.one(keyword, row, fields[2], "the independent node")
-            number = first_id + len(equations) + len(rigid)
-            if kind == "BEAM":
-                rigid.append(
-                    RigidCoupling(
-                        id=number, reference=leader, nodes=dependent, components=tuple(range(6))
-                    )
-                )
-                continue
-            for node in dependent.tolist():
-                for c in range(3 if kind == "PIN" else 6):
-                    terms = ((node, c, 1.0), (leader, c, -1.0))
-                    equations.append(
-                        Equation(id=first_id + len(equations) + len(rigid), terms=terms)
-                    )
-    return equations, rigid

@@ -10,6 +10,8 @@ from faying.io.abaqus.keyword import Keyword
 _OTHER_LAWS = (
     "ROUGH", "USER", "TAUMAX", "EXPONENTIAL DECAY", "ANISOTROPIC", "DEPENDENCIES", "TEST DATA",
 )  # fmt: skip
+_NO_SLIP = 1e6
+"""Coefficients from here on say that surfaces stick wherever they touch."""
 _ELASTIC_SLIPS = ("SLIP TOLERANCE", "ELASTIC SLIP")
 
 
@@ -59,12 +61,18 @@ def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
         )
         raise keyword.error(message)
     coefficient = real(keyword, 0, rows[0][0], "a coefficient") if rows else 0.0
-    if not 0 <= coefficient <= LARGEST_FRICTION:
+    if not 0 <= coefficient <= LARGEST_FRICTION and coefficient < _NO_SLIP:
         message = (
             f"the coefficient of friction is {coefficient:g}; give a number from 0 to "
-            f"{LARGEST_FRICTION:g}"
+            f"{LARGEST_FRICTION:g}, or {_NO_SLIP:g} and more for surfaces that never slip"
         )
         raise keyword.error(message, 0)
+    if coefficient > LARGEST_FRICTION:
+        ignored.append(
+            f"*FRICTION: a coefficient of {coefficient:g} forbids slip; it is {LARGEST_FRICTION:g} "
+            "here, which is the same as long as nothing slips"
+        )
+        coefficient = LARGEST_FRICTION
     if coefficient == 0:
         return FRICTIONLESS
     return DeckFriction(

@@ -39,7 +39,7 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
         and (keyword.name != "ELEMENT" or keyword.value("TYPE").upper() in known)
     ]
     deck = replace(deck, keywords=kept)
-    nodes = read_nodes(deck)
+    nodes = read_nodes(deck, [])
     elements = read_elements(deck, nodes, [])
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)

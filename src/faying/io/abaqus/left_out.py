@@ -37,8 +37,8 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("NODAL THICKNESS", "DISTRIBUTION", "DISTRIBUTION TABLE"),
         *("PHYSICAL CONSTANTS", "VALUES AT INFINITY", "SECTION CONTROLS"),
     ),
-    "start velocities: transients of a study start from the preloaded state at rest": (
-        "INITIAL CONDITIONS, TYPE=VELOCITY",
+    "start of transients: those of a study start from the preloaded state at rest": (
+        *("INITIAL CONDITIONS, TYPE=VELOCITY", "INITIAL CONDITIONS, TYPE=DISPLACEMENT"),
     ),
 }
 
@@ -79,7 +79,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
     ),
     _SHELLS: ("SHELL SECTION", "SHELL GENERAL SECTION", "MEMBRANE SECTION"),
     _STARTS: (
-        *("INITIAL CONDITIONS, TYPE=STRESS", "INITIAL CONDITIONS, TYPE=DISPLACEMENT"),
+        "INITIAL CONDITIONS, TYPE=STRESS",
         *("INITIAL CONDITIONS", "INITIAL STRAIN INCREASE"),
     ),
     "give initial_gap (negative) to the interface in the study": ("CONTACT INTERFERENCE",),

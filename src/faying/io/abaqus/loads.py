@@ -45,6 +45,13 @@ def read_concentrated(
     """
     for load in deck.of("CLOAD"):
         amplitudes.note(load, ignored)
+        if _is_imaginary(load):
+            ignored.append(
+                f"{load.where()}: *CLOAD, LOAD CASE=2: the imaginary part of a harmonic load; "
+                "the load of the step is the real part"
+            )
+        if load.has("OMEGA0"):
+            ignored.append(f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency")
     found: dict[tuple[int, int], list[_Given]] = {}
     for step, (new, here) in enumerate(_steps(deck, dofs)):
         found = {**({} if new else found), **here}
@@ -76,11 +83,18 @@ def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int],
         here: dict[tuple[int, int], list[_Given]] = {}
         new = False
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
-            keyword.allow("OP", "AMPLITUDE")
+            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "LOAD CASE", "OMEGA0")
             new |= operation(keyword)
+            if _is_imaginary(keyword):
+                continue
             for place, value in _values(keyword, dofs):
                 here.setdefault(place, []).append((value, keyword))
         yield new, here
+
+
+def _is_imaginary(keyword: Keyword) -> bool:
+    """Whether forces are the imaginary part of those of a harmonic response."""
+    return keyword.choice("LOAD CASE", "1") == "2"
 
 
 def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:

@@ -16,13 +16,19 @@ from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import Elements, read_elements
-from faying.io.abaqus.equations import read_equations, read_mpcs
+from faying.io.abaqus.equations import read_equations
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
+from faying.io.abaqus.model_changes import (
+    is_from_the_start,
+    without_removed,
+    without_removed_pairs,
+)
 from faying.io.abaqus.moved_supports import with_moved_supports
+from faying.io.abaqus.mpcs import read_mpcs
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
@@ -53,10 +59,11 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     """
     deck = materials.without_unused(without_temperatures(deck, ignored), ignored)
     check_supported(deck, ignored)
-    nodes = read_nodes(deck)
+    nodes = read_nodes(deck, ignored)
     elements = read_elements(deck, nodes, ignored)
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
+    elements, by_element = without_removed(deck, elements, by_element, ignored)
     named = materials.read_materials(deck, ignored)
     solids, used = read_solid_sections(deck, elements, by_element, named)
     mesh = Mesh(
@@ -76,6 +83,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
     declared = contact.read_pairs(deck, surfaces, by_node, ignored)
+    deck, declared = without_removed_pairs(deck, declared, ignored)
     pairs = [pair for pair in declared if not pair.tied]
     ties = read_ties(deck, surfaces, [pair for pair in declared if pair.tied], ignored)
     assembly = Assembly(
@@ -169,23 +177,25 @@ def _tied(
 ) -> Assembly:
     """Add couplings and equations."""
     equations = list(read_equations(deck, dofs))
-    more, links = read_mpcs(deck, dofs, len(equations) + 1)
+    more, links = read_mpcs(deck, dofs, len(equations) + 1, ignored)
     first = len(equations) + len(more) + len(links) + 1
     bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
-    kinematic, average = read_couplings(deck, dofs, surfaces, first + len(bodies))
-    first += len(bodies) + len(kinematic) + len(average)
+    found = read_couplings(deck, dofs, surfaces, first + len(bodies), ignored)
+    kinematic, average = found.rigid, found.average
+    first += len(bodies) + len(kinematic) + len(average) + len(found.turned)
     means = read_distributing(deck, dofs, elements, by_element, first, ignored)
     rigid = [*links, *bodies, *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
     rotating[[coupling.reference for coupling in average]] = True
+    rotating[found.turned_references] = True
     bending = [beam for beam in assembly.beams if beam.section.inertia_y > 0]
     rotating[[node for beam in bending for node in beam.nodes]] = True
     rotating[[node for s in assembly.springs for node, component in s.ends if component > 2]] = True
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
     return replace(
         assembly,
-        equations=(*equations, *more, *means),
+        equations=(*equations, *more, *found.turned, *means),
         rigid_couplings=with_real_rotations(rigid, rotating),
         average_couplings=tuple(average),
     )
@@ -227,7 +237,7 @@ def _unread_name(keyword: Keyword) -> str:
     if keyword.name == "INITIAL CONDITIONS" and keyword.has("TYPE"):
         kind = without_blanks(keyword.value("TYPE"))
         return "" if kind == "TEMPERATURE" else f"INITIAL CONDITIONS, TYPE={kind}"
-    return "" if keyword.name in READ else keyword.name
+    return "" if keyword.name in READ or is_from_the_start(keyword) else keyword.name
 
 
 def _loads(

@@ -36,7 +36,7 @@ class Nodes:
         return place
 
 
-def read_nodes(deck: Deck) -> Nodes:
+def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
     """Read all *NODE, with the *SYSTEM in force and the position of their instance.
 
     Raises
@@ -50,7 +50,7 @@ def read_nodes(deck: Deck) -> Nodes:
         if keyword.name == "SYSTEM":
             system = _system(keyword)
             continue
-        own, points, lines = _node_block(keyword, system)
+        own, points, lines = _node_block(keyword, system, ignored)
         owners.append(keyword)
         ids.append(own + keyword.scope.offset)
         coordinates.append(points)
@@ -71,7 +71,7 @@ def read_nodes(deck: Deck) -> Nodes:
 
 
 def _node_block(
-    keyword: Keyword, system: tuple[Matrix, Vector] | None
+    keyword: Keyword, system: tuple[Matrix, Vector] | None, ignored: list[str]
 ) -> tuple[Indices, Matrix, Indices]:
     keyword.allow("NSET", "SYSTEM", "INPUT")
     if keyword.has("INPUT"):
@@ -79,12 +79,14 @@ def _node_block(
         raise keyword.error(message)
     expected = "id, x, y, z"
     columns, counts = table(keyword).columns(1, 4, expected)
-    # Both programs read what is left out as zero; a lost coordinate must not pass for one. An id
-    # alone is a node whose place does not matter, such as that of a pretension section.
+    # An id alone is a node whose place does not matter, such as that of a pretension section.
     short = np.flatnonzero((counts > 1) & (counts < 4))
     if short.size:
-        message = f"found {counts[short[0]]} fields, expected {expected}; write zeros too"
-        raise keyword.error(message, int(short[0]))
+        # Both programs read zeros; a lost coordinate must not pass for one unseen.
+        ignored.append(
+            f"{len(short)} nodes with fewer than three coordinates (the first at "
+            f"{keyword.where(int(short[0]))}): those left out are zero"
+        )
     rows = np.arange(len(keyword.data), dtype=np.int64)
     ids = integers(columns[0], keyword, rows, "a node id")
     if ids.size and ids.min() < 1:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, optional_real, real
 from faying.io.abaqus.keyword import Keyword
@@ -19,13 +19,68 @@ def find_orientation(deck: Deck, keyword: Keyword) -> Matrix:
     FormatError
         If there is none of this name, or it is not rectangular, or its points span no plane.
     """
+    return _axes(_find(deck, keyword))
+
+
+def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[str]) -> Matrix:
+    """Return the axes (n, 3, 3) that the ORIENTATION of a keyword names at points (n, 3), as rows.
+
+    Those of a cylindrical one are radial, tangential and axial.
+
+    Raises
+    ------
+    FormatError
+        As :func:`find_orientation`.
+    """
+    found = _find(deck, keyword)
+    if found.choice("SYSTEM", "RECTANGULAR") not in ("C", "CYLINDRICAL"):
+        return np.broadcast_to(_axes(found), (len(points), 3, 3))
+    found.allow("NAME", "SYSTEM", "DEFINITION")
+    rows = found.rows()
+    if not rows or not 5 <= len(rows[0]) <= 6:
+        message = "expected a line with the coordinates of two points of the axis"
+        raise found.error(message)
+    values = np.array([optional_real(found, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)])
+    axis = values[3:] - values[:3]
+    length = float(np.linalg.norm(axis))
+    if not length > 0:
+        message = "the two points of the axis coincide"
+        raise found.error(message, 0)
+    axis = axis / length
+    arms = points - values[:3]
+    radial = arms - np.outer(arms @ axis, axis)
+    lengths = np.linalg.norm(radial, axis=1)
+    on_axis = lengths <= _DEGENERATE * np.abs(points).max(initial=0.0)
+    if on_axis.any():
+        radial[on_axis] = _across(axis)
+        lengths[on_axis] = 1.0
+        ignored.append(
+            f"{int(on_axis.sum())} nodes on the axis of *ORIENTATION {found.value('NAME')}: any "
+            "direction across it is radial there; the one of CalculiX is taken"
+        )
+    radial = radial / lengths[:, None]
+    return np.stack([radial, np.cross(axis, radial), np.broadcast_to(axis, radial.shape)], axis=1)
+
+
+def _across(axis: Vector) -> Vector:
+    """Return the direction across an axis that CalculiX takes for radial on it."""
+    if abs(axis[0]) > _DEGENERATE:
+        found = np.array([-axis[1] / axis[0], 1.0, 0.0])
+    elif abs(axis[1]) > _DEGENERATE:
+        found = np.array([0.0, -axis[2] / axis[1], 1.0])
+    else:
+        found = np.array([1.0, 0.0, 0.0])
+    return np.asarray(found / np.linalg.norm(found))
+
+
+def _find(deck: Deck, keyword: Keyword) -> Keyword:
     name = keyword.value("ORIENTATION")
     found = [k for k in deck.of("ORIENTATION") if k.value("NAME").upper() == name.upper()]
     if not found:
         known = ", ".join(k.value("NAME") for k in deck.of("ORIENTATION")) or "none"
         message = f"there is no orientation '{name}'; known are {known}"
         raise keyword.error(message)
-    return _axes(found[-1])
+    return found[-1]
 
 
 def _axes(keyword: Keyword) -> Matrix:

@@ -27,12 +27,15 @@ class NamedSets:
         Upper-case name to the name as first written.
     offsets
         Upper-case instance name to what its ids are raised by.
+    absent : (n,)
+        Ids that the deck defines and then removes.
     """
 
     what: str
     ids: Mapping[str, Indices]
     names: Mapping[str, str]
     offsets: Mapping[str, int]
+    absent: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def key(self, keyword: Keyword, label: str) -> str | None:
         """Return the key of a name as seen from a keyword, None if there is no such set."""
@@ -64,10 +67,10 @@ class NamedSets:
     def members(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
         """Return the ids a data field stands for: one id, ``instance.id``, or a set."""
         if is_integer(label):
-            return np.array([int(label) + keyword.scope.offset])
+            return np.setdiff1d([int(label) + keyword.scope.offset], self.absent)
         instance, _, number = label.rpartition(".")
         if is_integer(number) and instance.upper() in self.offsets:
-            return np.array([int(number) + self.offsets[instance.upper()]])
+            return np.setdiff1d([int(number) + self.offsets[instance.upper()]], self.absent)
         return self.find(keyword, label, row)
 
 
@@ -157,7 +160,8 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
                 ids = integers(fields.texts[first], keyword, fields.row[first], "a node id")
                 builder.pieces[key].append((keyword, ids + keyword.scope.offset))
             continue
-        keyword.allow("NSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED", "ELSET")
+        # FREQUENCY is one of output, which CalculiX passes over here.
+        keyword.allow("NSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED", "ELSET", "FREQUENCY")
         key = builder.open(keyword, keyword.required("NSET"))
         ids, rows = _explicit(keyword, builder, key, deck, nodes.ids)
         _check_known(ids, rows, nodes.ids, keyword, "node")

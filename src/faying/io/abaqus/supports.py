@@ -143,7 +143,9 @@ def _supports(held: list[Place], dofs: Dofs) -> Iterator[Support]:
     groups: dict[tuple[int, ...], list[int]] = {}
     number = 1
     for node, components in by_node.items():
-        axes = dofs.axes(node)
+        # Where all directions are held it does not matter along which.
+        whole = set(components) in ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})
+        axes = None if whole else dofs.axes(node)
         if axes is None:
             for key, at in _placed(dofs, node, sorted(components)):
                 groups.setdefault(key, []).append(at)

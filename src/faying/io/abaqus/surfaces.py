@@ -79,6 +79,12 @@ def slave_and_master(
     return slave, master
 
 
+def removed_sides(surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]) -> str:
+    """Return the names of the surfaces of a data line that lost all of their elements."""
+    sides = [find_surface(surfaces, keyword, text, row) for text in fields if text]
+    return " and ".join(side.name for side in sides if not len(side.nodes))
+
+
 def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
     """Return surfaces whose facets are all of one kind as face sets."""
     found = {}
@@ -200,8 +206,10 @@ def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, I
     numbers = np.array([_face_number(keyword, t, row_of_label, i) for i, t in enumerate(labels)])
     faces = numbers[row_of_label]
     single = np.strings.isdigit(columns[0])
-    ids = [np.asarray(columns[0][single], dtype=np.int64) + keyword.scope.offset]
-    parts = [(faces[single], rows[single])]
+    numbered = np.asarray(columns[0][single], dtype=np.int64) + keyword.scope.offset
+    there = ~np.isin(numbered, by_element.absent)
+    ids = [numbered[there]]
+    parts = [(faces[single][there], rows[single][there])]
     for row in np.flatnonzero(~single).tolist():
         label = columns[0][row].decode("latin-1")
         if not label or is_integer(label):

@@ -1,0 +1,94 @@
+"""``*MODEL CHANGE`` of the first step: elements and contact pairs that are never there."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.io.abaqus.contact import Pair
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+
+
+def is_from_the_start(keyword: Keyword) -> bool:
+    """Whether a *MODEL CHANGE says what the structure is in all steps.
+
+    What the first step removes has not been loaded, and contact that it adds is there anyway.
+    """
+    if keyword.name != "MODEL CHANGE" or keyword.step != 1:
+        return False
+    kind = keyword.choice("TYPE")
+    return (kind == "ELEMENT" and keyword.has("REMOVE")) or kind == "CONTACT PAIR"
+
+
+def without_removed(
+    deck: Deck, elements: Elements, sets: NamedSets, ignored: list[str]
+) -> tuple[Elements, NamedSets]:
+    """Return elements and element sets without what *MODEL CHANGE, TYPE=ELEMENT removes.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of an unknown element or set, or if nothing remains.
+    """
+    parts: list[Indices] = []
+    known = np.concatenate([block.ids for block in elements.blocks])
+    for keyword in (one for one in deck.of("MODEL CHANGE") if one.choice("TYPE") == "ELEMENT"):
+        keyword.allow("TYPE", "REMOVE")
+        for row, fields in enumerate(keyword.rows()):
+            for label in (text for text in fields if text):
+                ids = sets.members(keyword, label, row)
+                if not np.isin(ids, known).all():
+                    message = f"there is no element {label}; correct the id"
+                    raise keyword.error(message, row)
+                parts.append(ids)
+        if np.isin(known, np.concatenate([np.empty(0, dtype=np.int64), *parts])).all():
+            message = "it removes all elements; nothing remains"
+            raise keyword.error(message)
+    if not parts:
+        return elements, sets
+    gone = np.unique(np.concatenate(parts))
+    ignored.append(f"*MODEL CHANGE in step 1: {len(gone)} elements are not there, in no step")
+    left = {name: np.setdiff1d(ids, gone) for name, ids in sets.ids.items()}
+    return elements.without(gone), replace(sets, ids=left, absent=gone)
+
+
+def without_removed_pairs(
+    deck: Deck, pairs: Sequence[Pair], ignored: list[str]
+) -> tuple[Deck, list[Pair]]:
+    """Return the contact pairs that *MODEL CHANGE, TYPE=CONTACT PAIR leaves, and their deck.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of surfaces that are no contact pair.
+    """
+    kept = list(pairs)
+    for keyword in (one for one in deck.of("MODEL CHANGE") if one.choice("TYPE") != "ELEMENT"):
+        keyword.allow("TYPE", "REMOVE", "ADD")
+        for row, fields in enumerate(keyword.rows()):
+            named = [pair for pair in pairs if _sides(pair) == [text.upper() for text in fields]]
+            if not named:
+                message = "no *CONTACT PAIR has these surfaces as slave and master"
+                raise keyword.error(message, row)
+            if keyword.has("REMOVE"):
+                kept = [pair for pair in kept if pair not in named]
+                ignored.append(
+                    f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is not there, "
+                    "in no step"
+                )
+    gone = [_sides(pair) for pair in pairs if pair not in kept]
+    left = [
+        one
+        for one in deck.keywords
+        if one.name != "CLEARANCE"
+        or [one.value(side).upper() for side in ("SLAVE", "MASTER")] not in gone
+    ]
+    return replace(deck, keywords=left), kept
+
+
+def _sides(pair: Pair) -> list[str]:
+    return [pair.slave.name.upper(), pair.master.name.upper()]

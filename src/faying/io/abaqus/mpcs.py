@@ -1,0 +1,218 @@
+"""``*MPC``: nodes that share motions, stay on a plane or a line, or turn as a node says."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.dofs import Dofs
+from faying.io.abaqus.fields import is_integer
+from faying.io.abaqus.keyword import Keyword
+from faying.model.assembly import Equation, RigidCoupling
+
+_KNOWN = ("PIN", "TIE", "BEAM", "PLANE", "STRAIGHT", "MEANROT")
+_REMEDIES: Mapping[str, str] = {
+    "DIST": "it is an inequality; hold the distance by *EQUATION, or leave it out",
+    "LINK": "use a stiff beam",
+    "SLIDER": "write *EQUATION",
+}
+_OFF = 1e-6
+"""Distance from the plane or line over that from its points up to which a node lies on it."""
+_ON_AXIS = 1e-10
+"""Squared distance from the axis over the mean distance from the centre, below which CalculiX
+passes over a node of MEANROT."""
+
+Terms = tuple[tuple[int, int, float], ...]
+
+
+def read_mpcs(
+    deck: Deck, dofs: Dofs, first_id: int, ignored: list[str]
+) -> tuple[list[Equation], list[RigidCoupling]]:
+    """Read *MPC of type PIN, TIE, BEAM, PLANE, STRAIGHT and MEANROT.
+
+    The last three are linearized about the geometry of the deck: with unit axis a and p_i the arms
+    of the n nodes from their centre across it, MEANROT is
+    Σ (a × p_i) · (u_i - ū) / |p_i|² = n θ, as in CalculiX.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of any other type, or of nodes that span no plane, line or rotation.
+    """
+    equations: list[Equation] = []
+    rigid: list[RigidCoupling] = []
+    for keyword in deck.of("MPC"):
+        keyword.allow()
+        for row, kind, fields in _definitions(keyword):
+            number = first_id + len(equations) + len(rigid)
+            if kind == "BEAM":
+                rigid.append(_beam(keyword, row, fields, dofs, number))
+                continue
+            for terms in _terms(keyword, row, kind, fields, dofs):
+                equations.append(Equation(id=first_id + len(equations) + len(rigid), terms=terms))
+            if kind in ("PLANE", "STRAIGHT", "MEANROT"):
+                note = f"*MPC of type {kind}: linear about the geometry of the deck"
+                if note not in ignored:
+                    ignored.append(note)
+    return equations, rigid
+
+
+def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
+    """Yield data line, type and nodes; a line that begins with 0 goes on with the one before."""
+    found: list[tuple[int, str, list[str]]] = []
+    for row, fields in enumerate(keyword.rows()):
+        kind = fields[0].upper()
+        if kind == "0" and found:
+            found[-1][2].extend(fields[1:])
+            continue
+        if kind not in _KNOWN:
+            remedy = _REMEDIES.get(kind, "write *EQUATION")
+            message = f"type {kind} is not supported ({', '.join(_KNOWN)} are); {remedy}"
+            raise keyword.error(message, row)
+        found.append((row, kind, fields[1:]))
+    return iter(found)
+
+
+def _beam(keyword: Keyword, row: int, fields: list[str], dofs: Dofs, number: int) -> RigidCoupling:
+    _check_two(keyword, row, "BEAM", fields)
+    return RigidCoupling(
+        id=number,
+        reference=dofs.one(keyword, row, fields[1], "the independent node"),
+        nodes=dofs.find(keyword, row, fields[0]),
+        components=tuple(range(6)),
+    )
+
+
+def _terms(keyword: Keyword, row: int, kind: str, fields: list[str], dofs: Dofs) -> Iterator[Terms]:
+    if kind in ("PIN", "TIE"):
+        _check_two(keyword, row, kind, fields)
+        dependent = dofs.find(keyword, row, fields[0]).tolist()
+        leader = dofs.one(keyword, row, fields[1], "the independent node")
+        for node in dependent:
+            for c in range(3 if kind == "PIN" else 6):
+                yield ((node, c, 1.0), (leader, c, -1.0))
+        return
+    nodes = [
+        node
+        for label in fields
+        if label and not (is_integer(label) and int(label) == 0)
+        for node in dofs.find(keyword, row, label).tolist()
+    ]
+    if kind == "MEANROT":
+        yield _mean_rotation(keyword, row, nodes, dofs.nodes.coordinates)
+    elif kind == "PLANE":
+        yield from _plane(keyword, row, nodes, dofs.nodes.coordinates)
+    else:
+        yield from _straight(keyword, row, nodes, dofs.nodes.coordinates)
+
+
+def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None:
+    if len(fields) != 2:
+        message = f"found {len(fields) + 1} fields, expected {kind}, dependent node or set, node"
+        raise keyword.error(message, row)
+
+
+def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Terms:
+    """Return the equation of one MEANROT: each node three times, then the node of the rotation."""
+    turning, rest = nodes[-1:], nodes[:-1]
+    distinct = np.array(rest[::3], dtype=np.int64)
+    if len(rest) % 3 or not rest or not np.array_equal(np.repeat(distinct, 3), rest):
+        message = "expected MEANROT, each node three times, and the node of the rotation"
+        raise keyword.error(message, row)
+    axis = points[turning[0]]
+    length = float(np.linalg.norm(axis))
+    if not length > 0:
+        message = "the coordinates of the last node are the axis of rotation; they are zero"
+        raise keyword.error(message, row)
+    axis = axis / length
+    arms = points[distinct] - points[distinct].mean(axis=0)
+    spread = float(np.sqrt((arms**2).sum(axis=1).mean()))
+    across = arms - np.outer(arms @ axis, axis)
+    squared = (across**2).sum(axis=1)
+    counted = squared > _ON_AXIS * spread
+    if not counted.any():
+        message = "all nodes lie on the axis of rotation; they must span a rotation about it"
+        raise keyword.error(message, row)
+    gradients = np.zeros_like(arms)
+    gradients[counted] = np.cross(axis, across[counted]) / squared[counted, None]
+    gradients -= gradients.mean(axis=0)
+    terms = _of(distinct.tolist(), gradients)
+    return (*sorted(terms, key=lambda t: -abs(t[2])), (turning[0], 0, -float(len(distinct))))
+
+
+def _plane(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iterator[Terms]:
+    """All nodes stay on one plane, which is said by the three of them that lie farthest apart."""
+    nodes = list(dict.fromkeys(nodes))
+    if len(nodes) < 4:
+        message = f"found {len(nodes)} nodes, expected four or more that stay on a plane"
+        raise keyword.error(message, row)
+    basis = _farthest(nodes, points)
+    a, b, c = (points[node] for node in basis)
+    first, second = a - c, b - c
+    normal = np.cross(first, second)
+    size = float(np.linalg.norm(normal))
+    if not size > _OFF * float(np.linalg.norm(first) * np.linalg.norm(second)):
+        message = "all nodes lie on one line; they must span a plane"
+        raise keyword.error(message, row)
+    for node in (one for one in nodes if one not in basis):
+        arm = points[node] - c
+        _check_on(keyword, row, abs(float(normal @ arm)) / size, arm, "plane of the others")
+        at_a, at_b = np.cross(second, arm), np.cross(arm, first)
+        vectors = np.array([normal, at_a, at_b, -(normal + at_a + at_b)])
+        yield _largest_first(node, _of([node, *basis], vectors))
+
+
+def _straight(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iterator[Terms]:
+    """All nodes stay on one line, which is said by the two of them that lie farthest apart."""
+    nodes = list(dict.fromkeys(nodes))
+    if len(nodes) < 3:
+        message = f"found {len(nodes)} nodes, expected three or more that stay on a line"
+        raise keyword.error(message, row)
+    a, b = basis = _farthest(nodes, points)[:2]
+    along = points[b] - points[a]
+    along_axis = int(np.abs(along).argmax())
+    if not np.abs(along).max() > 0:
+        message = "all nodes coincide; they must span a line"
+        raise keyword.error(message, row)
+    others = [c for c in range(3) if c != along_axis]
+    for node in (one for one in nodes if one not in basis):
+        arm = points[node] - points[a]
+        off = np.cross(along, arm) / np.linalg.norm(along)
+        _check_on(keyword, row, float(np.linalg.norm(off)), arm, "line of the others")
+        for c in others:
+            across, down = np.zeros(3), np.zeros(3)
+            across[c], across[along_axis] = along[along_axis], -along[c]
+            down[along_axis], down[c] = arm[c], -arm[along_axis]
+            vectors = np.array([across, -across - down, down])
+            yield _largest_first(node, _of([node, a, b], vectors))
+
+
+def _farthest(nodes: list[int], points: Matrix) -> list[int]:
+    """Return the first node, the one farthest from it, and the one farthest from their line."""
+    arms = points[nodes] - points[nodes[0]]
+    second = int(np.linalg.norm(arms, axis=1).argmax())
+    third = int(np.linalg.norm(np.cross(arms[second], arms), axis=1).argmax())
+    return [nodes[0], nodes[second], nodes[third]]
+
+
+def _check_on(keyword: Keyword, row: int, distance: float, arm: Vector, where: str) -> None:
+    if distance > _OFF * float(np.linalg.norm(arm)):
+        message = (
+            f"a node is {distance:.3g} off the {where}; place it there, for it is not moved to it"
+        )
+        raise keyword.error(message, row)
+
+
+def _of(nodes: list[int], vectors: Matrix) -> list[tuple[int, int, float]]:
+    return [
+        (node, c, value)
+        for node, vector in zip(nodes, vectors.tolist(), strict=True)
+        for c, value in enumerate(vector)
+        if value != 0.0
+    ]
+
+
+def _largest_first(node: int, terms: list[tuple[int, int, float]]) -> Terms:
+    """Put the largest term of the dependent node first, for the first one is eliminated."""
+    return tuple(sorted(terms, key=lambda t: (t[0] != node, -abs(t[2]))))
