@@ -55,7 +55,7 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "simulation/integrators/energy_decaying.py": _MOTION,
     "simulation/integrators/spectral_radius.py": _MOTION,
     "simulation/step_contact.py": _MOTION,
-    "simulation/energies.py": _MOTION,
+    "simulation/energies.py": ("tests/unit/test_energies.py", *_MOTION),
     "reduction/craig_bampton.py": _REDUCTION,
     "reduction/normal_modes.py": _REDUCTION,
     "reduction/pod.py": _REDUCTION,

@@ -1,10 +1,12 @@
 """Contact laws at single points, where every branch has its figures."""
 
+from dataclasses import FrozenInstanceError, fields
+
 import numpy as np
 import pytest
 
 from faying.contact.laws import Coulomb, Hard, Penalty
-from faying.contact.laws.coulomb import LARGEST_FRICTION
+from faying.contact.laws.coulomb import LARGEST_FRICTION, automatic_tangential_penalty
 from faying.exceptions import ModelError
 
 WEIGHTS = np.array([0.5, 4.0])
@@ -91,3 +93,21 @@ def test_the_ends_of_the_ranges_of_friction():
         Coulomb(Hard(), 10.1, 0.5)
     with pytest.raises(ModelError, match="tangential penalty is 0; give a positive number"):
         Coulomb(Hard(), 0.5, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("poissons_ratio", "share"), [(0.0, 1.0), (0.3, 14 / 17), (0.5, 2 / 3), (-1.0, 4 / 3)]
+)
+def test_sticking_is_as_stiff_as_mindlins_spheres(poissons_ratio, share):
+    """2 (1 − ν)/(2 − ν): as stiff as normal contact at ν = 0, two thirds where volume is kept."""
+    found = automatic_tangential_penalty(8.0, poissons_ratio)
+    assert found == pytest.approx(8.0 * share, rel=1e-15)  # round-off
+
+
+@pytest.mark.parametrize("law", [Penalty(10.0), Hard(), RUBBING])
+def test_laws_do_not_change(law):
+    for field in fields(law):
+        with pytest.raises(FrozenInstanceError):
+            setattr(law, field.name, 1.0)
+    with pytest.raises(FrozenInstanceError):
+        law.colour = "red"

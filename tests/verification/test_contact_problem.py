@@ -1,11 +1,14 @@
 """The condensed contact problem against independent solvers, and where simpler methods fail."""
 
+import itertools
+
 import numpy as np
 import pytest
 import scipy.linalg as la
 import scipy.optimize
 
 from faying.contact import active_set
+from faying.contact.dense_points import DensePoints
 from faying.contact.problem import contact_problem
 from faying.exceptions import ConvergenceError, ModelError
 
@@ -114,6 +117,22 @@ def test_single_pivots_alone_find_the_solution(n, monkeypatch):
         )
 
 
+@pytest.mark.parametrize("attempts", [0, 1])
+@pytest.mark.parametrize(("H", "g_free"), CYCLES)
+def test_single_pivots_try_no_active_set_twice(H, g_free, attempts, monkeypatch):
+    """Whatever the order of the points and the start: there are eight sets, besides exchanges."""
+    monkeypatch.setattr(active_set, "BLOCK_ATTEMPTS", attempts)
+    H, g_free = np.array(H, dtype=float), np.array(g_free, dtype=float)
+    expected = by_nnls(H, g_free)
+    for order in map(list, itertools.permutations(range(3))):
+        problem = contact_problem(H[np.ix_(order, order)], g_free[order])
+        for start in itertools.product([False, True], repeat=3):
+            found = problem.solve(active=np.array(start))
+            # As above.
+            np.testing.assert_allclose(found.forces, expected[order], rtol=0, atol=1e-10)
+            assert found.iterations <= 8 + 3 * attempts
+
+
 def redundant_problem(rng, n, rank):
     """Hard contact with more points than normal displacements; g = Bᵀc keeps it solvable."""
     B = rng.standard_normal((rank, n))
@@ -177,3 +196,85 @@ def test_refuses_points_that_cannot_be_parted():
     # Pushing one point apart pushes the other together: no forces close both gaps.
     with pytest.raises(ConvergenceError, match="not closed"):
         contact_problem(np.array([[1.0, -1.0], [-1.0, 1.0]]), -np.ones(2)).solve()
+
+
+def test_a_joint_pressed_everywhere_takes_one_system():
+    """Without a better start the points that overlap are closed, and no others."""
+    flexibility = np.diag([1.0, 2.0, 3.0])
+    pressed = contact_problem(flexibility, np.array([-1.0, -2.0, -0.5])).solve()
+    assert pressed.iterations == 1
+    assert pressed.active.all()
+    mixed = contact_problem(flexibility, np.array([-1.0, 0.5, 2.0])).solve()
+    assert mixed.iterations == 1
+    np.testing.assert_array_equal(mixed.active, [True, False, False])
+
+
+def test_surfaces_that_just_touch_are_open():
+    touching = contact_problem(np.eye(2), np.array([0.0, -1.0])).solve()
+    np.testing.assert_array_equal(touching.active, [False, True])
+
+
+@pytest.mark.parametrize("H", [np.eye(2), np.array([[2.0, 2.0], [2.0, 2.0]])])
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_joint_that_nothing_presses_stays_as_it_starts(H, closed):
+    """Forces and gaps of exactly zero are right on either side, of redundant points too."""
+    start = np.full(2, closed)
+    found = contact_problem(H, np.zeros(2)).solve(active=start)
+    np.testing.assert_array_equal(found.active, start)
+    np.testing.assert_array_equal([found.forces, found.slack], np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize("share", [1e-14, -1e-14])
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e6])
+def test_forces_below_round_off_do_not_open_a_point(unit, share):
+    """1e-14 of the gap is less than a factorization leaves, in any unit of compliance."""
+    H = unit * np.array([[1.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    g_free = np.append(-H[:2, :2] @ [1.0, share], 0.0)
+    found = contact_problem(H, g_free).solve(active=np.array([True, True, False]))
+    assert found.iterations == 1
+    np.testing.assert_array_equal(found.active, [True, True, False])
+    assert found.forces.min() >= 0
+
+
+def test_redundant_points_beside_one_that_nothing_moves():
+    """A point held on both sides has no compliance: it keeps its gap, and disturbs no other."""
+    H = np.array([[2.0, 2.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 0.0]])
+    found = contact_problem(H, np.array([-1.0, -1.0, 0.0])).solve()
+    # As above: round-off over the proximal term.
+    np.testing.assert_allclose(found.forces, [0.25, 0.25, 0.0], rtol=1e-8)
+    np.testing.assert_allclose(found.slack, 0.0, atol=1e-12)
+
+
+def test_redundant_points_that_touch_beside_one_that_is_open():
+    H = np.array([[2.0, 2.0, 1.0], [2.0, 2.0, 1.0], [1.0, 1.0, 2.0]])
+    found = contact_problem(H, np.array([-1.0, -1.0, 0.2])).solve()
+    np.testing.assert_allclose(found.forces, [0.25, 0.25, 0.0], rtol=1e-8)
+    # The open gap: 0.2 and what half a unit of force adds; closed ones are closed to 1e-13.
+    np.testing.assert_allclose(found.slack, [0.0, 0.0, 0.7], atol=1e-12)
+    assert found.slack.min() >= 0
+
+
+@pytest.mark.parametrize("unit", [2.0**-30, 2.0**20])
+def test_redundant_hard_contact_in_other_units(unit):
+    _, _, H, g_free = redundant_problem(np.random.default_rng(3), 12, 5)
+    plain = contact_problem(H, g_free).solve()
+    scaled = contact_problem(H, unit * g_free).solve()
+    # Powers of two scale without rounding, so every step is the same.
+    np.testing.assert_array_equal(scaled.forces, unit * plain.forces)
+    assert scaled.iterations == plain.iterations
+
+
+def test_all_linear_systems_are_counted(monkeypatch):
+    """Those of redundant contact too, which solves many problems that are not."""
+    answered, equilibrate = [], DensePoints.equilibrate
+
+    def counted(*arguments):
+        answer = equilibrate(*arguments)
+        answered.append(answer)
+        return answer
+
+    monkeypatch.setattr(DensePoints, "equilibrate", counted)
+    _, _, H, g_free = redundant_problem(np.random.default_rng(3), 12, 5)
+    # All points at once are singular, so that nothing is answered before they are regularized.
+    found = contact_problem(H, g_free).solve(active=np.ones(12, dtype=bool))
+    assert found.iterations == len(answered) > 1
