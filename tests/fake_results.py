@@ -10,6 +10,7 @@ from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
+from faying.study.nodal_motion import NodalMotion
 from faying.study.results import (
     BoltRecord,
     CaseResult,
@@ -111,8 +112,20 @@ def _response(points, nodes, error, times):
         iterations=np.asarray(3 if times is None else np.full(len(times), 2)),
         seconds=0.25,
         nodal_displacement=sagging if times is None else None,
+        motion=_motion(sagging, swing) if error == 0 and times is not None else None,
         recovered_pressure=base * swing if error and times is not None else None,
         estimate=_estimate(1.5 * error) if error and times is not None else None,
+    )
+
+
+def _motion(sagging, swing):
+    """Sag that swings, and move as a whole along x, ever further."""
+    along = np.linspace(0.0, 0.5, len(swing))
+    return NodalMotion(
+        chosen=np.arange(len(swing)),
+        amplitudes=np.stack([swing[:, 0], along], axis=1),
+        shapes=np.stack([sagging, np.tile([1.0, 0.0, 0.0], (len(sagging), 1))]),
+        missed=1e-3,
     )
 
 

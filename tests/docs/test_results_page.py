@@ -22,6 +22,7 @@ from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
 from faying.study.jumps import Jump
+from faying.study.nodal_motion import NodalMotion
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
 from faying.study.remedy import Remedy, Tried
@@ -56,6 +57,7 @@ GROUPS = {
     "/cases/NAME/reserve": SlipReserve,
     "/cases/NAME/mesh_errors/INTERFACE": MeshError,
     "/cases/NAME/reference": Response,
+    "/cases/NAME/reference/motion": NodalMotion,
     "/cases/NAME/reference/path": PathRecord,
     "/cases/NAME/reference/cycles/AMPLITUDE": CycleRecord,
     "/cases/NAME/reference/backbones/MODE": Backbone,

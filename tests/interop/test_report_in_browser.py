@@ -171,6 +171,43 @@ def test_slider_moves_through_time_and_the_bolt_force_follows(visit, results):
     assert visit.part("play").inner_text() == "Play"
 
 
+def test_bodies_move_with_the_instants_and_say_how_far(visit, results):
+    visit.choose("case", "LC2-step (step)")
+    visit.part("frame").focus()
+    visit.after(lambda: visit.page.keyboard.press("Home"))
+    assert visit.part("stretching").is_visible()
+    before = np.argwhere(visit.pixels()[..., 3] > 0).mean(axis=0)
+    visit.after(lambda: visit.page.keyboard.press("End"))
+    after = np.argwhere(visit.pixels()[..., 3] > 0).mean(axis=0)
+    assert np.abs(after - before).max() > 1.0  # pixels, of the middle of what is drawn
+    ratio = visit.part("canvas").evaluate("canvas => canvas.width / canvas.clientWidth")
+    visit.part("canvas").click(position=body_place(visit, ratio))
+    text = visit.part("picked").inner_text()
+    found = re.fullmatch(r"On a body, at .*: displaced by (\S+) mm at time 0\.001 s\.", text)
+    assert found, text
+    motion = results.cases["LC2-step"].reference.motion
+    distance = np.linalg.norm(np.tensordot(motion.amplitudes[-1], motion.shapes, axes=1), axis=1)
+    assert np.abs(distance - float(found[1])).min() < 5e-3 * distance.max()
+    assert (
+        visit.page.locator(".view-history svg")
+        .get_attribute("aria-label")
+        .startswith("displacement over time, from ")
+    )
+    visit.part("frame").focus()
+    visit.after(lambda: visit.page.keyboard.press("Home"))
+
+
+def body_place(visit, ratio):
+    """Where the largest patch of a body's plain colour is, in points of the page."""
+    pixels = visit.pixels()
+    flat = (np.abs(np.diff(pixels[..., :3], axis=1)).max(axis=2) == 0) & (pixels[:, 1:, 3] == 255)
+    grey = flat & (np.ptp(pixels[:, 1:, :3], axis=2) < 90)
+    rows, columns = np.nonzero(grey)
+    row = np.bincount(rows).argmax()
+    run = columns[rows == row]
+    return {"x": float(np.median(run)) / ratio, "y": float(row) / ratio}
+
+
 def test_largest_value_is_that_of_the_results(visit, results):
     visit.choose("case", "LC2-step (step)")
     visit.part("largest").click()

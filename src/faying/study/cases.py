@@ -318,7 +318,8 @@ class CaseRunner:
                     solution, seconds = solve_case(
                         self.joint, case, system, advance, refinement, initial
                     )
-                    response = respond(solution, self.joint.model, seconds)
+                    drawn = like is None and refinement == 1
+                    response = respond(solution, self.joint.model, seconds, moves=drawn)
             if case.transient and refinement == 1 and isinstance(system, ReducedModel):
                 name, judge = f"{case.name}, {label}", self._transient_judge
                 response = judge.judged(

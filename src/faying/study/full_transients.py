@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
@@ -64,7 +63,10 @@ def full_transients(
         initial=joint.rest,
         progress=progress,
     )
-    responses = list(map(partial(respond, model=joint.model, seconds=0.0), found))
+    responses = [
+        respond(solution, joint.model, 0.0, moves=run.refinement == 1)
+        for run, solution in zip(runs, found, strict=True)
+    ]
     seconds = (time.perf_counter() - start) / len(runs)
     return [replace(response, seconds=seconds) for response in responses]
 

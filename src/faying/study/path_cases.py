@@ -19,6 +19,7 @@ from faying.simulation.static import solve_static
 from faying.simulation.without_friction import released_state
 from faying.study.load_factors import ALL, read_load_factors
 from faying.study.loads import case_load
+from faying.study.nodal_motion import NodalMotion, nodal_motion
 from faying.study.path_record import cycle_record, path_record
 from faying.study.responses import respond
 from faying.study.results import Response
@@ -100,12 +101,18 @@ def path_response(
         seconds = time.perf_counter() - start
         records = {name: cycle_record(one, load) for name, one in found.items()}
         largest = found[str(amplitudes[-1])].cycle
-        return respond(last_of(largest), model, seconds, cycles=records)
+        motion = _motion(model, largest)
+        return respond(last_of(largest), model, seconds, cycles=records, motion=motion)
     names, factors = _factors(case)
     path = solve_path(system, _loads(case, model, names, factors), initial=rest, name=case.name)
     seconds = time.perf_counter() - start
     record = path_record(path, rest, load, names, factors)
-    return respond(last_of(path), model, seconds, path=record)
+    return respond(last_of(path), model, seconds, path=record, motion=_motion(model, path))
+
+
+def _motion(model: Model, path: Solution) -> NodalMotion | None:
+    """Return the displacements along a path of the full model; other models are drawn by its."""
+    return nodal_motion(model, path) if path.system is model else None
 
 
 def cycle_increments(case: LoadCaseSection) -> int:

@@ -14,6 +14,7 @@ from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
 from faying.simulation.static import relative_forces
 from faying.study.backbone_record import packed_backbone, unpacked_backbone
+from faying.study.nodal_motion import NodalMotion, nodal_motion
 from faying.study.path_record import (
     CycleRecord,
     PathRecord,
@@ -32,8 +33,16 @@ def respond(
     path: PathRecord | None = None,
     cycles: Mapping[str, CycleRecord] | None = None,
     backbones: Mapping[str, Backbone] | None = None,
+    motion: NodalMotion | None = None,
+    moves: bool = False,
 ) -> Response:
-    """Take from a solution what a run keeps, with what led to it or was found from it."""
+    """Take from a solution what a run keeps, with what led to it or was found from it.
+
+    Parameters
+    ----------
+    moves
+        Whether the displacements of all nodes are kept of a transient, for pictures.
+    """
     static = solution.times is None
     return Response(
         pressure=solution.pressure,
@@ -48,6 +57,10 @@ def respond(
         nodal_displacement=(
             model.dofs.nodal(_displacement(model, solution))[:, :3] if static else None
         ),
+        motion=nodal_motion(model, solution) if moves and not static else motion,
+        slip=None
+        if static or solution.shear_slip is None
+        else np.hypot.reduce(solution.shear_slip, axis=-2),
         path=path,
         cycles=cycles or {},
         backbones=backbones or {},
@@ -73,13 +86,15 @@ ARRAYS = (
     "iterations",
     "seconds",
     "nodal_displacement",
+    "slip",
     "recovered_pressure",
     "energy_gain",
 )
 
 
-PATH, CYCLES, BACKBONES, ESTIMATE = "path", "cycles", "backbones", "estimate"
-"""Prefixes of the arrays of a path, of cycles, of backbones and of an estimated error."""
+PATH, CYCLES, BACKBONES = "path", "cycles", "backbones"
+ESTIMATE, MOTION = "estimate", "motion"
+"""Prefixes of the arrays of a path, of cycles, of backbones, of an estimated error, of a motion."""
 
 FAILED = "failed"
 """Name of the sentences about extras that failed, beside the arrays of a response."""
@@ -97,6 +112,11 @@ def packed(response: Response) -> dict[str, Matrix]:
     if response.estimate is not None:
         errors = asdict(response.estimate)
         arrays |= {f"{ESTIMATE}/{name}": np.asarray(value) for name, value in errors.items()}
+    if response.motion is not None:
+        arrays |= {
+            f"{MOTION}/{one.name}": np.asarray(getattr(response.motion, one.name))
+            for one in fields(NodalMotion)
+        }
     if response.path is not None:
         arrays |= packed_record(response.path, PATH)
     for name, one in response.cycles.items():
@@ -127,6 +147,8 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         iterations=np.asarray(arrays["iterations"], dtype=np.int64),
         seconds=float(arrays["seconds"]),
         nodal_displacement=arrays.get("nodal_displacement"),
+        motion=_unpacked_motion(arrays),
+        slip=arrays.get("slip"),
         recovered_pressure=arrays.get("recovered_pressure"),
         energy_gain=float(arrays["energy_gain"]),
         estimate=_unpacked_estimate(arrays),
@@ -142,4 +164,16 @@ def _unpacked_estimate(arrays: Mapping[str, Matrix]) -> Accuracy | None:
         return None
     return Accuracy(
         **{one.name: float(arrays[f"{ESTIMATE}/{one.name}"]) for one in fields(Accuracy)}
+    )
+
+
+def _unpacked_motion(arrays: Mapping[str, Matrix]) -> NodalMotion | None:
+    """Return the displacements of all nodes in some states; None where there are none."""
+    if f"{MOTION}/chosen" not in arrays:
+        return None
+    return NodalMotion(
+        chosen=np.asarray(arrays[f"{MOTION}/chosen"], dtype=np.int64),
+        amplitudes=arrays[f"{MOTION}/amplitudes"],
+        shapes=arrays[f"{MOTION}/shapes"],
+        missed=float(arrays[f"{MOTION}/missed"]),
     )

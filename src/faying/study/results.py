@@ -14,6 +14,7 @@ from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.jumps import Jump
+from faying.study.nodal_motion import NodalMotion
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.remedy import Remedy
 from faying.study.validation_record import ValidationRecord
@@ -46,6 +47,10 @@ class Response:
         Wall time of the solution, offline work excluded; its share where others were beside it.
     nodal_displacement : (n_node, 3) [length]
         Displacement of the nodes, of static cases.
+    motion
+        Displacements in some instants or increments, of the reference.
+    slip : (n_time, n_point) [length]
+        Distance slipped since the joint was unstressed, of transients with friction.
     recovered_pressure : (n_time, n_point) [force/length²]
         Pressure recovered from the motion, of transients of reduced models.
     energy_gain : [1]
@@ -73,6 +78,8 @@ class Response:
     iterations: Indices
     seconds: float
     nodal_displacement: Matrix | None = None
+    motion: NodalMotion | None = None
+    slip: Matrix | None = None
     recovered_pressure: Matrix | None = None
     energy_gain: float = 0.0
     estimate: Accuracy | None = None

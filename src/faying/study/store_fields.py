@@ -15,6 +15,7 @@ from faying.files.meanings import Table, meanings
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import GEOMETRY
 from faying.study.jumps import Jump
+from faying.study.nodal_motion import NodalMotion
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.recovered import RecoveredRecord
 from faying.study.remedy import Remedy, Tried
@@ -55,6 +56,7 @@ STORED = (
     MethodResult,
     Accuracy,
     Response,
+    NodalMotion,
     PathRecord,
     CycleRecord,
     Backbone,

@@ -1,7 +1,8 @@
 """What a report shows on the contact faces, in the order in which it is kept if room is short."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -27,7 +28,11 @@ class Field:
         Numbers of the frames it is known in.
     values
         Returns the values, (n_pair, n_frame) as nodal averages of all interfaces one after the
-        other; of displacements (n, 3) at the nodes of the outer surface.
+        other; of displacements shapes (n, 3 n_shape) at the nodes of the outer surface.
+    amplitudes : (n_frame, n_shape), optional
+        Of displacements, how much of each shape a frame has.
+    largest
+        Of displacements, the largest of all frames.
     """
 
     case: int
@@ -35,6 +40,19 @@ class Field:
     name: str
     at: tuple[int, ...]
     values: Callable[[], Matrix]
+    amplitudes: Matrix | None = None
+    largest: float = 0.0
+
+
+ORDER = (
+    (("pressure",), True),
+    (("displacement",), True),
+    (("pressure",), False),
+    (("gap", "slip"), True),
+    (("gap", "slip"), False),
+    (("displacement",), False),
+)
+"""Fields in the order in which they are kept, and whether those of references or of methods."""
 
 
 def models(case: CaseResult) -> list[tuple[str, Response]]:
@@ -46,7 +64,7 @@ def models(case: CaseResult) -> list[tuple[str, Response]]:
 
 
 def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> Iterator[Field]:
-    """Yield the fields of a run: first what the references found, then the methods.
+    """Yield the fields of a run in the order in which they are kept.
 
     Parameters
     ----------
@@ -56,42 +74,62 @@ def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> It
         Those of the outer surface.
     """
     every = [
-        (number, place, list(fields_of_response(results, response, frames_of[name], nodes)))
+        replace(field, case=number, model=place)
         for number, (name, case) in enumerate(results.cases.items())
         for place, (_, response) in enumerate(models(case))
+        for field in fields_of_response(results, response, frames_of[name], nodes)
     ]
-    for wanted in (("pressure",), ("gap", "slip"), ("displacement",)):
-        for references in (True, False):
-            for number, place, found in every:
-                for name, at, values in found:
-                    if name in wanted and (place == 0) is references:
-                        yield Field(case=number, model=place, name=name, at=at, values=values)
+    for names, of_reference in ORDER:
+        for field in every:
+            if field.name in names and (field.model == 0) is of_reference:
+                yield field
 
 
 def fields_of_response(
     results: Results, response: Response, frames: Frames, nodes: Indices
-) -> Iterator[tuple[str, tuple[int, ...], Callable[[], Matrix]]]:
-    """Yield name, frames and values of the fields of a response."""
+) -> Iterator[Field]:
+    """Yield the fields of a response, as those of the first model and load case."""
+    field = partial(Field, case=0, model=0)
     everywhere, last = tuple(range(len(frames.chosen))), (len(frames.chosen) - 1,)
     found = increments(response)
     if found:
         path = found[-1]
-        yield "pressure", everywhere, lambda: averages(results, path.pressure[frames.chosen])
-        yield "gap", last, lambda: averages(results, response.gap[None])
+        pressed = path.pressure[frames.chosen]
+        yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressed))
+        yield field(name="gap", at=last, values=lambda: averages(results, response.gap[None]))
         if any(record.friction > 0 for record in results.interfaces.values()):
-            slip = path.slip[frames.chosen]
-            yield "slip", everywhere, lambda: averages(results, np.linalg.norm(slip, axis=-1))
+            slip = np.linalg.norm(path.slip[frames.chosen], axis=-1)
+            yield field(name="slip", at=everywhere, values=lambda: averages(results, slip))
     else:
         of_time = response.pressure.ndim > 1
         chosen = frames.chosen if of_time else slice(None)
         pressure, gap = (
             np.atleast_2d(values)[chosen] for values in (response.pressure, response.gap)
         )
-        yield "pressure", everywhere, lambda: averages(results, pressure)
-        yield "gap", everywhere, lambda: averages(results, gap)
-    moved = response.nodal_displacement
-    if moved is not None:
-        yield "displacement", last, lambda: moved[nodes]
+        yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressure))
+        yield field(name="gap", at=everywhere, values=lambda: averages(results, gap))
+        if response.slip is not None:
+            slipped = response.slip[chosen]
+            yield field(name="slip", at=everywhere, values=lambda: averages(results, slipped))
+    motion, moved = response.motion, response.nodal_displacement
+    if motion is not None:
+        shapes, amplitudes = motion.shapes[:, nodes], motion.amplitudes
+        steps = np.linalg.norm(np.tensordot(amplitudes, shapes, axes=1), axis=-1)
+        yield field(
+            name="displacement",
+            at=tuple(np.flatnonzero(np.isin(frames.chosen, motion.chosen)).tolist()),
+            values=lambda: np.moveaxis(shapes, 0, 1).reshape(len(nodes), -1),
+            amplitudes=amplitudes[np.isin(motion.chosen, frames.chosen)],
+            largest=float(steps.max(initial=0.0)),
+        )
+    elif moved is not None:
+        yield field(
+            name="displacement",
+            at=last,
+            values=lambda: moved[nodes],
+            amplitudes=np.ones((1, 1)),
+            largest=float(np.linalg.norm(moved[nodes], axis=-1).max(initial=0.0)),
+        )
 
 
 def averages(results: Results, values: Matrix) -> Matrix:

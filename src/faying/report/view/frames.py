@@ -4,13 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices
 from faying.study.comparison import increments
+from faying.study.nodal_motion import shown_states
 from faying.study.results import CaseResult
 from faying.units import Units
-
-MOST_FRAMES = 41
-"""Instants of a load case that are shown, that of the largest pressure aside."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -38,19 +36,13 @@ def frames(case: CaseResult, units: Units) -> Frames:
     found = increments(case.reference)
     if found:
         path = found[-1]
-        chosen = _chosen(path.pressure.max(axis=1, initial=0.0))
+        chosen = shown_states(path.pressure.max(axis=1, initial=0.0))
         if path.factors.shape[1] == 1:
             values = path.factors[chosen, 0]
             return Frames(label="load factor", unit="", values=tuple(values), chosen=chosen)
         return Frames(label="increment", unit="", values=tuple(chosen + 1.0), chosen=chosen)
     if case.times is None:
         return Frames(label="", unit="", values=(0.0,), chosen=np.zeros(1, dtype=np.int64))
-    chosen = _chosen(case.reference.pressure.max(axis=1, initial=0.0))
+    chosen = shown_states(case.reference.pressure.max(axis=1, initial=0.0))
     times = tuple(case.times[chosen])
     return Frames(label="time", unit=units.time, values=times, chosen=chosen)
-
-
-def _chosen(peaks: Vector) -> Indices:
-    even = np.linspace(0, len(peaks) - 1, min(MOST_FRAMES, len(peaks)))
-    chosen: Indices = np.unique(np.append(np.rint(even).astype(np.int64), int(peaks.argmax())))
-    return chosen

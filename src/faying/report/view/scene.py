@@ -13,6 +13,7 @@ from faying._typing import Indices
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, PRESSURE_MAP
 from faying.model.mesh import Mesh
 from faying.report.figures.plane import best_plane
+from faying.report.quantities import percent
 from faying.report.style import ERROR_MAP, GAP_MAP, OPEN_COLOUR, SLIP_MAP
 from faying.report.view.explosion import explosion
 from faying.report.view.fields import averages, fields, models
@@ -99,12 +100,16 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
     if results.interfaces:
         shown["cases"].append(_preload(results))
     room -= len(json.dumps(shown))
+    notes += _thinned(results)
     left_out = 0
     for field in fields(results, frames_of, surface.nodes):
         if left_out:
             left_out += 1
             continue
-        packed = {"at": field.at, **packed_numbers(field.values())}
+        packed: dict[str, Any] = {"at": field.at, **packed_numbers(field.values())}
+        if field.amplitudes is not None:
+            rows = [_short(row) for row in field.amplitudes.tolist()]
+            packed |= {"amplitudes": rows, "largest": field.largest}
         room -= len(json.dumps({field.name: packed}))
         if room < 0:
             left_out += 1
@@ -117,6 +122,21 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
     # A name may hold what would end the script.
     text = json.dumps(shown, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     return SceneText(text=text, notes=tuple(notes))
+
+
+def _thinned(results: Results) -> list[str]:
+    """Say how much of the states of load cases is shown."""
+    found = (case.reference.motion for case in results.cases.values())
+    motions = [one for one in found if one is not None]
+    if not motions:
+        return []
+    states, shapes = (max(one.amplitudes.shape[axis] for one in motions) for axis in (0, 1))
+    missed = max(one.missed for one in motions)
+    return [
+        f"Of load cases in time or increments up to {states} states are shown, displaced as the "
+        f"reference is, by up to {shapes} shapes that miss at most {percent(missed)} of the "
+        "largest displacement."
+    ]
 
 
 def _scale(name: str) -> list[str]:

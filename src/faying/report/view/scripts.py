@@ -3,7 +3,16 @@
 from functools import cache
 from importlib.resources import files
 
-OWN = ("tables.js", "unpack.js", "colours.js", "map.js", "stage.js", "view.js")
+OWN = (
+    "tables.js",
+    "unpack.js",
+    "colours.js",
+    "map.js",
+    "motion.js",
+    "chart.js",
+    "stage.js",
+    "view.js",
+)
 
 
 @cache

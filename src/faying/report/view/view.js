@@ -20,7 +20,7 @@ async function startView(data) {
     const packed = data.cases[number].models[model]?.fields[name];
     if (!packed) return null;
     const key = `${number} ${model} ${name}`;
-    if (!kept.has(key)) kept.set(key, unpacked(packed).then((one) => ({ ...one, at: packed.at })));
+    if (!kept.has(key)) kept.set(key, unpacked(packed).then((one) => ({ ...packed, ...one })));
     return kept.get(key);
   };
 
@@ -182,8 +182,8 @@ async function startView(data) {
     if (stage) {
       // WebGL knows no infinity.
       stage.colour(parts, { ...scale, open: Math.max(scale.open, -1e30) });
-      // Of increments the last one alone is known; the others are drawn at rest.
-      stretch(moved?.at.includes(found.frame) ? moved.values : null);
+      state.moved = moved;
+      stretch(moved && displaced(moved, found.frame), wish.number);
       stage.mark(state.picked);
       if (!state.shown) stage.fit();
       else stage.draw();
@@ -192,19 +192,16 @@ async function startView(data) {
     root.dataset.shown = state.shown = ticket;
   }
 
-  // A round factor that draws the largest displacement a twentieth of the size of the model.
-  function stretch(displacement) {
+  // A round factor that draws the largest displacement of a load case a twentieth of the size of
+  // the model, until a reader chooses another.
+  function stretch(displacement, number) {
     part("stretching").hidden = !displacement;
-    if (displacement && !state.stretched) {
-      let largest = 0;
-      for (let at = 0; at < displacement.length; at += 3) {
-        largest = Math.max(largest, Math.hypot(...displacement.subarray(at, at + 3)));
-      }
-      const wanted = (0.05 * stage.size) / (largest || Infinity);
+    if (displacement && state.stretched !== number && state.stretched !== "chosen") {
+      const wanted = (0.05 * stage.size) / (state.moved.largest || Infinity);
       const places = FACTORS.filter((factor) => factor <= Math.max(wanted, 1));
       control.stretch.max = Math.min(places.length + 2, FACTORS.length - 1);
       control.stretch.value = places.length - 1;
-      state.stretched = true;
+      state.stretched = number;
     }
     const factor = FACTORS[Number(control.stretch.value)];
     part("factor").textContent = `× ${written(factor)}`;
@@ -251,15 +248,23 @@ async function startView(data) {
     const text = part("picked");
     part("history").replaceChildren();
     if (!picked) return;
+    const { frames } = data.cases[number];
+    const when = frames.label ? ` at ${part("instant").textContent}.` : ".";
     if (picked.point !== undefined) {
-      text.textContent = `On a body, at ${place(picked)}.`;
+      const history = state.moved ? travel(state.moved, picked.point) : [];
+      const now = history.find(([frame]) => frame === found.frame);
+      const { length } = data.units;
+      text.textContent = `On a body, at ${place(picked)}`
+        + (now ? `: displaced by ${written(now[1], length)}${when}` : ".");
+      if (history.length > 1) {
+        part("history").append(chart(history, frames, found.frame, "displacement", length));
+      }
       return;
     }
-    const { frames } = data.cases[number];
     const pair = firsts[picked.number] + picked.pair;
     text.textContent = `${contact[picked.number].name} at ${place(picked)}: `
       + `${QUANTITIES[quantity]} ${written(found.values[pair], unit())}`
-      + (frames.label ? ` at ${part("instant").textContent}.` : ".");
+      + when;
     const history = found.history(pair);
     if (history.length > 1) {
       part("history").append(chart(history, frames, found.frame, QUANTITIES[quantity], unit()));
@@ -300,6 +305,7 @@ async function startView(data) {
   });
   control.case.addEventListener("change", () => { offer(); show(); });
   control.model.addEventListener("change", () => { offer(); show(); });
+  control.stretch.addEventListener("input", () => { state.stretched = "chosen"; });
   for (const name of ["quantity", "frame", "apart", "stretch"]) {
     control[name].addEventListener("input", () => show());
   }
@@ -336,47 +342,6 @@ async function startView(data) {
   options(control.case, there, data.start);
   offer();
   await show();
-}
-
-// A line over the states of a load case, the present one marked.
-function chart(history, frames, now, name, unit) {
-  const space = "http://www.w3.org/2000/svg";
-  const draw = (kind, attributes, text) => {
-    const element = document.createElementNS(space, kind);
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-    if (text) element.textContent = text;
-    return element;
-  };
-  const [width, height, left, below] = [420, 130, 62, 30];
-  const [from, to] = [Math.min(...frames.values), Math.max(...frames.values)];
-  const along = (value) => left + ((value - from) / (to - from || 1)) * (width - left - 8);
-  const values = history.map(([, value]) => value);
-  const low = Math.min(0, ...values);
-  const high = Math.max(0, ...values) || 1;
-  const up = (value) => 8 + ((high - value) / (high - low)) * (height - below - 8);
-  const svg = draw("svg", { viewBox: `0 0 ${width} ${height}`, role: "img" });
-  svg.setAttribute("aria-label",
-    `${name} over ${frames.label}, from ${written(values[0], unit)} to `
-    + `${written(values.at(-1), unit)}, largest ${written(Math.max(...values), unit)}`);
-  const points = history.map(([at, value]) =>
-    `${along(frames.values[at]).toFixed(1)},${up(value).toFixed(1)}`);
-  svg.append(
-    draw("path", { d: `M${left} 8V${height - below}H${width - 8}`, class: "axis" }),
-    draw("polyline", { points: points.join(" ") }),
-    draw("text", { x: left - 6, y: 14, "text-anchor": "end" }, written(high)),
-    draw("text", { x: left - 6, y: height - below, "text-anchor": "end" }, written(low)),
-    draw("text", { x: left, y: height - 12 }, written(from)),
-    draw("text", { x: width - 8, y: height - 12, "text-anchor": "end" },
-      `${written(to, frames.unit)}`),
-    draw("text", { x: (left + width) / 2, y: height - 12, "text-anchor": "middle" },
-      `${frames.label}; ${name} [${unit}]`),
-  );
-  const present = history.find(([at]) => at === now);
-  if (present) {
-    const [x, y] = [along(frames.values[now]), up(present[1])];
-    svg.append(draw("circle", { cx: x, cy: y, r: 4 }));
-  }
-  return svg;
 }
 
 {

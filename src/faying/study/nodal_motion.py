@@ -1,0 +1,99 @@
+"""How all nodes move over the states of a load case: a few shapes, and how much of each when."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Indices, Matrix, Vector
+from faying.joint.model import Model
+from faying.reduction.projection import full_displacement
+from faying.simulation.solution import Solution
+
+MOST_STATES = 41
+"""States of a load case whose displacements are kept, that of the largest pressure aside."""
+
+MOST_SHAPES = 12
+"""Shapes at most: a page has room for as many of a surface of 60 000 nodes."""
+
+MISSED = 2e-3
+"""Part of the largest displacement that may be missed: the largest is drawn a twentieth of the size
+of the model, of which this is a ten-thousandth, less than a pixel."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NodalMotion:
+    """Displacements of all nodes in some states of a load case: amplitudes times shapes.
+
+    Attributes
+    ----------
+    chosen : (n_state,) [1]
+        Their numbers among all instants or increments.
+    amplitudes : (n_state, n_shape) [1]
+        Factors of the shapes.
+    shapes : (n_shape, n_node, 3) [length]
+        Displacements of all nodes.
+    missed : [1]
+        Largest component of a displacement that the shapes miss, over the largest of all.
+    """
+
+    chosen: Indices
+    amplitudes: Matrix
+    shapes: Matrix
+    missed: float
+
+
+def shown_states(peaks: Vector) -> Indices:
+    """Choose states that stand for all: evenly, and the one of the largest pressure.
+
+    Parameters
+    ----------
+    peaks : (n,)
+        Largest pressure of each instant or increment.
+    """
+    even = np.linspace(0, len(peaks) - 1, min(MOST_STATES, len(peaks)))
+    chosen: Indices = np.unique(np.append(np.rint(even).astype(np.int64), int(peaks.argmax())))
+    return chosen
+
+
+def nodal_motion(model: Model, solution: Solution) -> NodalMotion:
+    """Return how the nodes of the full model move in a transient or a path.
+
+    Notes
+    -----
+    A back-substitution for each of its states where the solution is of a reduced model that keeps a
+    residual compliance.
+    """
+    chosen = shown_states(solution.max_pressure)
+    shear = solution.shear_forces
+    some = replace(
+        solution,
+        states=solution.states[chosen],
+        contact_forces=solution.contact_forces[chosen],
+        shear_forces=None if shear is None else shear[chosen],
+    )
+    moved = model.dofs.translations @ full_displacement(model, some).T
+    amplitudes, shapes, missed = few_shapes(moved)
+    return NodalMotion(
+        chosen=chosen,
+        amplitudes=amplitudes,
+        shapes=shapes.T.reshape(amplitudes.shape[1], -1, 3),
+        missed=missed,
+    )
+
+
+def few_shapes(states: Matrix) -> tuple[Matrix, Matrix, float]:
+    """Return amplitudes (n_state, n_shape) and shapes (n, n_shape) of states (n, n_state).
+
+    The fewest of the proper orthogonal modes that miss at most :data:`MISSED` of the largest entry,
+    up to :data:`MOST_SHAPES`; and what they miss of it.
+    """
+    largest = float(np.abs(states).max(initial=0.0))
+    # Eigenvectors of the Gram matrix (15.22) are exact to half the digits, which is far enough.
+    amplitudes = la.eigh(states.T @ states)[1][:, ::-1][:, :MOST_SHAPES]
+    shapes = states @ amplitudes
+    rest, count, missed = states.copy(), 0, 1.0 if largest > 0 else 0.0
+    while missed > MISSED and count < amplitudes.shape[1]:
+        rest -= np.outer(shapes[:, count], amplitudes[:, count])
+        count, missed = count + 1, float(np.abs(rest).max()) / largest
+    return amplitudes[:, :count], shapes[:, :count], missed
