@@ -18,10 +18,13 @@ class PaddedRows:
     columns : (n, k)
         Column of each entry; 0 for padding.
     values : (n, k)
+    n_column
+        Columns of the matrix.
     """
 
     columns: Indices
     values: Matrix
+    n_column: int
 
     @classmethod
     def of(cls, matrix: SparseMatrix) -> "PaddedRows":
@@ -31,7 +34,7 @@ class PaddedRows:
         used = np.arange(counts.max(initial=0)) < counts[:, None]
         columns, values = np.zeros(used.shape, dtype=np.int64), np.zeros(used.shape)
         columns[used], values[used] = rows.indices, rows.data
-        return cls(columns, values)
+        return cls(columns, values, rows.shape[1])
 
     def product(self, rows: Indices, vector: Vector) -> Vector:
         """Return some rows times a vector (n_column,)."""
@@ -45,3 +48,11 @@ class PaddedRows:
         values = self.values.take(rows, axis=0)
         result: Matrix = np.matmul(entries.transpose(1, 0, 2), values[:, :, None])[:, :, 0]
         return result
+
+    def gram(self, rows: Indices, weights: Vector) -> Matrix:
+        """Return Vᵀ W V (n_column, n_column) of some rows V, with weights (n,) of all rows."""
+        columns, values = self.columns.take(rows, axis=0), self.values.take(rows, axis=0)
+        places = columns[:, :, None] * self.n_column + columns[:, None, :]
+        entries = (values * weights.take(rows)[:, None])[:, :, None] * values[:, None, :]
+        filled = np.bincount(places.ravel(), entries.ravel(), minlength=self.n_column**2)
+        return np.asarray(filled.reshape(self.n_column, self.n_column))

@@ -144,6 +144,12 @@ class SupportedPairs:
         shapes[order - 1] = np.tril(factor)
         return np.asarray(shapes[:, :rank])
 
+    @cached_property
+    def _shapes_at_points(self) -> Matrix:
+        """N Y (n_point, rank)."""
+        result: Matrix = self.N @ self._shapes
+        return result
+
     def near(self, closed: Mask, active: Mask) -> bool:
         """Say whether few enough points have changed sides for the E of a closed set."""
         return bool(np.count_nonzero(active ^ closed) <= NEAR * len(self.S))
@@ -156,15 +162,14 @@ class SupportedPairs:
         scipy.linalg.LinAlgError
             If S is not positive semidefinite.
         """
-        touching = self.N[closed.nonzero()[0]]
-        springs = touching.T @ (touching / self.D[closed][:, None])
+        points = closed.nonzero()[0]
         if self._stiffness is not None:
-            E = _inverse(_factor(self._stiffness + springs.toarray()))
+            E = _inverse(_factor(self._stiffness + self.rows.gram(points, self._springs)))
         else:
-            shapes = self._shapes
-            held = shapes.T @ (springs @ shapes)
+            moved = self._shapes_at_points.take(points, axis=0)
+            held = (moved.T * self._springs[points]) @ moved
             held[np.diag_indices_from(held)] += 1.0
-            half = la.solve_triangular(_factor(held), shapes.T, lower=True)
+            half = la.solve_triangular(_factor(held), self._shapes.T, lower=True)
             E = np.asarray(blas.dsyrk(1.0, half, trans=1, lower=1))
             E = np.asfortranarray(E + np.tril(E, -1).T)
         acting = np.where(closed, self._springs, 0.0)
