@@ -8,6 +8,7 @@ from pages import DOCS
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
+from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
@@ -65,6 +66,7 @@ GROUPS = {
     "/cases/NAME/methods/METHOD/N/accuracy": Accuracy,
     "/assessment": Assessment,
     "/assessment/bolts/NAME": BoltAssessment,
+    "/assessment/bolts/NAME/bending": BoltBending,
     "/assessment/bolts/NAME/thread": ThreadStress,
     "/assessment/interfaces/NAME": InterfaceAssessment,
     "/assessment/scatter/0": Spread,

@@ -12,6 +12,7 @@ from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
+from faying.model.bolt import Bolt
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.simulation.solution import Solution
 
@@ -67,6 +68,15 @@ def metrics_of(
                 worst="largest",
             )
         ]
+    found += [
+        Metric(
+            name=f"bolt_bending.{name}",
+            description="larger of the bending moments where the beams of the bolt begin and end",
+            dimension="force·length",
+            worst="largest",
+        )
+        for name in bent_bolts(system.bolts)
+    ]
     for name, boundary in system.boundaries.items():
         found += [
             Metric(
@@ -165,6 +175,9 @@ def case_metrics(
     for name, surface in interfaces.items():
         columns += _interface_columns(name, surface, solution, certificate)
     columns += [np.asarray(solution.bolt_force(name)) for name in solution.system.bolts]
+    for name in bent_bolts(solution.system.bolts):
+        moments = np.linalg.norm(solution.bolt_bending(name), axis=-1)
+        columns.append(moments.max(axis=-1))
     for name, boundary in solution.system.boundaries.items():
         moved = solution.displacement(name)
         columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
@@ -172,6 +185,11 @@ def case_metrics(
     if certificate is not None:
         columns += [certificate.energy_error, certificate.max_relative_error]
     return np.column_stack(columns)
+
+
+def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:
+    """Return the names of the bolts whose bending is seen."""
+    return [name for name, bolt in bolts.items() if bolt.bending is not None]
 
 
 def _components(boundary: Boundary) -> list[int]:

@@ -5,7 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from faying.assessment.bolt_bending import bending_of
 from faying.assessment.bolt_surroundings import nearest_bolts
+from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
 from faying.assessment.joint_record import (
     Assessment,
@@ -79,17 +81,20 @@ def assess(
     full = system.joint if isinstance(system, ReducedModel) else system
     certificate = certifier(full).certify_inputs(cases.inputs, cases.pressure)
     bolt_forces = {name: np.asarray(cases.bolt_force(name)) for name in system.bolts}
+    bent = {name: cases.bolt_bending(name) for name in bent_bolts(system.bolts)}
     states = {
         name: CaseState(
             pressure=cases.pressure[row : row + 1],
             bolt_forces={bolt: force[row : row + 1] for bolt, force in bolt_forces.items()},
             certified={one: ends[row] for one, ends in certificate.contact_force.items()},
+            bolt_moments={bolt: moments[row : row + 1] for bolt, moments in bent.items()},
         )
         for row, name in enumerate(names)
     }
     at_rest = CaseState(
         pressure=rest.pressure[None],
         bolt_forces={name: np.atleast_1d(rest.bolt_force(name)) for name in system.bolts},
+        bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
     )
     surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
     followed = {load.name: load_path(full, load) for load in loads} if paths else {}
@@ -100,11 +105,21 @@ def assess(
         if scatter is not None
         for spread in preload_spreads(system, surfaces, load, scatter)
     ]
-    return with_threads(replace(found, scatter=tuple(spreads)), threads or {}, system.units)
+    return with_threads(replace(found, scatter=tuple(spreads)), states, threads or {}, system.units)
 
 
-def with_threads(found: Assessment, threads: Mapping[str, Thread], units: str) -> Assessment:
+def with_threads(
+    found: Assessment,
+    cases: Mapping[str, CaseState],
+    threads: Mapping[str, Thread],
+    units: str,
+) -> Assessment:
     """Return an assessment with the stress in the threads that are known.
+
+    Parameters
+    ----------
+    cases
+        What was judged.
 
     Raises
     ------
@@ -122,8 +137,10 @@ def with_threads(found: Assessment, threads: Mapping[str, Thread], units: str) -
             thread=thread_stress(
                 thread,
                 found.bolts[name].preload,
-                found.bolts[name].least,
-                found.bolts[name].most,
+                np.concatenate([one.bolt_forces[name] for one in cases.values()]),
+                np.concatenate([one.bolt_moments[name] for one in cases.values()])
+                if found.bolts[name].bending is not None
+                else None,
                 units,
             ),
         )
@@ -223,6 +240,12 @@ def _bolt(
         most_case=most,
         axial_loads=axial,
         load_factors=factors,
+        bending=bending_of(
+            rest.bolt_moments[name][0],
+            {case: one.bolt_moments[name] for case, one in cases.items()},
+        )
+        if name in rest.bolt_moments
+        else None,
     )
 
 

@@ -1,10 +1,11 @@
 """What is known of a joint over its load cases, as plain values."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 from faying._typing import Matrix, Vector
+from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.thread import ThreadStress
@@ -21,11 +22,14 @@ class CaseState:
         Bolt to (n_instant,) [force].
     certified
         Interface to the interval (2,) in which the full model's clamp force lies, of static cases.
+    bolt_moments
+        Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where seen.
     """
 
     pressure: Matrix
     bolt_forces: Mapping[str, Vector]
     certified: Mapping[str, Vector] | None = None
+    bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
 
 
 @final
@@ -50,6 +54,8 @@ class BoltAssessment:
         along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
     load_factors : [1]
         Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
+    bending
+        How far the bolt is bent; None where it is not seen, as of springs.
     thread
         Stress in the thread, where that is known.
     """
@@ -61,6 +67,7 @@ class BoltAssessment:
     most_case: str
     axial_loads: Mapping[str, float]
     load_factors: Mapping[str, float]
+    bending: BoltBending | None = None
     thread: ThreadStress | None = None
 
 

@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass, replace
 
-from faying._typing import Matrix, Vector, frozen
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, Vector, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -22,6 +24,11 @@ class Bolt:
         N₀; zero for a bolt not yet tightened.
     ends : (2, 3) or None [length]
         Where what is tightened begins and ends.
+    bending : (4, n_dof) or None
+        Rows that take displacements to the bending moments [force·length]: two components where
+        the beams of the bolt begin, two where they end; None of a bolt without beams.
+    residual_bending : (4, n_relative) or None [length]
+        Moments per force between the contact pairs that the trial vectors of a reduced model lack.
     """
 
     name: str
@@ -29,6 +36,8 @@ class Bolt:
     stiffness: float
     initial_force: float = 0.0
     ends: Matrix | None = None
+    bending: SparseMatrix | Matrix | None = None
+    residual_bending: Matrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elongation", frozen(self.elongation))
@@ -46,4 +55,9 @@ class Bolt:
 
     def projected(self, vectors: Matrix) -> "Bolt":
         """Return the bolt as seen by coordinates q of u = vectors q."""
-        return replace(self, elongation=self.elongation @ vectors)
+        bending = None if self.bending is None else np.asarray(self.bending @ vectors)
+        return replace(self, elongation=self.elongation @ vectors, bending=bending)
+
+    def at_ports(self) -> "Bolt":
+        """Return what is known of the bolt without any coordinates."""
+        return replace(self, elongation=np.zeros(0), bending=None, residual_bending=None)

@@ -27,12 +27,23 @@ def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
     ModelError
         If an id is not a beam or an axial spring, or the elements do not form one chain.
     """
+    chain = bolt_chain(assembly, spec)
+    return chain[(len(chain) - 1) // 2]
+
+
+def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:
+    """Return the elements of a deck's bolt end to end, the end listed first in front.
+
+    Raises
+    ------
+    ModelError
+        As :func:`bolt_axis_element`.
+    """
     if not spec.elements:
         message = f"bolt '{spec.name}' names no elements; give the ids of its beam elements"
         raise ModelError(message)
     chosen = [_line_element(assembly, spec, i) for i in dict.fromkeys(spec.elements)]
-    chain = _chain(spec, chosen)
-    return chain[(len(chain) - 1) // 2]
+    return _chain(spec, chosen)
 
 
 def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam | Spring:
@@ -61,14 +72,14 @@ def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]
     """Order elements end to end."""
     at_node: dict[int, list[Beam | Spring]] = defaultdict(list)
     for element in elements:
-        for node in _nodes(element):
+        for node in end_nodes(element):
             at_node[node].append(element)
-    loose = [node for element in elements for node in _nodes(element) if len(at_node[node]) == 1]
+    loose = [node for element in elements for node in end_nodes(element) if len(at_node[node]) == 1]
     chain: list[Beam | Spring] = []
     node = loose[0] if loose else -1
     while following := [e for e in at_node.get(node, []) if e not in chain]:
         chain.append(following[0])
-        node = next(n for n in _nodes(following[0]) if n != node)
+        node = next(n for n in end_nodes(following[0]) if n != node)
     if len(chain) != len(elements) or len(loose) != 2:
         ids = ", ".join(str(element.id) for element in elements)
         message = (
@@ -79,6 +90,6 @@ def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]
     return chain
 
 
-def _nodes(element: Beam | Spring) -> tuple[int, ...]:
-    """Node indices of a line element."""
+def end_nodes(element: Beam | Spring) -> tuple[int, ...]:
+    """Return the indices of the nodes of a line element."""
     return element.nodes if isinstance(element, Beam) else tuple(node for node, _ in element.ends)

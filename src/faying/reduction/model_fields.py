@@ -115,6 +115,17 @@ OWN_COORDINATES: Table = {
     "translations": Meaning(
         "displacements x, y, z of all nodes per free degree of freedom (CSR)",
     ),
+    "bending": Meaning(
+        "bending moments of bolts that are beams, two components where they begin and two where "
+        "they end",
+        "force",
+        "(4, n_mode)",
+    ),
+    "residual_bending": Meaning(
+        "such moments per force between the pairs that the trial vectors lack",
+        "length",
+        "(4, n_relative)",
+    ),
     "nodal_shapes": Meaning(
         "displacements of all nodes per coordinate, where the trial vectors are not known",
         "1",

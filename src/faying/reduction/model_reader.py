@@ -177,7 +177,12 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
             name: one.with_dofs(at[places[name]]) for name, one in joint.boundaries.items()
         },
         bolts={
-            name: replace(one, elongation=row)
+            name: replace(
+                one,
+                elongation=row,
+                bending=_of_bolt(group, "bending", name, n),
+                residual_bending=_of_bolt(group, "residual_bending", name, n_relative),
+            )
             for (name, one), row in zip(joint.bolts.items(), rows, strict=True)
         },
         basis=Basis(vectors=np.zeros((0, n)), kinds=kinds),
@@ -191,6 +196,14 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
         recovery_damping=_optional(group, "damping_recovery", (n_port, n)),
         invariants=_optional(group, "invariants", (4 + 3 * n, 4 + 3 * n)),
     )
+
+
+def _of_bolt(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | None:
+    """Return the moments of a bolt; None where the file does not tell."""
+    if key not in group or member_name(bolt) not in group[key]:
+        return None
+    moments: Matrix = numbers(member(group, key), bolt, (4, width))
+    return moments
 
 
 def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:

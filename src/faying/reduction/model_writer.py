@@ -15,7 +15,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
 from faying.exceptions import FormatError
 from faying.files.described import Format, new_file, new_group, write_members
@@ -171,5 +171,14 @@ def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
         "residual_compliance": rom.contact.residual_compliance,
         "trial_vectors": vectors if shapes and len(vectors) else None,
         "translations": mesh.translations if shapes else None,
+        "bending": _moments({name: one.bending for name, one in rom.bolts.items()}),
+        "residual_bending": _moments(
+            {name: one.residual_bending for name, one in rom.bolts.items()}
+        ),
         "nodal_shapes": mesh.modes if shapes and mesh.translations is None else None,
     }
+
+
+def _moments(rows: Mapping[str, Any]) -> dict[str, Matrix] | None:
+    """Return the rows there are, by bolt; None without any."""
+    return {name: np.asarray(one) for name, one in rows.items() if one is not None} or None

@@ -53,7 +53,7 @@ def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:
             name: one.with_dofs(np.arange(places[name].start, places[name].stop))
             for name, one in joint.boundaries.items()
         },
-        bolts={name: replace(one, elongation=np.zeros(0)) for name, one in joint.bolts.items()},
+        bolts={name: one.at_ports() for name, one in joint.bolts.items()},
         port_compliance=ports,
         load_patterns={
             name: replace(one, forces=np.zeros(0)) for name, one in joint.load_patterns.items()

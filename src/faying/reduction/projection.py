@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, frozen
 from faying.exceptions import ModelError
@@ -12,6 +13,7 @@ from faying.joint.model import Model
 from faying.joint.system import PortCompliance
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import SingularMatrixError
+from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.reduction.basis import VANISHING, Basis, ModeKind
 from faying.reduction.mesh_shapes import MeshShapes
@@ -69,7 +71,14 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
         K=_symmetric(model.K @ phi, phi),
         contact=contact,
         boundaries=_boundaries(model, basis),
-        bolts={name: bolt.projected(phi) for name, bolt in model.bolts.items()},
+        bolts={
+            name: bolt.projected(phi)
+            if bolt.bending is None or not compliance
+            else replace(
+                bolt.projected(phi), residual_bending=_residual_bending(model, basis, bolt)
+            )
+            for name, bolt in model.bolts.items()
+        },
         basis=basis,
         load_patterns={name: one.projected(phi) for name, one in model.load_patterns.items()},
         name=model.name,
@@ -226,12 +235,29 @@ def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
     -----
     One back-substitution for each f.
     """
-    fixed = basis.of_kind(*VANISHING)
     at_dofs = (np.atleast_2d(forces) @ model.structure.relative_operator).T
-    held = model.structure.solve_held(at_dofs)
-    shares = np.linalg.solve(fixed.T @ (model.K @ fixed), fixed.T @ at_dofs)
-    beyond: Matrix = (held - fixed @ shares).T
-    return beyond.reshape(*np.shape(forces)[:-1], -1)
+    return _beyond(model, basis, at_dofs).T.reshape(*np.shape(forces)[:-1], -1)
+
+
+def _residual_bending(model: Model, basis: Basis, bolt: Bolt) -> Matrix:
+    """Return the moments (4, n_relative) of a bolt per pair force beyond a basis.
+
+    What pair forces do to the moments is, the operator being symmetric, what the rows of the
+    moments, taken as forces, do to the pairs: four back-substitutions.
+    """
+    rows = sp.csr_array(bolt.bending).toarray()
+    seen = model.structure.relative_operator @ _beyond(model, basis, rows.T)
+    moments: Matrix = frozen(np.ascontiguousarray(seen.T))
+    return moments
+
+
+def _beyond(model: Model, basis: Basis, forces: Matrix) -> Matrix:
+    """Return displacements (n_dof, n) under forces, boundary held, that a basis lacks."""
+    fixed = basis.of_kind(*VANISHING)
+    held = model.structure.solve_held(forces)
+    shares = np.linalg.solve(fixed.T @ (model.K @ fixed), fixed.T @ forces)
+    beyond: Matrix = held - fixed @ shares
+    return beyond
 
 
 def _ports(model: Model) -> PortCompliance | None:

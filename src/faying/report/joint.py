@@ -31,6 +31,7 @@ METRICS = {
     "open_area": "open area of ",
     "max_gap": "largest gap of ",
     "bolt_force": "force of ",
+    "bolt_bending": "bending moment of ",
 }
 """What metrics that have a worst value are called, before the name of interface or bolt."""
 
@@ -63,6 +64,7 @@ def bolt_judgement(results: Results) -> Table:
     bolts = {} if results.assessment is None else results.assessment.bolts
     columns = ["bolt", "preload", "smallest force", "largest force", "load factor Φ = ΔF_S / F_A"]
     stressed = any(one.thread is not None for one in bolts.values())
+    columns.append("bending added")
     columns += ["stress in the thread", "safety"] if stressed else []
     rows = [(name, *_bolt(one, units, stressed=stressed)) for name, one in bolts.items()]
     return table(columns, rows)
@@ -124,6 +126,12 @@ def _bolt(one: BoltAssessment, units: Units, *, stressed: bool) -> Iterator[str]
     yield f"{quantity(one.most, units.force, 5)} ({one.most_case})"
     factors = [f"{number(factor)} ({case})" for case, factor in one.load_factors.items()]
     yield "; ".join(factors) or "—"
+    bent = one.bending
+    yield (
+        "not seen"
+        if bent is None
+        else f"{quantity(bent.added, units.of('force·length'), 4)} ({bent.added_case})"
+    )
     if not stressed:
         return
     found = one.thread

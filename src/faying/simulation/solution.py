@@ -4,10 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from faying._typing import Indices, Matrix, Vector, frozen
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.joint.system import System, bolt_input
+from faying.model.bolt import Bolt
 from faying.simulation.contact_fields import ContactFields
 from faying.units import units_of
 
@@ -194,11 +197,41 @@ class Solution(ContactFields, Shown):
 
     def bolt_force(self, bolt: str) -> Matrix:
         """Return the axial force of a bolt (...) [force], tension positive."""
-        if bolt not in self.system.bolts:
-            message = f"there is no bolt '{bolt}'; the bolts are {', '.join(self.system.bolts)}"
-            raise ModelError(message)
+        one = self._bolt(bolt)
         locked = self.inputs[..., bolt_input(self.system, bolt)]
-        return self.system.bolts[bolt].locked(0.0).force(self.states) + locked
+        return one.locked(0.0).force(self.states) + locked
+
+    def bolt_bending(self, bolt: str) -> Matrix:
+        """Return the bending moments of a bolt where its beams begin and end [force·length].
+
+        Returns
+        -------
+        ndarray (..., 2, 2)
+            End, and component across the axis, in the frame of the beam there.
+
+        Raises
+        ------
+        ModelError
+            If there is no such bolt, or it has no beams whose bending could be seen.
+        """
+        one = self._bolt(bolt)
+        if one.bending is None:
+            message = (
+                f"bending of bolt '{bolt}' is not seen: it is no beam, or came with a file that "
+                "does not tell; model its shank by beams with bending stiffness"
+            )
+            raise ModelError(message)
+        moments = _each(self.states, one.bending)
+        if one.residual_bending is not None:
+            pairs = self.system.contact.at_pairs(self.contact_forces, self.shear_forces).T
+            moments = moments + _each(pairs, one.residual_bending)
+        return moments.reshape(*moments.shape[:-1], 2, 2)
+
+    def _bolt(self, name: str) -> Bolt:
+        if name not in self.system.bolts:
+            message = f"there is no bolt '{name}'; the bolts are {', '.join(self.system.bolts)}"
+            raise ModelError(message)
+        return self.system.bolts[name]
 
     def full_displacement(self) -> Matrix:
         """Return displacements at the free degrees of freedom of the full model (..., n_dof).
@@ -210,3 +243,15 @@ class Solution(ContactFields, Shown):
             displacements take the full model: :func:`faying.full_displacement`.
         """
         return self.system.expand(self.states)
+
+
+def _each(states: Matrix, rows: SparseMatrix | Matrix) -> Matrix:
+    """Return states @ rowsᵀ, the same digits however many states come together."""
+    if not isinstance(rows, np.ndarray):
+        product: Matrix = states @ rows.T
+        return product
+    # Matrix products of libraries sum in an order that depends on the size of both.
+    each: Matrix = np.einsum(
+        "...k,mk->...m", np.ascontiguousarray(states), np.ascontiguousarray(rows)
+    )
+    return each

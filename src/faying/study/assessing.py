@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Vector
+from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
 from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
@@ -57,14 +58,20 @@ def assess_run(
             for name, case in cases.items()
             if case.reserve is not None
         }
+        states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
         found = judged(
             contact_surfaces(model),
             model.bolts,
             CaseState(
                 pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
                 bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
+                bolt_moments={
+                    n: joint.rest.bolt_bending(n).reshape(-1, 2, 2)[-1:]
+                    for n in bent_bolts(model.bolts)
+                    if all(n in one.bolt_moments for one in states.values())
+                },
             ),
-            {name: _state(case, intervals.get(name)) for name, case in cases.items()},
+            states,
             requirements_of(study.requirement),
             _paths(joint, smooth, extras),
             slip,
@@ -75,7 +82,7 @@ def assess_run(
             if bolt.thread is not None
         }
         found = replace(found, scatter=_scatter(study, exact, static, extras))
-        return with_threads(found, threads, study.units)
+        return with_threads(found, states, threads, study.units)
     return None
 
 
@@ -107,6 +114,9 @@ def _state(case: CaseResult, certified: Mapping[str, Vector] | None) -> CaseStat
         pressure=pressure,
         bolt_forces={name: np.atleast_1d(f) for name, f in case.reference.bolt_forces.items()},
         certified=certified,
+        bolt_moments={
+            name: moments.reshape(-1, 2, 2) for name, moments in case.reference.bolt_moments.items()
+        },
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
+from faying.assessment.case_metrics import bent_bolts
 from faying.joint.model import Model
 from faying.joint.system import input_forces
 from faying.reduction.projection import full_displacement
@@ -49,6 +50,9 @@ def respond(
         gap=solution.gap,
         displacements={name: solution.displacement(name) for name in model.boundaries},
         bolt_forces={name: np.asarray(solution.bolt_force(name)) for name in model.bolts},
+        bolt_moments={
+            name: solution.bolt_bending(name) for name in bent_bolts(solution.system.bolts)
+        },
         contact_forces={name: solution.contact_force(name) for name in model.interfaces},
         open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
         iterations=solution.iterations,
@@ -79,7 +83,7 @@ def _displacement(model: Model, solution: Solution) -> Vector:
     return moved
 
 
-MAPPINGS = ("displacements", "bolt_forces", "contact_forces", "open_fraction")
+MAPPINGS = ("displacements", "bolt_forces", "bolt_moments", "contact_forces", "open_fraction")
 ARRAYS = (
     "pressure",
     "gap",
@@ -142,6 +146,7 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         gap=arrays["gap"],
         displacements=mappings["displacements"],
         bolt_forces=mappings["bolt_forces"],
+        bolt_moments=mappings["bolt_moments"],
         contact_forces=mappings["contact_forces"],
         open_fraction=mappings["open_fraction"],
         iterations=np.asarray(arrays["iterations"], dtype=np.int64),

@@ -67,6 +67,9 @@ class Response:
     backbones
         Number of a mode as text to its backbone; the other fields are those of the preloaded
         joint.
+    bolt_moments : ([n_time,] 2, 2) [force·length]
+        Bending moments of bolts whose bending is seen: the two ends of their beams, two components
+        across the axis.
     """
 
     pressure: Matrix
@@ -86,6 +89,7 @@ class Response:
     path: PathRecord | None = None
     cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
     backbones: Mapping[str, Backbone] = field(default_factory=dict)
+    bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

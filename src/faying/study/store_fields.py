@@ -3,6 +3,7 @@
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
+from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
@@ -40,6 +41,7 @@ STORED = (
     Results,
     Assessment,
     BoltAssessment,
+    BoltBending,
     ThreadStress,
     InterfaceAssessment,
     Spread,
