@@ -33,8 +33,9 @@ def test_the_unbroken_deck_reads(tmp_path: Path) -> None:
         ["contact-5-6"],
         ["contact-7-8"],
         ["contact-7-8"],
+        [],
     ]
-    assert [joint.preloads for joint in joints] == [{"bolt-1": 10000.0}, {}, {}]
+    assert [joint.preloads for joint in joints] == [{"bolt-1": 10000.0}, {}, {}, {}]
 
 
 @fuzzed

@@ -156,10 +156,13 @@ REFUSED = [
     ((SIMCENTER, "BCTPARM,4,FRICMOD,2"), FRICTION),
     ((SIMCENTER, "BCTPARM,4,OFFSET,.1"), "OFFSET = .1 is not supported; give"),
     ((SIMCENTER, "BCTPARM,4,10.,PENN"), "is no parameter with its value"),
-    ((SIMCENTER, "BCTPARA,4,TIED,1"), "glued contact"),
+    ((SIMCENTER, "BCTPARA,4,TIED,7"), "glue of kind 7 is not known"),
     ((SIMCENTER, "BCRPARA,5,TOP,.2"), "OFFSET of a contact region"),
     ((SIMCENTER, "BCRPARA,6,TOP,,RIGID"), "TYPE = RIGID"),
-    ((SIMCENTER, "BGSET,1,5,6"), "BGSET: glued surfaces"),
+    ((SIMCENTER, "BGSET,1,5,6"), "already defined at .* count twice"),
+    ((FACES, "BGSET,1,5,9"), "contact region 9 is not in the deck"),
+    ((FACES, "BGSET,1,5,6\n,51,61"), "leave that field blank"),
+    ((FACES, "BGSET,1,5,6", "BGADD,2,3"), "glue set 3 is not a BGSET"),
     ((FACES, "BSURF,5,1"), "contact region 5 is already defined"),
     ((FACES, "BCPROP,7,55", "BCTSET,4,7,6"), "no solid of the deck belongs"),
     (("BSURFS,5,,,,1,5,6,3",), "are no three corners of one face of element 1"),
@@ -172,14 +175,15 @@ REFUSED = [
         (BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,.3", "BCPARA,0,FTYPE,7"),
         f"FTYPE = 7: {FRICTION}",
     ),
-    ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,IGLUE,1"), "BCONPRG: IGLUE = 1: glued"),
+    ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,IGLUE,9"), "BCONPRG: glue of kind 9"),
+    ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,JGLUE,1"), "glue that lets go"),
     ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,CINTERF,.1"), "give 'initial_gap' in the study"),
     ((BODIES, "BCONECT,3,5,,7,8"), "BCONPRG 5 is not in the deck"),
     ((BODIES, "BCONECT,3,,,7,9"), "contact body 9 is not a BCBODY"),
     ((BODIES, "BCONECT,3,,,7"), "no touched"),
     ((BODIES, "BCTABL1,9,3"), "BCONECT 3 is not in the deck"),
     ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,77.\n,MASTERS,8"), "FRIC = 77. is no coefficient"),
-    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,,,1\n,MASTERS,8"), "glued contact"),
+    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,,,1\n,,,,1\n,MASTERS,8"), "glue that lets go"),
     ((BODIES, "BCTABLE,2,,,2\n,SLAVE,7\n,MASTERS,8"), "NGROUP = 2, but it has 1"),
     ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7\n,NONSENSE,8"), "stands where SECNDRY"),
     ((MSC.replace("DEFORM,31", "RIGID,31"),), "BEHAV = RIGID"),
@@ -209,8 +213,10 @@ def test_what_changes_the_physics_is_refused_by_name(read: Read, cards, message)
 def test_glue_and_tables_that_are_not_selected_do_no_harm(read: Read) -> None:
     joint = read(SIMCENTER, "BGSET,1,5,6", control="BCSET = 4")
     assert any("BGSET" in note for note in joint.assembly.ignored)
-    with pytest.raises(FormatError, match="BGSET: glued"):
+    with pytest.raises(FormatError, match="count twice"):
         read(SIMCENTER, "BGSET,1,5,6", control="BCSET = 4\nBGSET = 1")
+    with pytest.raises(FormatError, match="selects BGSET = 3, but the glue sets are 1, 2"):
+        read(FACES, "BGSET,1,5,6", "BGADD,2,1", control="BGSET = 3")
     with pytest.raises(FormatError, match="BCONTACT = AUTO"):
         read(MSC, control="BCONTACT = AUTO,PGLUE")
     with pytest.raises(FormatError, match="selects BCONTACT = 4"):

@@ -1,19 +1,16 @@
 """``*TIE``: surfaces that move together."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.sparse as sp
 
-from faying._typing import Indices, SparseMatrix
-from faying.interface.across import declared_area, pairs_across
-from faying.interface.mortar import find_couplings
 from faying.io.abaqus.contact import Pair, with_mixed_sides
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
+from faying.io.tied_surfaces import MOST_OF_IT, tied_equations
 from faying.model.assembly import Assembly, Equation
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS
@@ -94,17 +91,10 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
             meshes="non-matching",
             search_distance=_tolerance(assembly, tie),
         )
-        share = 1.0
-        pairs = _pairs(named, spec)
-        if len(pairs):
-            motions = _node_on_node(pairs, len(assembly.mesh.nodes))
-        else:
-            (coupling,) = find_couplings(named, spec).values()
-            motions = coupling.pairs[:, 0], coupling.motion
-            share = float(coupling.weights.sum()) / (declared_area(named, spec) or np.inf)
-        if share < 0.99:
+        found, share = tied_equations(named, spec, first + len(equations))
+        if share < MOST_OF_IT:
             ignored.append(f"*TIE {tie.name}: {share:.0%} of the smaller surface is tied")
-        equations += _equations(*motions, first + len(equations))
+        equations += found
     return replace(assembly, equations=(*assembly.equations, *equations))
 
 
@@ -117,34 +107,3 @@ def _tolerance(assembly: Assembly, tie: Tie) -> float:
         for corners in [assembly.mesh.nodes[facets[:, : N_CORNERS[kind]]]]
     ]
     return DEFAULT_TOLERANCE * float(np.concatenate(edges).mean())
-
-
-def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
-    """Return the pairs of nodes (n, 2) of surfaces that match; none where they do not."""
-    faces = pairs_across(assembly, spec)
-    both = [np.column_stack([part.minus.ravel(), part.plus.ravel()]) for part in faces]
-    pairs: Indices = np.unique(np.concatenate([np.empty((0, 2), dtype=np.int64), *both]), axis=0)
-    return pairs
-
-
-def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
-    rows = np.arange(len(pairs))
-    ones = np.ones(len(pairs))
-    plus = sp.csr_array((ones, (rows, pairs[:, 1])), shape=(len(pairs), n_node))
-    return pairs[:, 0], plus - sp.csr_array((ones, (rows, pairs[:, 0])), shape=plus.shape)
-
-
-def _equations(own: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
-    """Yield the equations of the relative displacements, for the slave's own nodes first."""
-    table = motion.tocsr()
-    number = first
-    for row, node in enumerate(own.tolist()):
-        part = slice(table.indptr[row], table.indptr[row + 1])
-        terms = dict(zip(table.indices[part].tolist(), table.data[part].tolist(), strict=True))
-        mine = terms.pop(node, 0.0)
-        for c in range(3 if mine else 0):  # nodes that see nothing are not tied
-            yield Equation(
-                id=number,
-                terms=((node, c, mine), *((other, c, value) for other, value in terms.items())),
-            )
-            number += 1

@@ -13,14 +13,16 @@ from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.contact_pairs import Pair, refuse_glue, region_of, rows
+from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
     ICOORD,
     Parameters,
     by_id,
     friction_coefficient,
+    is_glued,
     note_friction,
     read_parameters,
+    refuse_letting_go,
 )
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
@@ -53,7 +55,7 @@ def read_msc_pairs(
     Raises
     ------
     FormatError
-        If a table, body or region is missing, or the contact has glue, interference, rigid
+        If a table, body or region is missing, or the contact has interference, rigid
         bodies, friction that is not Coulomb's, or another feature that is not represented.
     """
     groups = _selected_groups(cards, control, ignored)
@@ -78,13 +80,15 @@ def read_msc_pairs(
                         f"{pairs[minus, plus].where} and would count twice; remove one"
                     )
                     raise group.card.error(text)
+                kind = "glue" if group.parameters.glued else "contact"
                 pairs[minus, plus] = Pair(
-                    name=f"contact-{minus}-{plus}",
+                    name=f"{kind}-{minus}-{plus}",
                     minus=_region(cards, bodies, regions, group.card, minus, ignored),
                     plus=_region(cards, bodies, regions, group.card, plus, ignored),
                     where=group.card.where(),
                     parameters=replace(group.parameters, error=group.parameters.error or error),
                     friction=_friction(cards, bodies, group, (minus, plus), ignored),
+                    glued=group.parameters.glued,
                 )
     if slides and any(pair.friction > 0 for pair in pairs.values()):
         ignored["coefficients of friction (FTYPE = 0 on BCPARA switches friction off)"] = None
@@ -204,7 +208,7 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
             if card.real(first + 5, 0.0):
                 text = "CINTERF (interference) is not supported; give 'initial_gap' in the study"
                 raise card.error(text, first + 5)
-            refuse_glue(card, first + 6)
+            groups[-1].parameters = replace(groups[-1].parameters, glued=is_glued(card, first + 6))
         elif word in _PRIMARY and groups:
             section = "primary"
             groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
@@ -214,11 +218,12 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
             section = "parameters"
             ignored[f"BCTABLE {texts[1]}"] = None
         elif not word and section == "secondary":
-            # ISEARCH, ICOORD, JGLUE
-            flags = [card.integer(first + j, 0) for j in (1, 2, 3)]
-            closes = ICOORD.get(str(flags[1]))
+            card.integer(first + 1, 0)  # ISEARCH: which body is searched first
+            refuse_letting_go(card, first + 3)
+            chosen = card.integer(first + 2, 0)
+            closes = ICOORD.get(str(chosen))
             if closes is None:
-                text = f"ICOORD = {flags[1]} is not supported; give 0, 1, 2 or 3"
+                text = f"ICOORD = {chosen} is not supported; give 0, 1, 2 or 3"
                 raise card.error(text, first + 2)
             groups[-1].parameters = replace(groups[-1].parameters, within_error=closes)
         elif not word and section == "parameters" and not texts[1]:
@@ -249,6 +254,7 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
             within_error=read.within_error or group.parameters.within_error,
             error=read.error or group.parameters.error,
             friction=group.parameters.friction if read.friction is None else read.friction,
+            glued=read.glued or group.parameters.glued,
         )
     members = {"secondary": group.secondary, "primary": group.primary}
     for name, at in (("secondary", 3), ("primary", 4)):

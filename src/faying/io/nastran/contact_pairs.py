@@ -8,9 +8,8 @@ import numpy as np
 from faying._typing import Indices, Vector
 from faying.exceptions import FormatError
 from faying.interface.across import declared
-from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card
-from faying.io.nastran.contact_parameters import GLUE_REMEDY, Parameters, note_friction
+from faying.io.nastran.contact_parameters import Parameters, note_friction
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
@@ -36,6 +35,8 @@ class Pair:
         Largest gap across which its faces are paired.
     friction
         Coefficient of friction.
+    glued
+        Whether the two neither open nor slide.
     """
 
     name: str
@@ -45,14 +46,7 @@ class Pair:
     parameters: Parameters = field(default_factory=Parameters)
     search_distance: float = np.inf
     friction: float = 0.0
-
-
-def refuse_glue(card: Card, field: int) -> None:
-    """Raise if a field asks for glue."""
-    text = card.text(field)
-    if text and numbers.real(text) != 0.0:
-        message = f"IGLUE = {text}: glued contact is not supported; {GLUE_REMEDY}"
-        raise card.error(message, field)
+    glued: bool = False
 
 
 def rows(card: Card) -> Iterator[tuple[int, list[str]]]:
@@ -95,8 +89,8 @@ def check_distinct(pairs: list[Pair]) -> None:
             raise FormatError(message)
         if key in seen:
             message = (
-                f"{pair.where}: contact between {pair.minus.name} and {pair.plus.name} is already "
-                f"defined at {seen[key].where} and would count twice; remove one"
+                f"{pair.where}: contact or glue between {pair.minus.name} and {pair.plus.name} is "
+                f"already defined at {seen[key].where} and would count twice; remove one"
             )
             raise FormatError(message)
         seen[key] = pair
@@ -136,6 +130,13 @@ def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
     if found.within_error:
         closed.append(found.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
     return GapRule(closed_up_to=float(max(closed))) if closed else None
+
+
+def glue_distance(pair: Pair, mesh: Mesh) -> float:
+    """Return how far apart surfaces are glued: SDIST of Simcenter, ERROR of MSC."""
+    if np.isfinite(pair.search_distance):
+        return pair.search_distance
+    return float(pair.parameters.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
 
 
 def _facet_size(region: Region, mesh: Mesh) -> float:

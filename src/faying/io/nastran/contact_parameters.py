@@ -16,8 +16,6 @@ FRICTION_REMEDY = (
 )
 COULOMB = ("2", "6")
 """MSC's FTYPE of friction by Coulomb's law, smoothed or bilinear."""
-GLUE_REMEDY = "join the bodies at common nodes or by RBE2, or let them touch (no glue)"
-
 HARMLESS = frozenset(
     (
         # Simcenter, BCTPARM and BCTPARA: penalty factors, iterations, tolerances, shells, output
@@ -28,10 +26,12 @@ HARMLESS = frozenset(
         *("BIAS", "COPTS", "COPTM", "COPTS1", "COPTM1", "ISEARCH", "FNTOL", "IBSEP"),
         *("ISPLIT", "PENALT", "AUGDIST", "TPENALT", "STKSLP", "SLIDE", "HARDS", "METHOD"),
         *("MAXENT", "MAXNOD", "NBODIES", "NLGLUE", "TAUGMNT", "LINCNT", "LINQUAD", "RVCNST"),
-        *("BEAMB", "ERRBAS", "DDULMT", "RVCNST", "FRLIM", "JGLUE", "BKGL", "BGM", "BGN"),
+        *("BEAMB", "ERRBAS", "DDULMT", "RVCNST", "FRLIM", "BKGL", "BGM", "BGN"),
         *("BGSN", "BGST", "DQNEAR", "EMISS", "HBL", "HCT", "HCV", "HGLUE", "HNC", "HNL", "BNC"),
         *("BNL", "IDSPL", "ISTYP", "SANGLE", "MIDNOD", "COPTB", "CMB", "CMS", "CFILM", "CHEAT"),
         *("TBODY", "TSINK"),
+        # Simcenter, BGPARM: glue is as stiff as the program makes it
+        *("GLUETYPE", "PENGLUE", "ESOPT"),
     )
 )
 """Parameters that leave contact without glue as it is (the study's penalties count)."""
@@ -46,6 +46,8 @@ _WORDS = frozenset(("METHOD",))
 _OTHER_FRICTION = frozenset(("MU", "FRICMOD"))
 _OFFSETS = frozenset(("CINTERF", "OFFSET", "PDEPTH"))
 _GLUE = frozenset(("IGLUE", "TIED"))
+_KINDS_OF_GLUE = 4
+"""MSC's kinds of IGLUE differ by moments of shells and by gaps that are closed beforehand."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,6 +66,8 @@ class Parameters:
         Coefficient FRIC; None leaves it to the bodies.
     slides
         Whether MSC's FTYPE = 0 switches friction off, whatever the coefficients.
+    glued
+        Whether the sides neither open nor slide (IGLUE, TIED).
     """
 
     closed_up_to: float | None = None
@@ -71,6 +75,7 @@ class Parameters:
     error: float = 0.0
     friction: float | None = None
     slides: bool = False
+    glued: bool = False
 
 
 def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
@@ -107,7 +112,7 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
     Raises
     ------
     FormatError
-        If a parameter brings other friction than Coulomb's, glue or anything else that is not
+        If a parameter brings other friction than Coulomb's or anything else that is not
         represented.
     """
     found = Parameters()
@@ -115,9 +120,6 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
         zero = numbers.real(value) == 0.0 if value else True
         if name in _OTHER_FRICTION and not zero:
             text = f"{name} = {value}: {FRICTION_REMEDY}"
-            raise card.error(text, at)
-        if name in _GLUE and not zero:
-            text = f"{name} = {value}: glued contact is not supported; {GLUE_REMEDY}"
             raise card.error(text, at)
         if name == "INIPENE":
             found = replace(found, closed_up_to=_chosen(card, at, INIPENE))
@@ -129,7 +131,11 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
             found = replace(found, friction=friction_coefficient(card, at + 1))
         elif name == "FTYPE":
             found = replace(found, slides=_slides(card, at))
-        elif name in _OTHER_FRICTION or name in _GLUE:
+        elif name in _GLUE:
+            found = replace(found, glued=is_glued(card, at + 1))
+        elif name == "JGLUE":
+            refuse_letting_go(card, at + 1)
+        elif name in _OTHER_FRICTION:
             pass
         elif name in _OFFSETS:
             if not zero:
@@ -141,6 +147,22 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
         else:
             ignored[f"{card.cards.name} {name}"] = None
     return found
+
+
+def is_glued(card: Card, field: int) -> bool:
+    """Return whether a field asks for glue, of whichever of the four kinds."""
+    value = card.integer(field, 0)
+    if not 0 <= value <= _KINDS_OF_GLUE:
+        text = f"glue of kind {value} is not known; give one of 0 to {_KINDS_OF_GLUE}"
+        raise card.error(text, field)
+    return value > 0
+
+
+def refuse_letting_go(card: Card, field: int) -> None:
+    """Raise if glue lets go at a force."""
+    if card.integer(field, 0):
+        text = "JGLUE: glue that lets go at a force is not supported; leave it blank"
+        raise card.error(text, field)
 
 
 def _slides(card: Card, at: int) -> bool:

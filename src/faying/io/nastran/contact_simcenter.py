@@ -1,10 +1,11 @@
-"""BCTSET, BCTADD, BCTPARM, BCRPARA: surface contact of Simcenter (NX) Nastran, SOL 101.
+"""BCTSET, BCTADD, BCTPARM, BCRPARA, BGSET, BGADD: contact and glue of Simcenter (NX) Nastran.
 
 Fields as in the Simcenter Nastran Quick Reference Guide: BCTSET holds rows of source region, target
-region, friction, and the least and largest search distance.
+region, friction, and the least and largest search distance, BGSET of regions and search distance.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +14,6 @@ from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
-    GLUE_REMEDY,
     Parameters,
     by_id,
     friction_coefficient,
@@ -22,7 +22,21 @@ from faying.io.nastran.contact_parameters import (
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
 
-GLUE = ("BGSET", "BGADD", "BGPARM", "BGPARA")
+
+@dataclass(frozen=True, kw_only=True)
+class _Kind:
+    """Cards of contact or of glue: of a set, of a sum of sets, and what selects one."""
+
+    what: str
+    card: str
+    sums: str
+    word: str
+
+
+_CONTACT = _Kind(what="contact", card="BCTSET", sums="BCTADD", word="BCSET")
+_GLUE = _Kind(what="glue", card="BGSET", sums="BGADD", word="BGSET")
+_GLUE_DISTANCE = 10.0
+"""Search distance of BGSET where the deck gives none [length], in whatever unit."""
 
 
 def read_simcenter_pairs(
@@ -31,68 +45,61 @@ def read_simcenter_pairs(
     regions: dict[int, Region],
     ignored: dict[str, None],
 ) -> list[Pair]:
-    """Read the contact pairs that BCSET selects; without a case control section, all of them.
+    """Read the pairs that BCSET and BGSET select; without a case control section, all of them.
 
     Raises
     ------
     FormatError
-        If a set or region is missing, or the contact has glue, offsets, friction that is not
+        If a set or region is missing, or the contact has offsets, friction that is not
         Coulomb's, or another feature that is not represented.
     """
-    _refuse_glue(cards, control, ignored)
-    sets: dict[int, list[Card]] = {}
-    for card in cards.get("BCTSET", ()):
-        sets.setdefault(card.integer(0), []).append(card)
-    chosen = _selected(cards, control, sets, ignored)
+    chosen = _chosen(cards, control, _CONTACT, ignored)
     parameters = {number: _parameters(cards, number, ignored) for number in chosen}
     pairs = [
         pair
-        for number in chosen
-        for card in sets[number]
+        for number, found in chosen.items()
+        for card in found
         for pair in _pairs(card, regions, parameters[number])
     ]
+    glue = _chosen(cards, control, _GLUE, ignored)
+    pairs += [pair for found in glue.values() for card in found for pair in _glued(card, regions)]
+    for name in ("BGPARM", "BGPARA"):
+        for card in cards.get(name, ()):
+            card.integer(0)
+            read_parameters(card, 1, ignored)
     _check_offsets(cards, pairs)
     return pairs
 
 
-def _refuse_glue(
-    cards: Mapping[str, Cards], control: CaseControl, ignored: dict[str, None]
-) -> None:
-    for name in GLUE:
-        for card in cards.get(name, ()):
-            if control.glue is not None or not control.present:
-                text = f"glued surfaces are not supported; {GLUE_REMEDY}"
-                raise card.error(text)
-            ignored[f"{name} (not selected by case control)"] = None
-
-
-def _selected(
-    cards: Mapping[str, Cards],
-    control: CaseControl,
-    sets: dict[int, list[Card]],
-    ignored: dict[str, None],
-) -> list[int]:
-    """Ids of the BCTSETs that apply."""
+def _chosen(
+    cards: Mapping[str, Cards], control: CaseControl, kind: _Kind, ignored: dict[str, None]
+) -> dict[int, list[Card]]:
+    """Cards of the sets that apply, by id: the selected one, or all without case control."""
+    sets: dict[int, list[Card]] = {}
+    for card in cards.get(kind.card, ()):
+        sets.setdefault(card.integer(0), []).append(card)
     combined: dict[int, list[int]] = {}
-    for number, card in by_id(cards, "BCTADD").items():
+    for number, card in by_id(cards, kind.sums).items():
         combined[number] = id_list(card, [text for text in card.texts[1:] if text])
         for part in combined[number]:
             if part not in sets:
-                text = f"contact set {part} is not a BCTSET of the deck; define it"
+                text = f"{kind.what} set {part} is not a {kind.card} of the deck; define it"
                 raise card.error(text)
-    chosen = control.contact
+    chosen = control.contact if kind is _CONTACT else control.glue
     if chosen is None and not control.present:
-        return list(sets)
+        return sets
     if chosen is None:
         if sets:
             shown = ", ".join(map(str, sets))
-            ignored[f"contact sets {shown} (case control selects none by BCSET)"] = None
-        return []
+            ignored[f"{kind.what} sets {shown} (case control selects none by {kind.word})"] = None
+        return {}
     if chosen not in sets and chosen not in combined:
         known = ", ".join(map(str, [*sets, *combined])) or "none"
-        message = f"case control selects BCSET = {chosen}, but the contact sets are {known}"
+        message = (
+            f"case control selects {kind.word} = {chosen}, but the {kind.what} sets are {known}"
+        )
         raise FormatError(message)
-    return list(dict.fromkeys(combined.get(chosen, [chosen])))
+    return {number: sets[number] for number in combined.get(chosen, [chosen])}
 
 
 def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> Parameters:
@@ -126,13 +133,36 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
         sides = [region_of(regions, card, first + j) for j in (1, 2)]
         found.append(
             Pair(
-                name=f"contact-{texts[1]}-{texts[2]}",
+                name=f"{'glue' if parameters.glued else 'contact'}-{texts[1]}-{texts[2]}",
                 minus=sides[0],
                 plus=sides[1],
                 where=card.where(),
                 parameters=parameters,
+                glued=parameters.glued,
                 search_distance=card.real(first + 5, 0.0) or np.inf,
                 friction=friction,
+            )
+        )
+    return found
+
+
+def _glued(card: Card, regions: dict[int, Region]) -> list[Pair]:
+    found = []
+    for first, texts in rows(card):
+        if not any(texts[1:]):
+            continue
+        if first and texts[0]:
+            text = f"'{texts[0]}' stands in front of a source region; leave that field blank"
+            raise card.error(text, first)
+        sides = [region_of(regions, card, first + j) for j in (1, 2)]
+        found.append(
+            Pair(
+                name=f"glue-{texts[1]}-{texts[2]}",
+                minus=sides[0],
+                plus=sides[1],
+                where=card.where(),
+                search_distance=card.real(first + 3, 0.0) or _GLUE_DISTANCE,
+                glued=True,
             )
         )
     return found

@@ -13,6 +13,7 @@ from faying.io.nastran.bolts import read_bolts
 from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
+from faying.io.nastran.glue import with_glue
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
 from faying.model.assembly import Assembly
@@ -29,8 +30,8 @@ def read_joint(
     Contact is BCTSET (Simcenter, selected by BCSET) or BCTABLE, BCTABL1, BCONECT (MSC, selected by
     BCONTACT); interfaces are called ``contact-<source>-<target>`` by the ids of regions or bodies,
     source (secondary, slave) being the minus side, or ``contact`` where all bodies may touch
-    (BCONTACT = ALLBODY). Bolts are BOLT of CBAR and CBEAM with BOLTFOR,
-    selected by BOLTLD, called ``bolt-<id>``.
+    (BCONTACT = ALLBODY). Glue (BGSET, IGLUE, TIED) becomes equations. Bolts are BOLT of CBAR and
+    CBEAM with BOLTFOR, selected by BOLTLD, called ``bolt-<id>``.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ def read_joint(
     ------
     FormatError
         With file and line: as :func:`faying.io.nastran.read_deck`, or if the contact or a bolt has
-        features that are not represented (glue, interference, cuts through solids).
+        features that are not represented (interference, cuts through solids).
 
     Notes
     -----
@@ -69,6 +70,9 @@ def _described(deck: Deck) -> JointDescription:
     everything = friction_of_all_bodies(deck.cards, deck.control, regions, ids, notes)
     bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
     assembly = _with_regions(deck, regions, pairs)
+    assembly = with_glue(assembly, [pair for pair in pairs if pair.glued], notes)
+    has_joined_faces = any(pair.glued for pair in pairs)
+    pairs = [pair for pair in pairs if not pair.glued]
     interfaces = [spec_of(pair, assembly, notes) for pair in pairs]
     if everything is not None:
         interfaces.append(InterfaceSpec(name="contact", friction=everything))
@@ -85,6 +89,7 @@ def _described(deck: Deck) -> JointDescription:
         preloads=preloads,
         gap_rules={name: rule for name, rule in rules.items() if rule is not None},
         selected_load=_selected_load(deck),
+        has_joined_faces=has_joined_faces,
     )
 
 

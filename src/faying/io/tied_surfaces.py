@@ -1,0 +1,74 @@
+"""Surfaces that move together, tied or glued, as equations."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, SparseMatrix
+from faying.interface.across import declared_area, pairs_across
+from faying.interface.mortar import find_couplings
+from faying.model.assembly import Assembly, Equation
+from faying.model.specs import InterfaceSpec
+
+MOST_OF_IT = 0.99
+"""Share of the smaller surface from which on all of it is tied."""
+
+
+def tied_equations(
+    assembly: Assembly, spec: InterfaceSpec, first: int
+) -> tuple[list[Equation], float]:
+    """Return the equations of two surfaces, and the share of the smaller one that they tie.
+
+    Node by node where the meshes match, and else in the mean (mortar), with the minus side's own
+    nodes first.
+
+    Parameters
+    ----------
+    spec
+        Non-matching, with named sides and a search distance.
+    first
+        Id of the first equation.
+
+    Raises
+    ------
+    ModelError
+        If the two see nothing of each other.
+    """
+    pairs = _pairs(assembly, spec)
+    if len(pairs):
+        return list(_equations(*_node_on_node(pairs, len(assembly.mesh.nodes)), first)), 1.0
+    (coupling,) = find_couplings(assembly, spec).values()
+    share = float(coupling.weights.sum()) / (declared_area(assembly, spec) or np.inf)
+    return list(_equations(coupling.pairs[:, 0], coupling.motion, first)), share
+
+
+def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
+    """Return the pairs of nodes (n, 2) of surfaces that match; none where they do not."""
+    faces = pairs_across(assembly, spec)
+    both = [np.column_stack([part.minus.ravel(), part.plus.ravel()]) for part in faces]
+    pairs: Indices = np.unique(np.concatenate([np.empty((0, 2), dtype=np.int64), *both]), axis=0)
+    return pairs
+
+
+def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
+    rows = np.arange(len(pairs))
+    ones = np.ones(len(pairs))
+    plus = sp.csr_array((ones, (rows, pairs[:, 1])), shape=(len(pairs), n_node))
+    return pairs[:, 0], plus - sp.csr_array((ones, (rows, pairs[:, 0])), shape=plus.shape)
+
+
+def _equations(own: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
+    """Yield the equations of the relative displacements, for the slave's own nodes first."""
+    table = motion.tocsr()
+    number = first
+    for row, node in enumerate(own.tolist()):
+        part = slice(table.indptr[row], table.indptr[row + 1])
+        terms = dict(zip(table.indices[part].tolist(), table.data[part].tolist(), strict=True))
+        mine = terms.pop(node, 0.0)
+        for c in range(3 if mine else 0):  # nodes that see nothing are not tied
+            yield Equation(
+                id=number,
+                terms=((node, c, mine), *((other, c, value) for other, value in terms.items())),
+            )
+            number += 1
