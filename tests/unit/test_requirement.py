@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 import faying as fy
 from faying.cli import app
+from faying.exceptions import StudyError
 from faying.report.html import write_report
 from faying.report.joint import joint_headline
 from faying.study import assessing
@@ -118,3 +119,43 @@ def test_load_factors_that_are_left_out_are_said(tmp_path, monkeypatch):
     said = [text for text in summary["warnings"] if "load factors of opening" in text]
     assert len(said) == 1
     assert "up to 10 contact points and there are 112" in said[0]
+
+
+FRICTION = "preload_scatter = { thread_friction = [0.1, 0.2], head_friction = [0.1, 0.2] }\n"
+
+
+@pytest.mark.parametrize(
+    ("scatter", "message"),
+    [
+        (FRICTION, r"(?s)takes the thread of bolt 'bolt' and its head_diameter; add thread = "),
+        (
+            FRICTION.replace(", head_friction = [0.1, 0.2]", ""),
+            "takes both thread_friction and head_friction",
+        ),
+        ("preload_scatter = { surface_friction = [0.3, 0.2] }\n", "goes from 0.3 to 0.2"),
+    ],
+)
+def test_scatter_of_friction_that_makes_no_sense_is_refused(tmp_path, scatter, message):
+    text = scatter + STUDY.replace("REQUIREMENT", "max_pressure = 10.0")
+    with pytest.raises(StudyError, match=message):
+        parse_study(text, tmp_path / "joint.toml")
+
+
+def test_surfaces_without_friction_do_not_scatter(tmp_path):
+    text = "preload_scatter = { surface_friction = [0.1, 0.2] }\n" + STUDY.replace(
+        "REQUIREMENT", "max_pressure = 10.0"
+    )
+    with pytest.raises(StudyError, match="no interface has friction that could scatter"):
+        run(parse_study(text, tmp_path / "joint.toml"), tmp_path / "out")
+
+
+def test_friction_of_bolts_scatters_in_studies(tmp_path):
+    thread = THREAD.replace(" }", ", head_diameter = 8.0 }")
+    text = FRICTION.replace("preload_scatter = {", "preload_scatter = { samples = 20,")
+    text += STUDY.replace("REQUIREMENT", "max_pressure = 10.0").replace(
+        "5e3\n", f"5e3\n{thread}\n", 1
+    )
+    run(parse_study(text, tmp_path / "joint.toml"), tmp_path / "out")
+    found = read_results(tmp_path / "out" / "results.h5").assessment.scatter
+    force = {(one.case, one.metric): one for one in found}["bend", "bolt_force.bolt"]
+    assert force.least < 0.9 * force.meant < 1.1 * force.meant < force.most

@@ -103,7 +103,7 @@ def assess(
         spread
         for load in loads
         if scatter is not None
-        for spread in preload_spreads(system, surfaces, load, scatter)
+        for spread in preload_spreads(system, surfaces, load, scatter, threads or {})
     ]
     return with_threads(replace(found, scatter=tuple(spreads)), states, threads or {}, system.units)
 

@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import case_metrics, metrics_of
-from faying.exceptions import ModelError
+from faying.assessment.rubbed_cases import rubbed_metrics, slip_metrics
+from faying.assessment.thread import Thread
+from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
 from faying.simulation.load import Load
@@ -26,15 +29,24 @@ class PreloadScatter:
     ----------
     tightening_factor
         α_A, largest over smallest preload of one bolt (VDI 2230); their mean is what was meant, and
-        between them any is as likely as any other, for each bolt on its own.
+        between them any is as likely as any other, for each bolt on its own. Tables of α_A hold the
+        scatter of friction already: beside ``thread_friction`` it is of the torque alone.
     settlement : [length]
         f_Z, by which every bolt is shorter afterwards, because surfaces flatten.
+    thread_friction, head_friction
+        Smallest and largest μ_G in the threads and μ_K under the heads, together: every bolt is
+        tightened by the torque that gives the preload that was meant at the middle of both.
+    surface_friction
+        Smallest and largest μ of the interfaces that have friction, each on its own.
     samples
         Tightenings that are tried, the same ones at every call.
     """
 
     tightening_factor: float = 1.0
     settlement: float = 0.0
+    thread_friction: tuple[float, float] | None = None
+    head_friction: tuple[float, float] | None = None
+    surface_friction: tuple[float, float] | None = None
     samples: int = 200
 
     def __post_init__(self) -> None:
@@ -45,6 +57,12 @@ class PreloadScatter:
             wrong.append(f"the settlement is {self.settlement:g}; give a length, or 0")
         if self.samples < 1:
             wrong.append(f"there are {self.samples} samples; give 1 or more")
+        for name in ("thread_friction", "head_friction", "surface_friction"):
+            ends = getattr(self, name)
+            if ends is not None and not 0 <= ends[0] <= ends[1] < np.inf:
+                wrong.append(f"{name} goes from {ends[0]:g} to {ends[1]:g}; give the smaller first")
+        if (self.thread_friction is None) != (self.head_friction is None):
+            wrong.append("the torque takes both thread_friction and head_friction; give the other")
         if wrong:
             raise ModelError("; ".join(wrong))
 
@@ -92,39 +110,52 @@ def preload_spreads(
     interfaces: Mapping[str, ContactSurface],
     load: Load,
     scatter: PreloadScatter,
+    threads: Mapping[str, Thread] = MappingProxyType({}),
 ) -> tuple[Spread, ...]:
     """Return the metrics of a static load case over scattered preloads.
 
     Parameters
     ----------
     system
-        Preloaded full or reduced model without friction.
+        Preloaded full or reduced model.
     interfaces
         Geometry of its contact points.
     load
         Histories are taken at time zero.
+    threads
+        Of the bolts, whose torque tells what friction in thread and head does.
 
     Raises
     ------
     ModelError
-        If the load does not fit, or there is no bolt or friction.
+        If the load does not fit, there is no bolt, or what scatters is not there.
+    ConvergenceError
+        If a tightening is not solved, with friction.
 
     Notes
     -----
-    A static solution for each tightening. The initial force N₀ of a bolt is multiplied and
-    lowered by its stiffness times the settlement; its final force follows in proportion where
-    nothing but the bolts loads the joint and gaps are zero.
+    A static solution for each tightening; with friction at an interface a path, in which all
+    bolts are tightened together and the load then grows, and what has slipped is told too. The
+    initial force N₀ of a bolt is multiplied and lowered by its stiffness times the settlement; its
+    final force follows in proportion where nothing but the bolts loads the joint and gaps are zero.
     """
-    if not system.bolts or len(system.contact.rubbing):
-        what = "friction" if system.bolts else "no bolt"
-        message = f"the model has {what}, and scatter is of preloads without friction; leave it out"
+    rubbing = len(system.contact.rubbing) > 0
+    if not system.bolts or (scatter.surface_friction is not None and not rubbing):
+        what = "bolt" if not system.bolts else "interface with friction"
+        message = f"the model has no {what} that could scatter; leave that out"
         raise ModelError(message)
-    inputs = np.vstack(
-        [meant := load.inputs(system, np.zeros(1)), _tightened(system, meant, scatter)]
-    )
-    table = case_metrics(solve_static_inputs(system, inputs, load.name), interfaces)
+    rng = np.random.default_rng(0)
+    meant = load.inputs(system, np.zeros(1))
+    inputs = np.vstack([meant, _tightened(system, meant, scatter, threads, rng)])
+    metrics = metrics_of(system, interfaces, certified=False)
+    if rubbing:
+        metrics += slip_metrics(interfaces)
+        coefficients = _coefficients(system, scatter, rng)
+        table = rubbed_metrics(system, interfaces, inputs, coefficients, load.name)
+    else:
+        table = case_metrics(solve_static_inputs(system, inputs, load.name), interfaces)
     spreads = []
-    for column, metric in enumerate(metrics_of(system, interfaces, certified=False)):
+    for column, metric in enumerate(metrics):
         if metric.worst is None:
             continue
         values = np.quantile(table[1:, column], SHARES).tolist()
@@ -140,17 +171,62 @@ def preload_spreads(
     return tuple(spreads)
 
 
-def _tightened(system: System, meant: Matrix, scatter: PreloadScatter) -> Matrix:
+def _tightened(
+    system: System,
+    meant: Matrix,
+    scatter: PreloadScatter,
+    threads: Mapping[str, Thread],
+    rng: np.random.Generator,
+) -> Matrix:
     """Return the inputs (n_sample, n_input) of all tightenings."""
     bolts, count = system.port_compliance.bolts, scatter.samples
-    rng, n_bolt = np.random.default_rng(0), bolts.stop - bolts.start
-    # One in each of as many equal ranges: the quantiles of one bolt are then those that are meant.
-    order = rng.permuted(np.tile(np.arange(count), (n_bolt, 1)), axis=1)
-    shares = (order.T + rng.random((count, n_bolt))) / count
     most = scatter.tightening_factor
+    shares = _shares(rng, count, bolts.stop - bolts.start)
     factors = 2 * (1 + (most - 1) * shares) / (1 + most)
+    if scatter.thread_friction is not None and scatter.head_friction is not None:
+        ranges = (scatter.thread_friction, scatter.head_friction)
+        # What is meant first, the middle of both, then what is drawn.
+        middle = np.full((1, shares.shape[1]), 0.5)
+        drawn = [_within(one, np.vstack([middle, _shares(rng, *shares.shape)])) for one in ranges]
+        for column, name in enumerate(system.bolts):
+            torque = _torque(name, threads, *(one[:, column] for one in drawn))
+            factors[:, column] *= torque[0] / torque[1:]
     stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
     inputs = np.repeat(meant, count, axis=0)
     locked = inputs[:, bolts] * factors - stiffness * scatter.settlement
     inputs[:, bolts] = np.maximum(locked, 0.0)
     return inputs
+
+
+def _torque(bolt: str, threads: Mapping[str, Thread], in_thread: Vector, at_head: Vector) -> Vector:
+    """Return the torque that a bolt takes per preload [length]."""
+    if bolt not in threads:
+        message = f"bolt '{bolt}' has no thread, whose friction could scatter; give it"
+        raise ModelError(message)
+    with naming(f"bolt '{bolt}'"):
+        return threads[bolt].torque_per_force(in_thread, at_head)
+
+
+def _coefficients(
+    system: System, scatter: PreloadScatter, rng: np.random.Generator
+) -> list[dict[str, float]]:
+    """Return the coefficients of the interfaces, as they are and then of each sample."""
+    own = {name: law.friction for name, law in system.contact.laws.items() if law.friction > 0}
+    if scatter.surface_friction is None:
+        return [own] * (scatter.samples + 1)
+    drawn = _within(scatter.surface_friction, _shares(rng, scatter.samples, len(own)))
+    return [own, *(dict(zip(own, row, strict=True)) for row in drawn.tolist())]
+
+
+def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:
+    """Return places in a range (count, columns), of each column one in every equal part of it.
+
+    The quantiles of one bolt are then those that are meant.
+    """
+    order = rng.permuted(np.tile(np.arange(count), (columns, 1)), axis=1)
+    shares: Matrix = (order.T + rng.random((count, columns))) / count
+    return shares
+
+
+def _within(ends: tuple[float, float], shares: Matrix) -> Matrix:
+    return ends[0] + (ends[1] - ends[0]) * shares

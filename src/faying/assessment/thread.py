@@ -39,12 +39,15 @@ class Thread:
         As ``"8.8"``: tensile strength of 800 MPa, of which it yields at 0.8.
     friction
         μ_G in the thread while the nut is turned; without it nothing twists.
+    head_diameter : [length]
+        D_Km, mean diameter of the area that rubs under the head or nut that is turned.
     """
 
     diameter: float
     pitch: float
     grade: str
     friction: float | None = None
+    head_diameter: float | None = None
 
     def __post_init__(self) -> None:
         if not (0 < self.pitch < self.diameter / 2):
@@ -77,6 +80,21 @@ class Thread:
     def section_modulus(self) -> float:
         """W_S [length³]."""
         return float(np.pi / 32 * self.stress_diameter**3)
+
+    def torque_per_force(self, thread_friction: Vector, head_friction: Vector) -> Vector:
+        """Return M_A / F_M = P/(2π) + d₂/2 1.155 μ_G + D_Km/2 μ_K [length].
+
+        Raises
+        ------
+        ModelError
+            If the diameter under the head is not given.
+        """
+        if self.head_diameter is None:
+            message = "the torque of tightening takes the head_diameter D_Km of the thread; give it"
+            raise ModelError(message)
+        lead, flanks = self.pitch / (2 * np.pi), self.pitch_diameter / 2 * FLANK
+        ratio: Vector = lead + flanks * thread_friction + self.head_diameter / 2 * head_friction
+        return ratio
 
     def proof_stress(self, units: str) -> float:
         """Return R_p0.2 of the grade [force/length²].

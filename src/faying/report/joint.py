@@ -30,6 +30,8 @@ METRICS = {
     "clamp_force": "clamp force of ",
     "open_area": "open area of ",
     "max_gap": "largest gap of ",
+    "slip_area": "slipping area of ",
+    "max_slip": "largest slip of ",
     "bolt_force": "force of ",
     "bolt_bending": "bending moment of ",
 }

@@ -81,13 +81,17 @@ def assess_run(
             for bolt in study.bolts
             if bolt.thread is not None
         }
-        found = replace(found, scatter=_scatter(study, exact, static, extras))
+        found = replace(found, scatter=_scatter(study, exact, static, threads, extras))
         return with_threads(found, states, threads, study.units)
     return None
 
 
 def _scatter(
-    study: Study, exact: Model | ReducedModel, static: list[LoadCaseSection], extras: Extras
+    study: Study,
+    exact: Model | ReducedModel,
+    static: list[LoadCaseSection],
+    threads: Mapping[str, Thread],
+    extras: Extras,
 ) -> tuple[Spread, ...]:
     """Return what scatter of the preloads does to static load cases."""
     if study.preload_scatter is None:
@@ -97,7 +101,7 @@ def _scatter(
     with extras.attempt("preload scatter"):
         surfaces = exact.interfaces if isinstance(exact, ReducedModel) else contact_surfaces(exact)
         for case in static:
-            spreads += preload_spreads(exact, surfaces, case_load(case), scatter)
+            spreads += preload_spreads(exact, surfaces, case_load(case), scatter, threads)
     return tuple(spreads)
 
 

@@ -11,7 +11,11 @@ from faying.reduction.methods import METHODS
 from faying.simulation.integrators import DAMPED
 from faying.sources import SOURCES, Source
 from faying.study.errors import Problem, nearest, quoted
-from faying.study.friction_rules import increment_problems, spare_tangential_penalties
+from faying.study.friction_rules import (
+    increment_problems,
+    scatter_problems,
+    spare_tangential_penalties,
+)
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
 from faying.study.positions import Location
@@ -371,6 +375,7 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _material,
     _interfaces,
     spare_tangential_penalties,
+    scatter_problems,
     _bolts,
     _boundaries,
     _coupled,

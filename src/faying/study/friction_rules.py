@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from faying.exceptions import StudyError
+from faying.assessment.preload_scatter import PreloadScatter
+from faying.exceptions import ModelError, StudyError
 from faying.joint.model import Model
 from faying.reduction.methods import METHODS
 from faying.sources import SOURCES
@@ -57,6 +58,27 @@ def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
             yield _problem(study, ("interface", i, "tangential_penalty"), text)
 
 
+def scatter_problems(study: Study) -> Iterator[Problem]:
+    """Find scatter that makes no sense, or is of what the bolts do not tell."""
+    section = study.preload_scatter
+    if section is None:
+        return
+    try:
+        PreloadScatter(**section.model_dump())
+    except ModelError as error:
+        yield _problem(study, ("preload_scatter",), str(error))
+    if section.thread_friction is not None:
+        for i, bolt in enumerate(study.bolts):
+            if bolt.thread is None or bolt.thread.head_diameter is None:
+                text = (
+                    f"scatter of friction in thread and head takes the thread of bolt "
+                    f"'{bolt.name}' and its head_diameter; add thread = {{ diameter, pitch, "
+                    "grade, head_diameter }"
+                )
+                location = ("bolt", i)
+                yield Problem(location, f"{study.source.table(location)}: {text}")
+
+
 def check_friction(study: Study, model: Model) -> None:
     """Refuse what a study asks for that a joint with friction, or without it, cannot give.
 
@@ -94,6 +116,9 @@ def _without(study: Study) -> Iterator[Problem]:
             if case.kind == "static" and key in case.model_fields_set:
                 text = "no interface has friction, so one solution is enough; remove it"
                 yield _problem(study, ("load_case", i, key), text)
+    if study.preload_scatter is not None and study.preload_scatter.surface_friction is not None:
+        text = "no interface has friction that could scatter; add it, or remove surface_friction"
+        yield _problem(study, ("preload_scatter", "surface_friction"), text)
     if "friction_during_preload" in study.model_fields_set:
         text = "no interface has friction; add it to an [[interface]], or remove this key"
         yield _problem(study, ("friction_during_preload",), text)

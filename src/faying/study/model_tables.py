@@ -179,6 +179,7 @@ class ThreadSection(Section):
     pitch: Positive
     grade: Annotated[Name, Field(pattern=r"^\d{1,2}\.[1-9]$")]
     friction: NotNegative | None = None
+    head_diameter: Positive | None = None
 
 
 class BoltSection(Section):

@@ -16,6 +16,9 @@ class ScatterSection(Section):
 
     tightening_factor: Annotated[Number, Field(ge=1)] = 1.0
     settlement: NotNegative = 0.0
+    thread_friction: tuple[NotNegative, NotNegative] | None = None
+    head_friction: tuple[NotNegative, NotNegative] | None = None
+    surface_friction: tuple[NotNegative, NotNegative] | None = None
     samples: Annotated[Count, Field(le=MOST_SAMPLES)] = 200
 
 
