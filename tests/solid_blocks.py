@@ -26,7 +26,10 @@ def solid_block(kind: str, divisions: tuple[int, int, int], size: Matrix, distor
         "hex": lambda: bricks,
         "wed": lambda: bricks[:, WEDGES].reshape(-1, 6),
         "tet": lambda: bricks[:, six_tetrahedra()].reshape(-1, 4),
+        "pyr": lambda: six_pyramids(bricks, len(nodes)),
     }[kind[:3]]()
+    if kind.startswith("pyr"):
+        nodes = np.vstack([nodes, nodes[bricks].mean(axis=1)])
     if SOLIDS[kind].n_nodes > cells.shape[1]:
         nodes, cells = with_midsides(kind, nodes, cells)
     block = CellBlock(
@@ -69,6 +72,15 @@ def six_tetrahedra() -> Indices:
             cell[1], cell[2] = cell[2], cell[1]
         cells.append(cell)
     return np.array(cells)
+
+
+def six_pyramids(bricks: Indices, first: int) -> Indices:
+    """Division around a node in the middle, of which the first brick's is ``first``."""
+    sides = bricks[:, [[0, 1, 2, 3], [0, 4, 5, 1], [0, 3, 7, 4]]]
+    others = bricks[:, [[4, 7, 6, 5], [2, 1, 5, 6], [3, 2, 6, 7]]]
+    bases = np.concatenate([sides, others], axis=1)
+    apex = np.broadcast_to(first + np.arange(len(bricks))[:, None, None], (*bases.shape[:2], 1))
+    return np.concatenate([bases, apex], axis=2).reshape(-1, 5)
 
 
 def edge_ends(kind: str) -> Indices:

@@ -91,9 +91,9 @@ def test_property_without_material_is_named():
 def test_unknown_formulation_and_kind_are_named():
     with pytest.raises(ModelError, match=r"'selective'.*'standard' or 'incompatible'"):
         assemble_matrices(assembly_of(one_cell("hex8"), element="selective"))
-    block = CellBlock(kind="pyramid5", nodes=[[0, 1, 2, 3, 4]], ids=[1], properties=[5])
+    block = CellBlock(kind="pyramid7", nodes=[[0, 1, 2, 3, 4]], ids=[1], properties=[5])
     mesh = Mesh(nodes=np.zeros((5, 3)), node_ids=np.arange(5), blocks=(block,))
-    with pytest.raises(ModelError, match=r"'pyramid5'.*hex8"):
+    with pytest.raises(ModelError, match=r"'pyramid7'.*hex8"):
         assemble_matrices(assembly_of(mesh))
 
 

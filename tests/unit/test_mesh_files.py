@@ -194,9 +194,20 @@ def test_groups_without_material_and_without_solids(tmp_path):
 
 def test_solids_of_other_kinds_are_refused(tmp_path):
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1.0]])
-    pyramid = meshio.Mesh(points, [("pyramid", np.array([[0, 1, 2, 3, 4]]))])
-    with pytest.raises(FormatError, match="solids of kind 'pyramid'; mesh with tetrahedra"):
-        read_mesh_file(written(pyramid, tmp_path / "p.vtu"), materials=MATERIALS)
+    many = np.vstack([points, np.zeros((9, 3))])
+    pyramid = meshio.Mesh(many, [("pyramid14", np.arange(14)[None])])
+    with pytest.raises(FormatError, match="solids of kind 'pyramid14'; mesh with tetrahedra"):
+        read_mesh_file(
+            written(pyramid, tmp_path / "p.msh", file_format="gmsh22", binary=False),
+            materials=MATERIALS,
+        )
+
+
+def test_pyramids(tmp_path):
+    points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1.0]])
+    mesh = meshio.Mesh(points, [("pyramid", np.array([[0, 1, 2, 3, 4]]))])
+    found = read_mesh_file(written(mesh, tmp_path / "p.vtu"), materials=MATERIALS)
+    assert [block.kind for block in found.mesh.blocks] == ["pyramid5"]
 
 
 def test_ungrouped_solids_are_one_group(tmp_path):

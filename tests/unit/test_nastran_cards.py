@@ -117,8 +117,41 @@ def test_quadratic_and_wedge_elements(read: Read) -> None:
     block = read(more, fifteen, "PSOLID,1,9").mesh.blocks[0]
     assert block.kind == "wedge15"
     assert block.nodes[0].tolist() == [0, 1, 2, 4, 5, 6, *range(8, 17)]
-    with pytest.raises(FormatError, match="CPENTA: 14 nodes; supported are 6 or 15"):
-        read(more, fifteen.replace("\n,19", ""), "PSOLID,1,9")
+
+
+def test_blank_mid_side_nodes_of_solids_leave_sides_straight(read: Read) -> None:
+    """The side has a node in its middle that moves as the mean of its ends."""
+    more = "".join(f"GRID,{i},,{i}.,0.,0.\n" for i in range(11, 20))
+    fourteen = "CPENTA,3,1,1,2,3,5,6,7\n,11,12,13,14,15,16,17,18"
+    assembly = read(more, fourteen, "PSOLID,1,9")
+    (block,) = assembly.mesh.blocks
+    assert block.kind == "wedge15"
+    new = int(block.nodes[0, 14])
+    ends = [int(block.nodes[0, 5]), int(block.nodes[0, 3])]
+    np.testing.assert_array_equal(assembly.mesh.nodes[new], assembly.mesh.nodes[ends].mean(axis=0))
+    assert [{(n, c): a for n, c, a in e.terms} for e in assembly.equations] == [
+        {(new, c): 1.0, **{(end, c): -0.5 for end in ends}} for c in range(3)
+    ]
+    assert "1 blank mid-side nodes of CPENTA: straight sides" in assembly.ignored
+    with pytest.raises(FormatError, match="CPENTA: 14 nodes; supported are 6 or 15, of which the"):
+        read(more, "CPENTA,3,1,1,,3,5,6,7\n,11,12,13,14,15,16,17,18\n,19", "PSOLID,1,9")
+
+
+def test_pyramids(read: Read) -> None:
+    """Five nodes, and thirteen with the mid-sides of the base before those to the apex."""
+    apex = "GRID,20,,.5,.5,2."
+    mids = [(0.5, 0, 1), (1, 0.5, 1), (0.5, 1, 1), (0, 0.5, 1)]
+    mids += [(x / 2 + 0.25, y / 2 + 0.25, 1.5) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    grids = [f"GRID,{31 + i},,{x},{y},{z}" for i, (x, y, z) in enumerate(mids)]
+    five = "CPYRAM,50,1,5,6,7,8,20"
+    thirteen = "CPYRAM,51,1,5,6,7,8,20,31\n,32,33,34,35,36,37,38"
+    blocks = read(BRICK, apex, *grids, five, thirteen, "PSOLID,1,9").mesh.blocks
+    assert [(block.kind, block.ids.tolist()) for block in blocks[1:]] == [
+        ("pyramid5", [50]),
+        ("pyramid13", [51]),
+    ]
+    with pytest.raises(FormatError, match="CPYRAM: 4 nodes; supported are 5 or 13, of"):
+        read(BRICK, apex, "CPYRAM,50,1,1,2,3,4", "PSOLID,1,9")
 
 
 def test_material_constants(read: Read) -> None:

@@ -30,6 +30,8 @@ FORMULATIONS = [
     ("tet10", "standard"),
     ("wedge6", "standard"),
     ("wedge15", "standard"),
+    ("pyramid5", "standard"),
+    ("pyramid13", "standard"),
 ]
 every_solid = pytest.mark.parametrize(("kind", "formulation"), FORMULATIONS)
 SIZE = np.array([3.0, 2.0, 4.0])
@@ -131,6 +133,8 @@ PURE_BENDING = [
     ("hex20", "standard", 0.0),
     ("tet10", "standard", DISTORTION),
     ("wedge15", "standard", 0.0),
+    # The middle of a rectangular brick: bases are rectangles, and edges straight.
+    ("pyramid13", "standard", 0.0),
 ]
 
 
@@ -178,6 +182,7 @@ def tip_deflection_ratio(kind, formulation, cells) -> float:
         ("hex20", "standard"),
         ("tet10", "standard"),
         ("wedge15", "standard"),
+        ("pyramid13", "standard"),
     ],
 )
 def test_cantilever_agrees_with_timoshenko_on_a_coarse_mesh(kind, formulation):
@@ -185,7 +190,7 @@ def test_cantilever_agrees_with_timoshenko_on_a_coarse_mesh(kind, formulation):
     assert tip_deflection_ratio(kind, formulation, (10, 2, 2)) == pytest.approx(1.0, abs=0.02)
 
 
-@pytest.mark.parametrize("kind", ["hex8", "tet4", "wedge6"])
+@pytest.mark.parametrize("kind", ["hex8", "tet4", "wedge6", "pyramid5"])
 def test_linear_elements_are_too_stiff_and_converge(kind):
     coarse, fine = (tip_deflection_ratio(kind, "standard", (n * 8, n, n)) for n in (2, 4))
     assert coarse < fine < 1.0

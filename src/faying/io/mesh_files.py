@@ -38,8 +38,6 @@ SOLID_KINDS = {element.elsewhere.meshio: element for element in SOLIDS.values()}
 _REMEDIES = {
     "hexahedron27": "in gmsh set Mesh.SecondOrderIncomplete = 1 for 20-node bricks",
     "wedge18": "in gmsh set Mesh.SecondOrderIncomplete = 1 for 15-node wedges",
-    "pyramid": "mesh with tetrahedra, wedges or bricks",
-    "pyramid13": "mesh with tetrahedra, wedges or bricks",
     "pyramid14": "mesh with tetrahedra, wedges or bricks",
 }
 

@@ -49,8 +49,9 @@ def shaped(bricks: Cells, shape: str) -> Cells:
     ModelError
         If the shape is not known.
     """
-    if shape not in SOLIDS:
-        message = f"there is no solid shape '{shape}'; choose one of {', '.join(SOLIDS)}"
+    known = [kind for kind, one in SOLIDS.items() if one.brick_cells]
+    if shape not in known:
+        message = f"there is no solid shape '{shape}'; choose one of {', '.join(known)}"
         raise ModelError(message)
     element = SOLIDS[shape]
     cells = bricks.cells[:, element.brick_cells].reshape(-1, element.n_corners)
@@ -61,7 +62,7 @@ def shaped(bricks: Cells, shape: str) -> Cells:
 def with_midsides(linear: Cells, kind: str) -> Cells:
     """Add the mid-side nodes of a quadratic kind to its corners, one for each edge of the mesh."""
     element = SOLIDS[kind]
-    ends = np.array(_edge_ends(kind))
+    ends = np.array(mid_side_ends(kind))
     edges = np.sort(linear.cells[:, ends], axis=2).reshape(-1, 2)
     unique, inverse = np.unique(edges, axis=0, return_inverse=True)
     midsides = inverse.reshape(len(linear.cells), element.n_nodes - element.n_corners)
@@ -72,8 +73,8 @@ def with_midsides(linear: Cells, kind: str) -> Cells:
     )
 
 
-def _edge_ends(kind: str) -> list[tuple[int, int]]:
-    """Corners on either side of each mid-side node, found by reference coordinates."""
+def mid_side_ends(kind: str) -> list[tuple[int, int]]:
+    """Return the corners on either side of each mid-side node of a kind of solid."""
     element = SOLIDS[kind]
     corners = element.reference_nodes[: element.n_corners]
     first, second = np.triu_indices(element.n_corners, k=1)

@@ -172,7 +172,14 @@ def _solids(assembly: Assembly) -> Iterator[str]:
 
 
 def _type(block: CellBlock, assembly: Assembly) -> str:
-    return next(iter(block_element(block, assembly.element).elsewhere.abaqus))
+    names = block_element(block, assembly.element).elsewhere.abaqus
+    if not names:
+        message = (
+            f"element {block.ids[0]} is a {block.kind}, which CalculiX has not; write a Nastran "
+            "deck, or mesh with tetrahedra, wedges or bricks"
+        )
+        raise FormatError(message)
+    return next(iter(names))
 
 
 def _property(number: int) -> str:

@@ -62,8 +62,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
 }
 
 _REMEDIES = {
-    "CPYRAM": "mesh with CHEXA, CPENTA or CTETRA",
-    "CPYRA": "mesh with CHEXA, CPENTA or CTETRA",
+    "CPYRA": "write CPYRAM",
     "PLSOLID": "use PSOLID",
     "CONM1": "use CONM2",
 }

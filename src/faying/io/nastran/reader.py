@@ -46,6 +46,7 @@ from faying.io.nastran.solids import (
 )
 from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import read_scalar_masses, read_springs
+from faying.io.nastran.straight_sides import StraightSides
 from faying.io.nastran.supports import read_supports
 from faying.io.nastran.tokenizer import read_cards
 from faying.model.assembly import Assembly
@@ -130,7 +131,8 @@ def read_parts(
         materials = read_materials(cards, factor, ignored)
         factors = shear_factors(cards)
         directed = read_anisotropic(cards, materials_of_solids(cards), materials, factor, ignored)
-        solids = read_solids(cards, grids, {**materials, **directed}, ignored)
+        straight = StraightSides(grids=grids)
+        solids = read_solids(cards, grids, {**materials, **directed}, straight, ignored)
         heavy = any(one.density > 0 for one in {**materials, **directed}.values())
         if control.present and heavy and lumps_masses(cards, parameters):
             ignored.append(LUMPED)
@@ -140,11 +142,11 @@ def read_parts(
         node_sets, more_sets = read_sets(cards, grids, by_property, ignored)
         plane = read_plane_materials(cards, materials, factors, factor, ignored)
         laminates = read_shell_properties(cards, plane, factor, ignored)
-        shells = read_shells(cards, grids, laminates, ignored)
+        shells = read_shells(cards, grids, laminates, straight, ignored)
         rigid, rigid_equations = read_rigid_elements(cards, grids)
         mesh = Mesh(
-            nodes=np.vstack([grids.nodes, shells.nodes]),
-            node_ids=np.concatenate([grids.ids, shells.node_ids]),
+            nodes=np.vstack([grids.nodes, straight.nodes]),
+            node_ids=np.concatenate([grids.ids, straight.node_ids]),
             blocks=solids.blocks,
             node_sets=node_sets,
             element_sets={**by_property, **more_sets},
@@ -168,7 +170,7 @@ def read_parts(
             rigid_couplings=tuple(rigid),
             average_couplings=tuple(read_average_couplings(cards, grids)),
             equations=(
-                *shells.equations,
+                *straight.equations(),
                 *rigid_equations,
                 *read_equations(cards, grids, control.mpc),
             ),

@@ -1,6 +1,6 @@
 """CTRIA3, CQUAD4, CTRIA6, CQUAD8, CTRIAR, CQUADR, CSHEAR: shells and shear panels."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.shell_sections import ShellProperty
 from faying.io.nastran.solids import check_distinct, property_ids
-from faying.model.assembly import Equation
+from faying.io.nastran.straight_sides import StraightSides
 from faying.model.shells import ShellBlock, ShellSection
 
 _DIFFERENT = 1e-6
@@ -60,19 +60,17 @@ _N_CORNERS = {"tri3": 3, "quad4": 4, "tri6": 3, "quad8": 4, "panel4": 4}
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Shells:
-    """Shells of a deck; nodes on sides without one follow those of the deck by equations."""
+    """Shells of a deck."""
 
     blocks: tuple[ShellBlock, ...]
     sections: Mapping[int, ShellSection]
-    nodes: Matrix
-    node_ids: Indices
-    equations: tuple[Equation, ...]
 
 
 def read_shells(
     cards: Mapping[str, Cards],
     grids: Grids,
     properties: Mapping[int, ShellProperty],
+    straight: StraightSides,
     ignored: list[str],
 ) -> Shells:
     """Read shells and the sections they use.
@@ -87,7 +85,6 @@ def read_shells(
         If a node, property or coordinate system is missing, or a node occurs twice.
     """
     blocks: list[ShellBlock] = []
-    straight = _Straight(len(grids.ids), {})
     sections: dict[int, ShellSection] = {}
     own: dict[tuple[int, float], int] = {}
     for name, layout in _LAYOUTS.items():
@@ -116,43 +113,16 @@ def read_shells(
                 directions=_directions(found, layout, nodes, grids),
             )
         )
-    if straight.ends:
-        ignored.append(f"{len(straight.ends)} blank mid-side nodes of shells: straight sides")
+    if straight.turning:
+        ignored.append(f"{len(straight.turning)} blank mid-side nodes of shells: straight sides")
     if "CTRIAR" in cards or "CQUADR" in cards:
         ignored.append(ROTATING)
     if "CTRIA6" in cards or "CQUAD8" in cards:
         ignored.append(CURVED)
-    ends = np.array(list(straight.ends), dtype=np.int64).reshape(-1, 2)
-    return Shells(
-        blocks=tuple(blocks),
-        sections=sections,
-        nodes=grids.nodes[ends].mean(axis=1),
-        node_ids=int(grids.ids.max()) + 1 + np.arange(len(ends)),
-        equations=tuple(straight.equations()),
-    )
+    return Shells(blocks=tuple(blocks), sections=sections)
 
 
-@dataclass
-class _Straight:
-    """Sides without a node of their own: their ends, and the index of the first new node."""
-
-    first: int
-    ends: dict[tuple[int, int], int]
-
-    def node(self, start: int, end: int) -> int:
-        """Return the index of the new node between two."""
-        pair = (min(start, end), max(start, end))
-        return self.ends.setdefault(pair, self.first + len(self.ends))
-
-    def equations(self) -> Iterator[Equation]:
-        """Yield the six means of each new node."""
-        for (start, end), node in self.ends.items():
-            for c in range(6):
-                terms = ((node, c, 1.0), (start, c, -0.5), (end, c, -0.5))
-                yield Equation(id=0, terms=terms)
-
-
-def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: _Straight) -> Indices:
+def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: StraightSides) -> Indices:
     """Node indices (n, n_node); new ones where a mid-side node is blank."""
     n_corner = _N_CORNERS[layout.kind]
     corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
@@ -162,8 +132,8 @@ def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: _Straight) -> 
         column = np.zeros(len(cards), dtype=np.int64)
         column[given] = grids.of_column(cards.take(given), 2 + j)
         ends = corners[j - n_corner], corners[(j - n_corner + 1) % n_corner]
-        for card in np.flatnonzero(~given).tolist():
-            column[card] = straight.node(int(ends[0][card]), int(ends[1][card]))
+        if not given.all():
+            column[~given] = straight.between(ends[0][~given], ends[1][~given], turns=True)
         columns.append(column)
     return np.stack(columns, axis=1)
 

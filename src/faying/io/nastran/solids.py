@@ -5,14 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solid_materials import along
+from faying.io.nastran.straight_sides import StraightSides
 from faying.model.assembly import Material
-from faying.model.elements import SOLIDS
+from faying.model.elements import SOLIDS, SolidElement
 from faying.model.elements.orientation import right_side_out
+from faying.model.generate import mid_side_ends
 from faying.model.mesh import CellBlock
 
 _FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
@@ -34,6 +36,7 @@ def read_solids(
     cards: Mapping[str, Cards],
     grids: Grids,
     materials: Mapping[int, Material],
+    straight: StraightSides,
     ignored: list[str],
 ) -> Solids:
     """Read solid elements and the properties they use.
@@ -41,7 +44,8 @@ def read_solids(
     Eight-node bricks are ``"incompatible"`` when their PSOLID leaves IN and ISOP at the defaults
     (IN blank, 0 or BUBBLE; ISOP blank, 0 or REDUCED) and ``"standard"`` for ISOP = FULL (1) with
     IN = TWO (2) or THREE (3). MSC Nastran Quick Reference Guide, PSOLID, remark 6. Decks that mix
-    the two or ask for another scheme are refused.
+    the two or ask for another scheme are refused. Where some mid-side nodes of an element are
+    blank, the side has a node of its own that moves as the mean of its ends.
 
     Raises
     ------
@@ -52,7 +56,7 @@ def read_solids(
     users: dict[int, tuple[Cards, int]] = {}
     for name in SOLID_CARDS:
         if name in cards:
-            blocks += _blocks(cards[name], name, grids, ignored)
+            blocks += _blocks(cards[name], name, grids, straight, ignored)
             _note_properties(cards[name], users)
     properties = _properties(cards)
     used: dict[int, Material] = {}
@@ -81,36 +85,63 @@ def _note_schemes(
             ignored.append(note)
 
 
-def _blocks(cards: Cards, name: str, grids: Grids, ignored: list[str]) -> list[CellBlock]:
-    kinds = {e.n_nodes: e.kind for e in SOLIDS.values() if e.elsewhere.nastran == name}
-    sizes = sorted(kinds)
-    given = np.stack([cards.given(2 + j) for j in range(sizes[-1])], axis=1)
-    count = given.sum(axis=1)
-    leading = given.cumsum(axis=1)[:, -1] == (given * np.arange(1, sizes[-1] + 1)).max(axis=1)
-    wrong = np.flatnonzero(~np.isin(count, sizes) | ~leading)
+def _blocks(
+    cards: Cards, name: str, grids: Grids, straight: StraightSides, ignored: list[str]
+) -> list[CellBlock]:
+    linear, quadratic = sorted(
+        (element for element in SOLIDS.values() if element.elsewhere.nastran == name),
+        key=lambda element: element.n_nodes,
+    )
+    given = np.stack([cards.given(2 + j) for j in range(quadratic.n_nodes)], axis=1)
+    wrong = np.flatnonzero(~given[:, : linear.n_nodes].all(axis=1))
     if wrong.size:
         card = int(wrong[0])
-        text = f"{count[card]} nodes; supported are {' or '.join(map(str, sizes))} without gaps"
+        text = (
+            f"{given[card].sum()} nodes; supported are {linear.n_nodes} or {quadratic.n_nodes}, of "
+            f"which the first {linear.n_nodes} must be given"
+        )
         raise cards.error(card, text)
+    curved: Mask = np.asarray(given[:, linear.n_nodes :].any(axis=1))
     result = []
-    for size in sizes:
-        these = cards.take(count == size)
+    for element, chosen in ((linear, ~curved), (quadratic, curved)):
+        these = cards.take(chosen)
         if len(these):
-            nodes = np.stack([grids.of_column(these, 2 + j) for j in range(size)], axis=1)
+            nodes = _nodes(these, element, grids, straight, ignored)
             check_distinct(these, nodes)
-            nodes, turned = right_side_out(kinds[size], nodes, grids.nodes[nodes])
+            places = np.vstack([grids.nodes, straight.nodes])[nodes]
+            nodes, turned = right_side_out(element.kind, nodes, places)
             if turned.any():
                 first = these.words(0)[int(turned.argmax())]
                 ignored.append(f"node order of {turned.sum()} {name} inside out, the first {first}")
             result.append(
                 CellBlock(
-                    kind=kinds[size],
+                    kind=element.kind,
                     nodes=nodes,
                     ids=these.integers(0),
                     properties=property_ids(these),
                 )
             )
     return result
+
+
+def _nodes(
+    cards: Cards, element: SolidElement, grids: Grids, straight: StraightSides, ignored: list[str]
+) -> Indices:
+    """Node indices (n, n_node); new ones where a mid-side node is blank."""
+    nodes = np.zeros((len(cards), element.n_nodes), dtype=np.int64)
+    ends = mid_side_ends(element.kind)
+    blank = 0
+    for j in range(element.n_nodes):
+        given = cards.given(2 + j)
+        nodes[given, j] = grids.of_column(cards.take(given), 2 + j)
+        if not given.all():
+            start, end = ends[j - element.n_corners]
+            sides = nodes[~given, start], nodes[~given, end]
+            nodes[~given, j] = straight.between(*sides, turns=False)
+            blank += int((~given).sum())
+    if blank:
+        ignored.append(f"{blank} blank mid-side nodes of {cards.name}: straight sides")
+    return nodes
 
 
 def check_distinct(cards: Cards, nodes: Indices) -> None:

@@ -9,6 +9,8 @@ from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
 from faying.model.elements.hex8_reduced import HEX8_REDUCED
 from faying.model.elements.hex20 import HEX20
 from faying.model.elements.hex20_reduced import HEX20_REDUCED
+from faying.model.elements.pyramid5 import PYRAMID5
+from faying.model.elements.pyramid13 import PYRAMID13
 from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.tet4 import TET4
 from faying.model.elements.tet10 import TET10
@@ -17,7 +19,10 @@ from faying.model.elements.wedge15 import WEDGE15
 from faying.model.mesh import CellBlock
 
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
-    {element.kind: element for element in (HEX8, HEX20, WEDGE6, WEDGE15, TET4, TET10)}
+    {
+        element.kind: element
+        for element in (HEX8, HEX20, WEDGE6, WEDGE15, PYRAMID5, PYRAMID13, TET4, TET10)
+    }
 )
 """Mesh cell kind to its standard element."""
 

@@ -22,7 +22,7 @@ class Elsewhere:
         What Nastran's element has for the blank PSOLID and ours has not; empty if nothing.
     abaqus
         Types of Abaqus and CalculiX that are read as the element, the one that is written first,
-        and what differs from each; empty if nothing does.
+        and what differs from each; empty if nothing does. No types where these programs have none.
     meshio, vtk
         Name and number of the cell.
     places

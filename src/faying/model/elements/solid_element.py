@@ -40,7 +40,8 @@ class SolidElement:
     elsewhere
         The element in the files of other programs.
     brick_cells
-        Corners of the bricks' that make the corners of each cell a brick is cut into.
+        Corners of the bricks' that make the corners of each cell a brick is cut into; empty where
+        bricks are not cut into the kind.
     internal_gradients
         Reference gradients of internal displacement modes that are condensed out of the
         stiffness: points (n_quad, 3) to (n_quad, 3, n_mode); None if there are none.

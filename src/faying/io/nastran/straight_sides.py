@@ -1,0 +1,58 @@
+"""Sides of elements whose mid-side node is blank: straight, with a node that follows the ends."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from faying._typing import Indices, Matrix
+from faying.io.nastran.grids import Grids
+from faying.model.assembly import Equation
+
+Side = tuple[int, int]
+
+
+@dataclass(kw_only=True)
+class StraightSides:
+    """Sides without a node of their own; elements that share one share its new node.
+
+    Attributes
+    ----------
+    ends
+        Node indices of both ends to that of the new node.
+    turning
+        Sides of shells, whose nodes turn too.
+    """
+
+    grids: Grids
+    ends: dict[Side, int] = field(default_factory=dict)
+    turning: set[Side] = field(default_factory=set)
+
+    def between(self, starts: Indices, ends: Indices, *, turns: bool) -> Indices:
+        """Return the indices (n,) of the new nodes between pairs of nodes (n,)."""
+        first = len(self.grids.ids)
+        pairs = np.sort(np.column_stack([starts, ends]), axis=1)
+        unique, which = np.unique(pairs, axis=0, return_inverse=True)
+        sides: list[Side] = [(start, end) for start, end in unique.tolist()]
+        if turns:
+            self.turning.update(sides)
+        found = [self.ends.setdefault(side, first + len(self.ends)) for side in sides]
+        return np.array(found, dtype=np.int64)[which.ravel()]
+
+    @property
+    def nodes(self) -> Matrix:
+        """Places (n, 3) of the new nodes."""
+        ends = np.array(list(self.ends), dtype=np.int64).reshape(-1, 2)
+        places: Matrix = self.grids.nodes[ends].mean(axis=1)
+        return places
+
+    @property
+    def node_ids(self) -> Indices:
+        """Ids (n,) of the new nodes, behind all others."""
+        return int(self.grids.ids.max()) + 1 + np.arange(len(self.ends))
+
+    def equations(self) -> Iterator[Equation]:
+        """Yield the means of each new node."""
+        for side, node in self.ends.items():
+            for c in range(6 if side in self.turning else 3):
+                yield Equation(id=0, terms=((node, c, 1.0), *((end, c, -0.5) for end in side)))
