@@ -353,6 +353,32 @@ def test_without_webgl_maps_and_picture_stay(browser, address):
     assert " MPa at x " in opened.page.locator(".view-maps figcaption").inner_text()
     opened.part("largest").click()
     picked_value(opened)
+    assert opened.said == []
+    opened.page.close()
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_labels_of_bolts_do_not_hide_one_another(browser, results, tmp_path, width):
+    one = results.bolts["bolt"]
+    bolts = {
+        f"M8 number {k}": replace(one, axis=one.axis + np.array([2.0 * k, 0.0, 0.0]))
+        for k in range(6)
+    }
+    page = tmp_path / "report.html"
+    page.write_text(render(replace(results, bolts=bolts), [], tmp_path), encoding="utf-8")
+    opened = Visit(browser, page.as_uri(), viewport={"width": width, "height": WIDTHS[width]})
+    boxes = opened.page.evaluate(
+        """() => [...document.querySelectorAll(".view-labels, .view-labels span")].map((one) => {
+            const { left, right, top, bottom } = one.getBoundingClientRect();
+            return [left, right, top, bottom];
+        })"""
+    )
+    (left, right, *_), *labels = boxes
+    assert len(labels) == 6
+    for number, (a, b, c, d) in enumerate(labels):
+        assert left - 0.5 <= a < b <= right + 0.5
+        for e, f, g, h in labels[:number]:
+            assert b <= e or f <= a or d <= g or h <= c
     opened.page.close()
 
 

@@ -91,7 +91,9 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     page = write_report(results, tmp_path / "out").read_text()
     assert "stress in the thread" in page
     assert "clamp force of joint" in page
-    assert "The joint does not hold what the study demands: max_pressure." in page
+    assert "The joint does not hold what the study demands: max_pressure (joint)." in page
+    assert '<th scope="row" class="poor"><span class="mark">✗</span> max_pressure</th>' in page
+    assert '<th scope="row" class="good"><span class="mark">✓</span> min_clamp_force</th>' in page
     assert page.index('id="joint"') < page.index('id="summary"')
 
 

@@ -129,7 +129,7 @@ METHODS: Mapping[str, Method] = MappingProxyType(
                 meaning=f"{_CONSTRAINED}, static shapes of unit forces between all contact pairs, "
                 "and of the inertia forces of these shapes; static pressures are those of the "
                 "full model, and what responds at the interface has its inertia.",
-                colour="#000000",
+                colour="#661100",
                 marker="*",
                 joint_modes=_ATTACHED,
                 on_request=True,

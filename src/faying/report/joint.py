@@ -54,9 +54,13 @@ def joint_headline(results: Results) -> str:
         return "The joint was not judged; see the warnings." if wanted else ""
     if not found.verdicts:
         return "The study demands nothing of the joint ([requirement]); this is what it sees."
-    failed = [one.requirement for one in found.verdicts if not one.met]
+    failed: dict[str, list[str]] = {}
+    for one in found.verdicts:
+        if not one.met:
+            failed.setdefault(one.requirement, []).append(one.place)
     if failed:
-        return f"The joint does not hold what the study demands: {', '.join(failed)}."
+        what = "; ".join(f"{name} ({', '.join(places)})" for name, places in failed.items())
+        return f"The joint does not hold what the study demands: {what}."
     return "The joint holds all that the study demands in these load cases."
 
 

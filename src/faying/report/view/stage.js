@@ -237,11 +237,27 @@ class Stage {
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
     this.renderer.render(this.scene, this.camera);
-    for (const { cloud, label } of this.bolts) {
-      const [x, y] = this.onScreen(new THREE.Vector3().fromArray(cloud.attribute.array, 3));
-      label.style.transform = `translate(${x}px, ${y}px) translate(-50%, -120%)`;
-    }
+    this.#placeLabels();
     this.redrawn();
+  }
+
+  // Above their bolts within the canvas, the lower ones first; those in the way of others go higher.
+  #placeLabels() {
+    const { clientWidth } = this.canvas;
+    const wanted = this.bolts.map(({ cloud, label }) => {
+      const [x, y] = this.onScreen(new THREE.Vector3().fromArray(cloud.attribute.array, 3));
+      const { offsetWidth: wide, offsetHeight: tall } = label;
+      const left = Math.max(0, Math.min(x - wide / 2, clientWidth - wide));
+      return { label, left, wide, tall, top: y - 1.2 * tall };
+    }).sort((one, other) => other.top - one.top);
+    wanted.forEach((one, number) => {
+      for (const there of wanted.slice(0, number)) {
+        const beside = one.left >= there.left + there.wide || there.left >= one.left + one.wide;
+        const apart = one.top >= there.top + there.tall || there.top >= one.top + one.tall;
+        if (!beside && !apart) one.top = there.top - one.tall - 1;
+      }
+      one.label.style.transform = `translate(${one.left}px, ${one.top}px)`;
+    });
   }
 
   onScreen(point) {

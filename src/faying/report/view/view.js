@@ -43,6 +43,8 @@ async function startView(data) {
 
   let stage = null;
   try {
+    // Asked first, for three.js complains in the console where there is none.
+    if (!document.createElement("canvas").getContext("webgl2")) throw new Error("no WebGL");
     stage = new Stage(part("canvas"), part("labels"), data, part3, sides, () => {
       state.drawn += 1;
       root.dataset.drawn = state.drawn;
