@@ -134,6 +134,27 @@ def check_law(solution, friction):
     assert (solution.dissipation >= -1e-9 * max(solution.dissipation.max(), 1e-6)).all()
 
 
+def test_interfaces_have_coefficients_of_their_own():
+    joint = fy.lap_joint(element_size=5.0, plates=3, penalty=1e6).with_bolt_forces({"bolt": 10e3})
+    model = joint.with_friction({"joint-1": 0.1, "joint-2": 0.4})
+    path = fy.solve_path(model, [fy.Load(), fy.Load({"tip.Fx": 4000.0})])
+    normal, shear = path.contact_forces[1], np.hypot(*path.shear_forces[1])
+    for name, friction in {"joint-1": 0.1, "joint-2": 0.4}.items():
+        at = model.contact.slices[name]
+        most = (shear[at] / np.where(normal[at] > 0, normal[at], np.inf)).max()
+        assert most == pytest.approx(friction, rel=1e-6)  # the pull makes something slip on both
+    # What is not named stays: one coefficient for all, by another way.
+    again = joint.with_friction(0.4).with_friction({"joint-1": 0.1})
+    same = fy.solve_path(again, [fy.Load(), fy.Load({"tip.Fx": 4000.0})])
+    np.testing.assert_array_equal(same.shear_forces, path.shear_forces)
+    half = joint.with_friction({"joint-2": 0.4})
+    assert half.interfaces["joint-1"].law.friction == 0
+    half_path = fy.solve_path(half, [fy.Load()])
+    assert not half_path.shear_forces[0][:, half.contact.slices["joint-1"]].any()
+    with pytest.raises(ModelError, match="no interface 'lap'; its interfaces are joint-1, joint-2"):
+        joint.with_friction({"lap": 0.1})
+
+
 def test_a_small_coefficient_is_frictionless(coarse):
     smooth = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
     load = LOADS["LC2"]

@@ -169,14 +169,17 @@ class Model(Shown):
         )
 
     def with_friction(
-        self, friction: float, tangential_penalty: float | Literal["auto"] = "auto"
+        self,
+        friction: float | Mapping[str, float],
+        tangential_penalty: float | Literal["auto"] = "auto",
     ) -> "Model":
-        """Return a copy with Coulomb friction on all interfaces.
+        """Return a copy with Coulomb friction.
 
         Parameters
         ----------
         friction
-            Coefficient μ; 0 takes friction away.
+            Coefficient μ of all interfaces, 0 takes friction away; or interface name to
+            coefficient, which leaves interfaces that are not named as they are.
         tangential_penalty : [force/length³]
             c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the model's materials,
             and infinite where normal contact is hard.
@@ -184,7 +187,8 @@ class Model(Shown):
         Raises
         ------
         ModelError
-            If a number is out of range, or ``"auto"`` finds no material.
+            If a number is out of range, there is no such interface, or ``"auto"`` finds no
+            material.
 
         Notes
         -----
@@ -192,10 +196,15 @@ class Model(Shown):
         used; copies of a model with friction that change its coefficients share what it has. With
         μ = 0 the model is frictionless and costs no more.
         """
-        rubbing = {
-            name: interface.with_law(self._rubbing(interface, friction, tangential_penalty))
-            for name, interface in self.interfaces.items()
-        }
+        given = (
+            friction if isinstance(friction, Mapping) else dict.fromkeys(self.interfaces, friction)
+        )
+        changed = {}
+        for name, coefficient in given.items():
+            interface = self._interface(name)
+            law = self._rubbing(interface, coefficient, tangential_penalty)
+            changed[name] = interface.with_law(law)
+        rubbing = {**self.interfaces, **changed}
         stacked, structure = stack(rubbing), self.structure
         if not _same(stacked.relative_operator, structure.relative_operator):
             structure = replace(
