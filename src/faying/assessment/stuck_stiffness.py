@@ -34,15 +34,7 @@ def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
     Where a law is hard the compliance between the pairs is needed, which a system computes once.
     """
     contact = system.contact
-    closed = np.atleast_2d(state.contact_forces)[-1] > 0
-    parts, yields = [contact.interpolation[closed]], [contact.flexibility[closed]]
-    if contact.shear is not None:
-        stuck = np.tile(closed[contact.rubbing], 2)
-        parts.append(contact.shear[stuck])
-        yields.append(np.tile(contact.tangential_flexibility, 2)[stuck])
-    rows, flexibility = sp.vstack(parts).tocsr(), np.concatenate(yields)
-    if (flexibility == 0).any():
-        flexibility = np.maximum(flexibility, NEARLY_RIGID * _own_compliance(system, rows))
+    rows, flexibility = stuck_springs(system, state)
     B = (rows.T @ sp.diags_array(1 / flexibility) @ rows).tocsr()
     P = contact.relative_operator
     if contact.residual_compliance is None:
@@ -52,6 +44,33 @@ def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
     between = np.linalg.solve(np.eye(len(R)) + B @ R, B.toarray())
     tangent = np.asarray(system.K + P.T @ between @ P)
     return cast("Matrix", (tangent + tangent.T) / 2)
+
+
+def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector]:
+    """Return the springs of closed points: what the pairs move in each, and how it yields.
+
+    Parameters
+    ----------
+    state
+        Solution to linearize about, or a path, about its end.
+
+    Returns
+    -------
+    rows : (n_spring, n_relative)
+        First along the normals of closed points, then along both tangents of those that rub.
+    flexibility : (n_spring,) [length/force]
+    """
+    contact = system.contact
+    closed = np.atleast_2d(state.contact_forces)[-1] > 0
+    parts, yields = [contact.interpolation[closed]], [contact.flexibility[closed]]
+    if contact.shear is not None:
+        stuck = np.tile(closed[contact.rubbing], 2)
+        parts.append(contact.shear[stuck])
+        yields.append(np.tile(contact.tangential_flexibility, 2)[stuck])
+    rows, flexibility = sp.vstack(parts).tocsr(), np.concatenate(yields)
+    if (flexibility == 0).any():
+        flexibility = np.maximum(flexibility, NEARLY_RIGID * _own_compliance(system, rows))
+    return rows, flexibility
 
 
 def _own_compliance(system: System, rows: SparseMatrix) -> Vector:

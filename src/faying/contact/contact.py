@@ -166,7 +166,7 @@ class Contact:
             message = (
                 f"interface '{rubbing[0]}' has friction, which paths and transients alone "
                 "know (solve_path, solve_transient): tighten bolts before with_friction, and take "
-                "the model without friction for single static cases, certificates and hand-overs"
+                "the model without friction for single static cases and certificates"
             )
             raise ModelError(message)
 

@@ -55,16 +55,19 @@ class Format:
         Of the file it writes; empty where that is a folder.
     extra
         Extra of faying that installs what it needs; empty where it needs nothing.
+    sticks
+        Whether it takes joints with friction, every closed point stuck.
     """
 
     module: str
     kind: str
     suffix: str
     extra: str = ""
+    sticks: bool = False
 
 
 FORMATS = {
-    "nastran": Format(module="faying.export.nastran", kind=LINEAR, suffix=".op4"),
+    "nastran": Format(module="faying.export.nastran", kind=LINEAR, suffix=".op4", sticks=True),
     "mat": Format(module="faying.export.matlab", kind=CONTACT, suffix=".mat"),
     "fmu": Format(module="faying.export.fmu", kind=CONTACT, suffix=".fmu"),
     "exudyn": Format(module="faying.export.exudyn", kind=CONTACT, suffix=".py", extra="exudyn"),
@@ -104,12 +107,14 @@ def export(
     Raises
     ------
     StudyError
-        If there is no such format or model, or what the format needs is not installed.
+        If there is no such format or model, what the format needs is not installed, or the joint
+        has friction and the format does not carry it.
     FormatError
         If the run cannot be read or the files cannot be written.
     """
     chosen = format_named(to)
     rom, run, folder = _given(source, method, joint_modes)
+    _check_friction(rom, to, chosen)
     if out is None and folder is None:
         message = f"nothing says where to write the {to} file; give out="
         raise StudyError(message)
@@ -171,6 +176,18 @@ def default_name(rom: ReducedModel, to: str) -> str:
     if suffix == ".py":  # a module must have a name that can be imported
         return re.sub(r"\W", "_", f"{stem}_{to}") + suffix
     return f"{stem}{suffix}" if suffix else f"{stem}-{to}"
+
+
+def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
+    rubbing = [name for name, law in rom.contact.laws.items() if law.friction > 0]
+    if rubbing and not chosen.sticks:
+        others = ", ".join(name for name, one in FORMATS.items() if one.sticks)
+        message = (
+            f"interface '{rubbing[0]}' has friction, which {to} does not carry; hand over the "
+            f"linear joint ({others}), in which every closed point sticks, or the joint without "
+            "friction (model.with_friction(0), or a study without 'friction')"
+        )
+        raise StudyError(message)
 
 
 def _named(path: Path, chosen: Format) -> Path:

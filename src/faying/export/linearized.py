@@ -13,6 +13,10 @@ Static response is then that of the full model linearized at the same state: R h
 vectors lack. Hard contact (D = 0) is the limit; its points get the millionth part of their own
 compliance, as in :func:`faying.preloaded_frequencies`, for they may be dependent.
 
+With friction every closed point sticks: G has the tangential displacements of closed points too,
+and D what the tangential penalty yields. The model is then right until the first point slips, and
+knows no friction damping.
+
 What it cannot do: open or close the joint, so it has no softening when the joint gapes and no
 stiffening when it shuts; slide outside the sticking area; damp by impact; stay right under loads or
 bolt forces far from the state. :meth:`LinearModel.contact_forces` tells when it is asked for too
@@ -25,12 +29,12 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.assessment.stuck_stiffness import NEARLY_RIGID
+from faying.assessment.stuck_stiffness import stuck_springs
 from faying.joint.system import System, boundary_dofs, elongations, input_forces
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static
+from faying.simulation.start import at_rest, last_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,27 +112,26 @@ class LinearModel:
 
 
 def linearize(about: ReducedModel | Solution) -> LinearModel:
-    """Linearize a reduced model about one static solution of it.
+    """Linearize a reduced model about one static solution of it, or the end of a path.
 
     Parameters
     ----------
     about
         The solution, of a reduced model with dense matrices; or such a model, then about the joint
-        under its bolts alone.
+        under its bolts alone, tightened with friction in one increment where there is some.
 
     Notes
     -----
     One Cholesky factorization of the size of the closed points.
     """
-    state = about if isinstance(about, Solution) else solve_static(about)
+    state = last_of(about) if isinstance(about, Solution) else at_rest(about)
     system = state.system
     closed = np.asarray(state.contact_forces > 0)
-    seen = np.asarray(system.contact.gap_operator)
-    forces, gaps = _contact_rows(state, closed, seen)
+    added, forces, gaps = _contact_rows(state, closed)
     return LinearModel(
         M=np.asarray(system.M),
         C=np.asarray(system.C),
-        K=_symmetric(np.asarray(system.K) - seen.T @ forces),
+        K=_symmetric(np.asarray(system.K) + added),
         state=state.states,
         boundary=boundary_dofs(system.boundaries),
         inputs=input_forces(system, np.eye(len(_inputs(system)))).T,
@@ -145,23 +148,25 @@ def linearize(about: ReducedModel | Solution) -> LinearModel:
     )
 
 
-def _contact_rows(state: Solution, closed: Mask, seen: Matrix) -> tuple[Matrix, Matrix]:
-    """Return changes of contact forces and gaps (n_point, n_mode) per change of q."""
-    contact = state.system.contact
-    own = np.diag(state.system.static_contact.flexibility) - contact.flexibility
-    flexibility = np.maximum(contact.flexibility, NEARLY_RIGID * own)[closed]
-    forces, gaps = np.zeros_like(seen), np.array(seen)
+def _contact_rows(state: Solution, closed: Mask) -> tuple[Matrix, Matrix, Matrix]:
+    """Return what contact adds to K, and changes of forces and gaps (n_point, n_mode) per q."""
+    system, contact = state.system, state.system.contact
+    gaps = np.array(contact.gap_operator)
+    rows, flexibility = stuck_springs(system, state)
+    forces = np.zeros_like(gaps)
     if not closed.any():
-        return forces, gaps
-    total = np.diag(flexibility)
+        return np.zeros((gaps.shape[1], gaps.shape[1])), forces, gaps
+    seen = np.asarray(rows @ contact.relative_operator)
     residual = contact.residual_compliance
     if residual is None:
-        forces[closed] = -seen[closed] / flexibility[:, None]
-        return forces, gaps
-    columns = contact.interpolation @ (residual @ contact.interpolation[closed].T.toarray())
-    total += columns[closed]
-    forces[closed] = -la.cho_solve(la.cho_factor(_symmetric(total)), seen[closed])
-    return forces, gaps + columns @ forces[closed]
+        springs = -seen / flexibility[:, None]
+    else:
+        moved = residual @ rows.T.toarray()
+        total = np.diag(flexibility) + rows @ moved
+        springs = -la.cho_solve(la.cho_factor(_symmetric(total)), seen)
+        gaps = gaps + contact.interpolation @ (moved @ springs)
+    forces[closed] = springs[: np.count_nonzero(closed)]
+    return -seen.T @ springs, forces, gaps
 
 
 def _symmetric(matrix: Matrix) -> Matrix:

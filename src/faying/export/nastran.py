@@ -250,6 +250,15 @@ boundary forces f (mode acceleration with contact):
 """
 
 
+_FRICTION = """
+FRICTION: every point in contact at the preload sticks, along its tangents too. The superelement is
+right as long as nothing slips (faying tells the load of first slip: slip_onset_factor), is too
+stiff beyond, and has none of the damping that slip makes: give modes the damping of a backbone.
+The contact problem of the recovery below leaves friction out; recover pressures and tractions with
+faying instead.
+"""
+
+
 def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
     """Say what the files are, what the rows are and what the recovery matrices are."""
     kinds = rom.basis.kinds
@@ -259,7 +268,7 @@ def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
         "",
         "LINEAR hand-over: the joint is linearized at its preloaded state. It neither opens nor",
         "closes. Displacements x are changes from that state; do not apply the bolt preload again.",
-        "",
+        _FRICTION if rom.contact.components > 1 else "",
         f"Files: {', '.join(file.name for file in files)}",
         "How to attach them: docs/how-to/export_to_nastran.md of faying.",
         "",
