@@ -6,6 +6,7 @@ import pytest
 import faying as fy
 from faying.assessment.transient_error import PATTERNS, SWEEPS, finer_model
 from faying.exceptions import ModelError
+from faying.simulation.divided_steps import divided_steps
 
 LC2 = {"tip.Fz": -500.0, "tip.Mx": 20e3}
 PERIOD = 1.6e-3
@@ -67,6 +68,20 @@ def test_finer_model_holds_the_coarser_one(joint, classic):
     np.testing.assert_allclose(*both, rtol=0, atol=1e-8 * both[0].max())  # exact up to round-off
     one, other = (fy.transient_error(model, motion, load) for model in (joint, finer))
     assert one == other
+
+
+def test_divided_steps_are_judged_with_the_same_steps(joint, bases):
+    load, scheme = rising(0.1), fy.EnergyDecaying(0.0)
+    rom = fy.reduce(joint, bases[10], compliance=True)
+    options = {"step": PERIOD / 50, "duration": PERIOD / 4, "integrator": scheme}
+    motion = fy.solve_transient(rom, load, **options, tolerance=0.05)
+    assert motion.substeps.max() > 1
+    full = divided_steps(joint, step=PERIOD / 50, tolerance=1.0, integrator=scheme).solve(
+        load, duration=PERIOD / 4, substeps=motion.substeps
+    )
+    found = fy.transient_error(joint, motion, load, integrator=scheme).max_relative_error
+    # As with steps of one length.
+    assert 1 / 2.5 < found / fy.compare(motion, full).max_relative_error < 2.5
 
 
 def test_a_load_that_moves_no_contact_is_without_error(joint, bases):

@@ -17,6 +17,7 @@ from faying.reduction.basis import ModeKind
 from faying.reduction.pod import pod
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.divided_steps import divided_steps
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
@@ -94,15 +95,14 @@ def transient_error(
     """
     finer = finer_model(model, solution) if isinstance(model, Model) else model
     times = _instants(solution)
-    step = float(np.diff(times).mean())
-    motion = solve_transient(
-        finer,
-        load,
-        step=step,
-        duration=float(times[-1]),
-        integrator=integrator,
-        initial=initial,
-    )
+    step, duration = float(np.diff(times).mean()), float(times[-1])
+    if solution.substeps is None:
+        motion = solve_transient(
+            finer, load, step=step, duration=duration, integrator=integrator, initial=initial
+        )
+    else:
+        divided = divided_steps(finer, step=step, tolerance=1.0, integrator=integrator)
+        motion = divided.solve(load, duration=duration, initial=initial, substeps=solution.substeps)
     if motion.energy_gain > MOST_GAIN:
         gained = gain_message(motion.energy_gain)
         message = f"in the model with more inertia that the transient is judged by, {gained}"

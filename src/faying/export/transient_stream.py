@@ -14,12 +14,13 @@ from faying.exceptions import FormatError, ModelError
 from faying.files.described import member_name
 from faying.files.reserve import growing, reserve
 from faying.joint.system import System
+from faying.simulation.divided_steps import DividedSteps, divided_steps
 from faying.simulation.energy_guard import EnergyLedger
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
-from faying.simulation.stepping import check_times, transient_solver
+from faying.simulation.stepping import TransientSolver, check_times, transient_solver
 
 FORMAT = "faying transient"
 PIECE = 2000
@@ -44,6 +45,12 @@ FIELDS: Mapping[str, Callable[[Solution], Matrix]] = {
 }
 """What can be kept of every instant; boundaries, bolts and interfaces are kept always."""
 
+DIVIDED: Mapping[str, Callable[[Solution], Matrix]] = {
+    "substeps": lambda piece: np.asarray(piece.substeps),
+    "step_error": lambda piece: np.asarray(piece.step_error),
+}
+"""Kept too where steps are divided."""
+
 
 def stream_transient(
     system: System,
@@ -57,6 +64,7 @@ def stream_transient(
     resume: bool = False,
     progress: Callable[[int], object] | None = None,
     compiled: bool | None = None,
+    tolerance: float | None = None,
 ) -> Path:
     """Integrate as :func:`faying.solve_transient` and write the history while it grows.
 
@@ -72,8 +80,9 @@ def stream_transient(
         8 GB for a million steps.
     resume
         Go on where the file ends; the same numbers as in one run, to the bit.
-    compiled
-        As in :func:`faying.solve_transient`.
+    compiled, tolerance
+        As in :func:`faying.solve_transient`. With a tolerance ``substeps`` and ``step_error`` are
+        kept too.
 
     Returns
     -------
@@ -97,14 +106,27 @@ def stream_transient(
         raise ModelError(message)
     target = Path(path)
     scheme = ImplicitEuler() if integrator is None else integrator
-    kept = tuple(dict.fromkeys([*ALWAYS, *fields]))
+    kept = {name: FIELDS[name] for name in (*ALWAYS, *fields)}
+    kept |= {} if tolerance is None else DIVIDED
     check_times(step, duration)
-    solver = transient_solver(system, step=step, integrator=scheme, compiled=compiled)
+    solver: TransientSolver | DividedSteps
+    if tolerance is None:
+        solver = transient_solver(system, step=step, integrator=scheme, compiled=compiled)
+    else:
+        solver = divided_steps(
+            system, step=step, tolerance=tolerance, integrator=scheme, compiled=compiled
+        )
+    began = {
+        "format": FORMAT,
+        "integrator": scheme.name,
+        "step": step,
+        "tolerance": 0.0 if tolerance is None else tolerance,
+    }
     try:
         with growing(target, new=not resume) as file:
-            restart = _restart(file, system, scheme, step) if resume and len(file) else None
+            restart = _restart(file, system, began) if resume and len(file) else None
             if restart is None:
-                _begin(file, load, scheme, step)
+                file.attrs.update({**began, "load": load.name, "complete": False})
             pieces = solver.pieces(
                 load, duration=duration, length=PIECE, restart=restart, progress=progress
             )
@@ -119,17 +141,11 @@ def stream_transient(
     return target
 
 
-def _begin(file: h5py.File, load: Load, scheme: Integrator, step: float) -> None:
-    file.attrs["format"] = FORMAT
-    file.attrs["load"] = load.name
-    file.attrs["integrator"] = scheme.name
-    file.attrs["step"] = step
-    file.attrs["complete"] = False
-
-
-def _append(file: h5py.File, piece: Solution, kept: tuple[str, ...]) -> None:
+def _append(
+    file: h5py.File, piece: Solution, kept: Mapping[str, Callable[[Solution], Matrix]]
+) -> None:
     """Add the rows of a piece to every dataset."""
-    rows: dict[str, Matrix] = {name: FIELDS[name](piece) for name in kept}
+    rows: dict[str, Matrix] = {name: of(piece) for name, of in kept.items()}
     system = piece.system
     for name in system.boundaries:
         rows[f"displacements/{member_name(name)}"] = piece.displacement(name)
@@ -176,6 +192,8 @@ def _mark(file: h5py.File, end: Restart) -> None:
             place.create_dataset(name, data=values)
         place[name][...] = values
     place.attrs["done"] = end.done
+    place.attrs["level"] = end.level
+    place.attrs["peak"] = end.peak
     place.attrs["steady"] = contact.steady
     place.attrs["is_supported"] = contact.supported is not None
     if end.ledger is not None:
@@ -186,10 +204,10 @@ def _mark(file: h5py.File, end: Restart) -> None:
     file.flush()
 
 
-def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -> Restart | None:
-    expected = {"format": FORMAT, "integrator": scheme.name, "step": step}
-    for name, value in expected.items():
-        if file.attrs.get(name) != value:
+def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Restart | None:
+    for name, value in began.items():
+        # Files of earlier versions know of no tolerance.
+        if file.attrs.get(name, 0.0) != value:
             message = (
                 f"{file.filename} has {name} {file.attrs.get(name)}, expected {value}; resume "
                 "with what the run began with, or start anew"
@@ -222,7 +240,13 @@ def _restart(file: h5py.File, system: System, scheme: Integrator, step: float) -
         **{field.name: float(place.attrs[field.name]) for field in fields(EnergyLedger)}
     )
     return Restart(
-        done=done, motion=motion, contact=contact, trend=place["trend"][()], ledger=ledger
+        done=done,
+        motion=motion,
+        contact=contact,
+        trend=place["trend"][()],
+        ledger=ledger,
+        level=int(place.attrs.get("level", 0)),
+        peak=float(place.attrs.get("peak", 0.0)),
     )
 
 

@@ -144,6 +144,8 @@ class EnergyGuard:
         At the instant before the piece and those of the piece.
     history
         Of the piece, to be written.
+    warn
+        Whether to log what is not sound.
     """
 
     system: System
@@ -153,14 +155,15 @@ class EnergyGuard:
     ledgers: Sequence[EnergyLedger | None]
     inputs: Matrix
     history: Instants
+    warn: bool = True
 
     def audit(self) -> list[EnergyLedger]:
         """Return the ledgers at the end of the piece; log what is not sound any more."""
         n_time = self.inputs.shape[1] - 1
         found = [self._audited(case, n_time) for case in range(len(self.loads))]
-        for name, before, after in zip(self.loads, self.ledgers, found, strict=True):
-            if not after.sound and (before is None or before.sound):
-                _log.warning("%s: %s", name, gain_message(after.gain))
+        if self.warn:
+            for name, before, after in zip(self.loads, self.ledgers, found, strict=True):
+                warn_of_gain(name, before, after)
         return found
 
     @contextmanager
@@ -197,6 +200,12 @@ class EnergyGuard:
             self.history.of_case(case).instants(0, n_time),
             self.step,
         )
+
+
+def warn_of_gain(name: str, before: EnergyLedger | None, after: EnergyLedger) -> None:
+    """Log that a ledger is not sound any more."""
+    if not after.sound and (before is None or before.sound):
+        _log.warning("%s: %s", name, gain_message(after.gain))
 
 
 def gain_message(gain: float) -> str:

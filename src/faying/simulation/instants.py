@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -79,7 +80,7 @@ class Instants:
                 self.shear[case, n], self.slip[case, n] = contact.shear_forces, contact.slip
                 self.dissipation[case, n] = contact.dissipation
 
-    def friction(self, case: int) -> dict[str, Matrix]:
+    def friction(self, case: int) -> dict[str, Any]:
         """Return what a solution of this case says of friction, nothing where there is none."""
         if not self.shear.size:
             return {}

@@ -27,6 +27,10 @@ class Restart:
         How forces and slacks changed, see :func:`~.instants.expected`; NaN before the first step.
     ledger
         Of its energy; None before the first step.
+    level
+        Halvings of the next step to begin with, where steps are divided.
+    peak
+        Largest pressure so far, where steps are divided [force/length²].
     """
 
     done: int
@@ -34,6 +38,8 @@ class Restart:
     contact: ContactState
     trend: Vector
     ledger: EnergyLedger | None = None
+    level: int = 0
+    peak: float = 0.0
 
 
 def side_by_side(motions: Sequence[Motion]) -> Motion:

@@ -57,6 +57,11 @@ class Solution(ContactFields, Shown):
         Tangential components of the slip.
     dissipation : (...)
         Energy that friction took in each increment or step [force·length].
+    substeps : (n_time,) or None
+        Steps that led to each instant, where they were divided to hold a tolerance.
+    step_error : (n_time,) or None
+        Largest change of a pressure that half as many steps make there, over the largest pressure
+        so far; NaN where the steps were given.
     """
 
     name: str
@@ -74,6 +79,8 @@ class Solution(ContactFields, Shown):
     shear_forces: Matrix | None = None
     shear_slip: Matrix | None = None
     dissipation: Matrix | float = 0.0
+    substeps: Indices | None = None
+    step_error: Vector | None = None
 
     def __post_init__(self) -> None:
         for name in ("states", "contact_forces", "gap", "inputs"):

@@ -52,6 +52,7 @@ def transient_solver(
     step: float,
     integrator: Integrator | None = None,
     compiled: bool | None = None,
+    warn: bool = True,
 ) -> "TransientSolver":
     """Factorize what all transients of a system with one time step share.
 
@@ -62,6 +63,8 @@ def transient_solver(
         :class:`ImplicitEuler` unless given.
     compiled
         Whether the steps of a reduced model are compiled; unless given, where that pays.
+    warn
+        Whether to log energy that appears from nothing.
 
     Raises
     ------
@@ -85,6 +88,7 @@ def transient_solver(
         effective=effective,
         condensed=_condense_step(system, scheme, effective),
         compiled=compiled,
+        warn=warn,
     )
 
 
@@ -129,6 +133,8 @@ class TransientSolver:
         Contact problem of one step.
     compiled
         Whether steps are compiled; None decides by their number.
+    warn
+        Whether to log energy that appears from nothing.
     """
 
     system: System
@@ -137,6 +143,7 @@ class TransientSolver:
     effective: Factorization
     condensed: CondensedContact
     compiled: bool | None = None
+    warn: bool = True
 
     def solve(
         self,
@@ -226,6 +233,7 @@ class TransientSolver:
             ledgers=[one.ledger for one in here],
             inputs=inputs,
             history=history.instants(first, first + len(times)),
+            warn=self.warn,
         )
         inputs = inputs[:, 1:]
         external = input_forces(system, inputs)

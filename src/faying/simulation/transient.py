@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from faying.joint.system import System
+from faying.simulation.divided_steps import divided_steps
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
@@ -19,6 +20,7 @@ def solve_transient(
     initial: Solution | None = None,
     progress: Callable[[int], object] | None = None,
     compiled: bool | None = None,
+    tolerance: float | None = None,
 ) -> Solution:
     """Integrate the response to a load that acts from t = 0+ on a prestressed joint at rest.
 
@@ -38,6 +40,11 @@ def solve_transient(
     compiled
         Whether the steps of a reduced model are compiled (extra ``compiled``, 15 to 30 s once per
         installation); unless given, from 20 000 steps on. The same results up to round-off.
+    tolerance
+        Largest pressure error of the time steps over the largest pressure. With it each ``step``
+        is done in as many steps as that takes, up to 64: ``substeps`` of the solution tells how
+        many, ``step_error`` their estimated errors, whose sum is at most the tolerance unless 64
+        steps did not do.
 
     Returns
     -------
@@ -56,6 +63,11 @@ def solve_transient(
     (15.12) there.
     """
     check_times(step, duration)
+    if tolerance is not None:
+        divided = divided_steps(
+            system, step=step, tolerance=tolerance, integrator=integrator, compiled=compiled
+        )
+        return divided.solve(load, duration=duration, initial=initial, progress=progress)
     solver = transient_solver(system, step=step, integrator=integrator, compiled=compiled)
     return solver.solve(load, duration=duration, initial=initial, progress=progress)
 
