@@ -16,6 +16,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
 from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
 
@@ -101,12 +102,10 @@ class FrictionalMean:
         if contact.residual_compliance is not None:
             end = self._law.solve(z_free, forces)
             return replace(end, iterations=mean.iterations + end.iterations)
-        rubbing, elastic = contact.rubbing, none
-        elastic[0] = np.maximum(-z_free[0] / contact.flexibility, 0.0)
-        shear = -z_free[1:, rubbing] / contact.tangential_flexibility
-        size, limit = np.hypot(*shear), contact.friction * elastic[0, rubbing]
-        elastic[1:, rubbing] = shear * np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
-        return replace(mean, forces=elastic, slack=z_free + self._yielded(elastic))
+        D = self._laws.closure(none)[1]
+        stuck = np.divide(-z_free, D, out=none, where=D > 0)
+        elastic = self._laws.admissible(stuck, None)
+        return replace(mean, forces=elastic, slack=z_free + self._laws.closure(elastic)[0])
 
     def _obeyed(self, gap: Vector, forces: Matrix) -> bool:
         """Say whether forces press closed points alone, and shear them no more than they may."""
@@ -118,18 +117,14 @@ class FrictionalMean:
     def _given_way(self, forces: Matrix) -> Matrix:
         """W λ (3, n_point)."""
         contact = self.condensed.contact
-        way, R = self._yielded(forces), contact.residual_compliance
+        way, R = self._laws.closure(forces)[0], contact.residual_compliance
         return (
             way if R is None else way + contact.moved(R @ contact.at_pairs(forces[0], forces[1:]))
         )
 
-    def _yielded(self, forces: Matrix) -> Matrix:
-        """D λ (3, n_point)."""
-        contact, yielded = self.condensed.contact, np.zeros_like(forces)
-        yielded[0] = contact.flexibility * forces[0]
-        at = contact.rubbing
-        yielded[1:, at] = contact.tangential_flexibility * forces[1:, at]
-        return yielded
+    @property
+    def _laws(self) -> LawsAtPoints:
+        return self.condensed.frictional.laws
 
     @cached_property
     def _law(self) -> FrictionalContact:
