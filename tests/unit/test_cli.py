@@ -25,7 +25,12 @@ def call(monkeypatch, capsys, *arguments):
 def runner(monkeypatch):
     """A stand-in for the runner that records its calls and reports convergence as told."""
     calls = []
-    summary = {"load_cases": {}, "warnings": [], "reference": {"kind": "full", "reason": ""}}
+    summary = {
+        "load_cases": {},
+        "warnings": [],
+        "reference": {"kind": "full", "reason": ""},
+        "timings": {"stages": {}},
+    }
     result = SimpleNamespace(converged=True, summary=summary)
 
     def run(study, out, *, resume, progress, executor, since):
