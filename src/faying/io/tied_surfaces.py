@@ -4,9 +4,11 @@ from collections.abc import Iterator
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import cKDTree
 
 from faying._typing import Indices, SparseMatrix
 from faying.interface.across import declared_area, pairs_across
+from faying.interface.candidate_facets import candidates
 from faying.interface.mortar import find_couplings
 from faying.model.assembly import Assembly, Equation
 from faying.model.specs import InterfaceSpec
@@ -36,6 +38,7 @@ def tied_equations(
         If the two see nothing of each other.
     """
     pairs = _pairs(assembly, spec)
+    pairs = pairs if len(pairs) else _opposite(assembly, spec)
     if len(pairs):
         return list(_equations(*_node_on_node(pairs, len(assembly.mesh.nodes)), first)), 1.0
     (coupling,) = find_couplings(assembly, spec).values()
@@ -49,6 +52,34 @@ def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
     both = [np.column_stack([part.minus.ravel(), part.plus.ravel()]) for part in faces]
     pairs: Indices = np.unique(np.concatenate([np.empty((0, 2), dtype=np.int64), *both]), axis=0)
     return pairs
+
+
+def _opposite(assembly: Assembly, spec: InterfaceSpec) -> Indices:
+    """Return the pairs (n, 2) of each minus node and the plus node nearest to it.
+
+    None unless they are one to one, within the search distance, nearer than half an edge, and make
+    facets of the plus side of those of the minus side: meshes of one pattern, of which nodes were
+    moved.
+    """
+    none = np.empty((0, 2), dtype=np.int64)
+    nodes = assembly.mesh.nodes
+    facets, side = candidates(assembly, spec)
+    minus, plus = (facets.nodes[side == one] for one in (0, 1))
+    if not len(minus) or not len(plus):
+        return none
+    own, others = (np.unique(part[part >= 0]) for part in (minus, plus))
+    distance, nearest = cKDTree(nodes[others]).query(nodes[own])
+    corners = facets.taken(side == 0).corners
+    edges = np.linalg.norm(nodes[np.roll(corners, 1, axis=1)] - nodes[corners], axis=2)
+    reach = min(spec.search_distance or 0.0, float(edges[edges > 0].min()) / 2)
+    if distance.max() > reach or len(np.unique(nearest)) < len(nearest):
+        return none
+    image = np.full(len(nodes) + 1, -1)
+    image[own] = others[nearest]
+    theirs = {tuple(row) for row in np.sort(plus, axis=1).tolist()}
+    if not {tuple(row) for row in np.sort(image[minus], axis=1).tolist()} <= theirs:
+        return none
+    return np.column_stack([own, others[nearest]])
 
 
 def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:

@@ -261,7 +261,11 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
         )
         if spec.meshes == "non-matching":
             # Whatever else is wrong, the mortar interface will say when the model is built.
-            ignored.append(f"meshes of contact pair {name} do not match: coupled by projection")
+            ignored.append(
+                f"meshes of contact pair {name} do not match: coupled by projection, in the mean "
+                "of facets instead of at each point; where contact is hard or far stiffer than the "
+                "elements, coarse meshes give way some percent more"
+            )
         if pair.adjusted is not None:
             ignored.append(
                 f"ADJUST of contact pair {name}: gaps start closed there, the mesh stays as it is"
