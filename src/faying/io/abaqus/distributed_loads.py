@@ -83,6 +83,9 @@ def _lines(
             yield key, _pressure(assembly, found.facets, value)
         elif kind in _BODY_FORCES:
             yield key, _body_force(keyword, row, fields, assembly, sets)
+        elif kind == "P" and len(fields) == 3:
+            value = real(keyword, row, fields[2], "a pressure")
+            yield key, _on_shells(keyword, row, fields[0], assembly, sets, value)
         elif len(kind) == 2 and kind[0] == "P" and len(fields) == 3:
             face = integer(keyword, row, kind[1], "a face P1 … P6")
             ids = sets.members(keyword, fields[0], row)
@@ -91,7 +94,10 @@ def _lines(
             )
             yield key, _pressure(assembly, facets, real(keyword, row, fields[2], "a pressure"))
         else:
-            message = f"load {kind} is not supported; P1 … P6 (pressure), GRAV and CENTRIF are"
+            message = (
+                f"load {kind} is not supported; P1 … P6 (pressure), P on shells, GRAV and CENTRIF "
+                "are"
+            )
             raise keyword.error(message, row)
 
 
@@ -104,6 +110,21 @@ def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -
         share = shape_functions(kind, rule.points) * rule.weights[:, None]
         vectors = area_vectors(kind, nodes[corners], rule.points)
         np.add.at(forces[:, :3], corners, -value * np.einsum("qa,fqd->fad", share, vectors))
+    return forces
+
+
+def _on_shells(
+    keyword: Keyword, row: int, label: str, assembly: Assembly, sets: NamedSets, value: float
+) -> Matrix:
+    """Return the forces of a pressure on shells, which pushes along their normal."""
+    ids = sets.members(keyword, label, row)
+    parts = [(block.kind, block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
+    if sum(len(nodes) for _, nodes in parts) != len(ids):
+        message = f"{label} is not of shells alone; P is a pressure on shells, P1 … P6 on solids"
+        raise keyword.error(message, row)
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    for kind, nodes in parts:
+        forces += _pressure(assembly, {kind: nodes}, -value)
     return forces
 
 
@@ -134,6 +155,19 @@ def _body_force(
             assembly,
             mesh=replace(assembly.mesh, blocks=tuple(b for b in blocks if len(b.ids))),
             beams=tuple(beam for beam in assembly.beams if beam.id in known),
+            shells=tuple(
+                replace(
+                    b,
+                    nodes=b.nodes[k],
+                    ids=b.ids[k],
+                    properties=b.properties[k],
+                    offsets=b.offsets[k],
+                    directions=b.directions[k],
+                )
+                for b in assembly.shells
+                for k in [np.isin(b.ids, ids)]
+                if k.any()
+            ),
             masses=tuple(mass for mass in assembly.masses if mass.id in known),
         )
     nodes = assembly.mesh.nodes

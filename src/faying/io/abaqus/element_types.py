@@ -25,4 +25,12 @@ LINE_TYPES: Mapping[str, int] = {
     "DASHPOT1": 1,
     "DASHPOT2": 2,
 }
-"""Nodes of elements that are no solids."""
+"""Nodes of elements that are neither solids nor shells."""
+
+SHELL_TYPES: Mapping[str, tuple[str, int]] = {
+    **dict.fromkeys(("S3", "S3R", "STRI3"), ("tri3", 3)),
+    **dict.fromkeys(("S4", "S4R"), ("quad4", 4)),
+    **dict.fromkeys(("S6", "STRI65"), ("tri6", 6)),
+    **dict.fromkeys(("S8", "S8R"), ("quad8", 8)),
+}
+"""Kind of shells, and how many nodes they have."""

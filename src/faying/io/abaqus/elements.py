@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
+from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
 from faying.io.abaqus.fields import integers, table
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.nodes import Nodes
@@ -101,8 +101,10 @@ def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
         size = SOLID_TYPES[kind].n_nodes
     elif kind in LINE_TYPES:
         size = LINE_TYPES[kind]
+    elif kind in SHELL_TYPES:
+        size = SHELL_TYPES[kind][1]
     else:
-        known = ", ".join([*SOLID_TYPES, *LINE_TYPES])
+        known = ", ".join([*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES])
         message = f"elements of TYPE={kind} are not supported; supported are {known}"
         raise keyword.error(message)
     width = size + 1

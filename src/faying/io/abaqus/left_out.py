@@ -56,7 +56,7 @@ _ON_REQUEST: Mapping[str, tuple[str, ...]] = {
     ),
 }
 
-_SHELLS = "mesh with solids; shells and membranes are not supported"
+_SHELLS = "give S3, S4, S6 or S8 with *SHELL SECTION of one layer, or solids"
 _PLANE = "model the body in three dimensions by solids; plane and axisymmetric ones are not read"
 _MATRICES = 'give matrices instead (source = "matrices")'
 _GENERATED = "write nodes and elements out; preprocessors and CalculiX's cgx do"
@@ -77,7 +77,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
         *("HYPERELASTIC", "HYPERFOAM", "DEFORMATION PLASTICITY", "USER MATERIAL", "DEPVAR"),
         *("VISCOELASTIC", "ENGINEERING CONSTANTS", "NO COMPRESSION", "NO TENSION"),
     ),
-    _SHELLS: ("SHELL SECTION", "SHELL GENERAL SECTION", "MEMBRANE SECTION"),
+    _SHELLS: ("SHELL GENERAL SECTION", "MEMBRANE SECTION"),
     _STARTS: (
         "INITIAL CONDITIONS, TYPE=STRESS",
         *("INITIAL CONDITIONS", "INITIAL STRAIN INCREASE"),
@@ -103,7 +103,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
     ),
 }
 
-_SHELL_TYPES = ("S3", "S3R", "S4", "S4R", "S6", "S8", "S8R", "S4RS", "S8R5", "STRI3", "STRI65")
+_SHELL_TYPES = ("S3RS", "S4RS", "S4R5", "S8R5", "S9R5")
 _MEMBRANES = ("M3D3", "M3D4", "M3D4R", "M3D6", "M3D8", "M3D8R", "SFM3D4", "SFM3D3")
 _PLANE_TYPES = tuple(
     f"{family}{nodes}"

@@ -14,7 +14,7 @@ from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh, origins
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
-from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
+from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations
 from faying.io.abaqus.keyword import Keyword
@@ -32,6 +32,7 @@ from faying.io.abaqus.mpcs import read_mpcs
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
+from faying.io.abaqus.shells import read_shells
 from faying.io.abaqus.solid_sections import formulation, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
@@ -81,6 +82,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
     temperatures = read_temperatures(deck, dofs, amplitudes)
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
+    shells = read_shells(deck, elements, by_element, named, ignored)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
     declared = contact.read_pairs(deck, surfaces, by_node, ignored)
     deck, declared = without_removed_pairs(deck, declared, ignored)
@@ -94,6 +96,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
             *read_beams(deck, elements, by_element, named, ignored),
             *read_trusses(deck, elements, by_element, named, nodes.coordinates),
         ),
+        shells=shells.blocks,
+        shell_sections=shells.sections,
         springs=springs,
         bushes=bushes,
         masses=tuple(read_masses(deck, elements, by_element)),
@@ -191,6 +195,8 @@ def _tied(
     rotating[found.turned_references] = True
     bending = [beam for beam in assembly.beams if beam.section.inertia_y > 0]
     rotating[[node for beam in bending for node in beam.nodes]] = True
+    for block in assembly.shells:
+        rotating[block.nodes] = True
     rotating[[node for s in assembly.springs for node, component in s.ends if component > 2]] = True
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
     return replace(
@@ -229,7 +235,7 @@ def _unread_name(keyword: Keyword) -> str:
     """Return what a keyword that is not read is called where it is handled; else nothing."""
     if keyword.name == "ELEMENT":
         kind = keyword.choice("TYPE")
-        known = not kind or kind in SOLID_TYPES or kind in LINE_TYPES
+        known = not kind or kind in {*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES}
         return "" if known else f"ELEMENT, TYPE={kind}"
     if keyword.name == "TIE":
         cyclic = keyword.has("CYCLIC SYMMETRY") or keyword.has("MULTISTAGE")

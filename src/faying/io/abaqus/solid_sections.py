@@ -18,7 +18,7 @@ from faying.model.mesh import CellBlock
 
 
 def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Material:
-    """Return the material the section of a beam or truss names.
+    """Return the material the section of a beam, truss or shell names.
 
     Raises
     ------
@@ -27,7 +27,10 @@ def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Mater
     """
     material = find_material(materials, keyword)
     if material.law is not None:
-        message = f"material '{material.name}' is anisotropic; beams and trusses are isotropic here"
+        message = (
+            f"material '{material.name}' is anisotropic; beams, trusses and shells are isotropic "
+            "here"
+        )
         raise keyword.error(message)
     return material
 

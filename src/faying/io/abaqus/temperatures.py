@@ -182,6 +182,14 @@ def thermal_forces(
         for number, name in of_property.items()
         if name.upper() in expansions
     }
+    of_shells = {name for one in assembly.shell_sections.values() for name in one.materials}
+    expanding = sorted(name for name in of_shells if name.upper() in expansions)
+    if temperatures.first is not None and expanding:
+        message = (
+            f"shells of material '{expanding[0]}' do not expand here; leave its *EXPANSION out, or "
+            f"{request('temperature')}"
+        )
+        raise temperatures.first.error(message)
     if temperatures.first is None or not used:
         return [np.zeros(shape)] * len(temperatures.steps)
     ignored.append(

@@ -1,0 +1,120 @@
+"""``*SHELL SECTION``: shells of one isotropic layer, with six degrees of freedom a node."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.element_types import SHELL_TYPES
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.fields import real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.solid_sections import find_isotropic
+from faying.model.assembly import Material
+from faying.model.shells import ShellBlock, ShellSection, plane_stress
+
+_SHEAR_FACTOR = 5 / 6
+"""Shear area over thickness of one layer, for the work of a parabola of shear stress."""
+_SIDES = {"SPOS": 0.5, "SNEG": -0.5}
+"""Named offsets of the nodes from the middle of the shell, over its thickness."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Shells:
+    """Shells of a deck and their sections by number."""
+
+    blocks: tuple[ShellBlock, ...]
+    sections: Mapping[int, ShellSection]
+
+
+def read_shells(
+    deck: Deck,
+    elements: Elements,
+    sets: NamedSets,
+    materials: Mapping[str, Material],
+    ignored: list[str],
+) -> Shells:
+    """Read all shells; their sections are numbered behind those of solids and beams.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a shell without section, of layers, of a thickness that is not positive,
+        or of a material whose directions differ.
+    """
+    found = elements.of(*SHELL_TYPES)
+    if not found:
+        return Shells(blocks=(), sections={})
+    ids = np.concatenate([block.ids for block in found])
+    number = np.zeros(len(ids), dtype=np.int64)
+    offset = np.zeros(len(ids))
+    sections: dict[int, ShellSection] = {}
+    others = deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")
+    for own, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
+        keyword.allow("ELSET", "MATERIAL", "OFFSET", "ORIENTATION", "SECTION INTEGRATION",
+                      "POISSON", "DENSITY", "CONTROLS")  # fmt: skip
+        chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
+        thickness = _thickness(keyword)
+        number[chosen] = own
+        # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
+        offset[chosen] = -_offset(keyword) * thickness
+        sections[own] = _section(find_isotropic(materials, keyword), thickness)
+    missing = np.flatnonzero(number == 0)
+    start, blocks = 0, []
+    for block in found:
+        here = slice(start, start + len(block.ids))
+        start += len(block.ids)
+        lost = missing[(missing >= here.start) & (missing < here.stop)]
+        if lost.size:
+            message = f"shell {ids[lost[0]]} has no *SHELL SECTION; give its set one"
+            raise block.keyword.error(message, int(block.rows[lost[0] - here.start]))
+        blocks.append(
+            ShellBlock(
+                kind=SHELL_TYPES[block.type][0],
+                nodes=block.nodes,
+                ids=block.ids,
+                properties=number[here],
+                offsets=offset[here],
+                directions=np.zeros((len(block.ids), 3)),
+            )
+        )
+    ignored.append(
+        f"{len(ids)} shells: surfaces with rotations at their nodes, as in Abaqus, with a drilling "
+        "stiffness, shear and mass of their own; CalculiX makes solids of them, which differ where "
+        "shells are thick, coarse or joined at angles"
+    )
+    return Shells(blocks=tuple(blocks), sections=sections)
+
+
+def _thickness(keyword: Keyword) -> float:
+    rows = keyword.rows()
+    if len(rows) != 1:
+        message = f"found {len(rows)} data lines, expected one with the thickness"
+        raise keyword.error(message)
+    thickness = real(keyword, 0, rows[0][0], "a thickness")
+    if not thickness > 0:
+        message = f"the thickness is {thickness:g}; it must be positive"
+        raise keyword.error(message, 0)
+    return thickness
+
+
+def _offset(keyword: Keyword) -> float:
+    text = keyword.choice("OFFSET", "0")
+    return _SIDES[text] if text in _SIDES else real(keyword, None, text, "OFFSET")
+
+
+def _section(material: Material, thickness: float) -> ShellSection:
+    law = np.zeros((6, 6))
+    plane = plane_stress(material.youngs_modulus, material.poissons_ratio)
+    law[:3, :3] = thickness * plane
+    law[3:, 3:] = thickness**3 / 12 * plane
+    shear = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
+    return ShellSection(
+        stiffness=law,
+        shear=_SHEAR_FACTOR * thickness * shear * np.eye(2),
+        mass=material.density * thickness,
+        inertia=material.density * thickness**3 / 12,
+        materials=(material.name,),
+    )
