@@ -280,18 +280,20 @@ WOOD = (
     + "*STEP\n*STATIC\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nSLAVE, MASTER\n*END STEP\n"
 )
 
-# Nodes on a plane, a line and in a mean rotation, a turned coupling, and what a step removes.
+# Nodes on a plane and in a mean rotation, a turned coupling, a shell, and what a step removes.
 TURNED = DECK.replace(
     "*STEP\n",
     "*MPC\nPLANE, 15, 16, 17, 18\nMEANROT, 5, 5, 5, 6, 6, 6, 7, 7, 7\n0, 8, 8, 8, 101\n"
     "*ORIENTATION, NAME=ROUND, SYSTEM=CYLINDRICAL\n1., 1.5, 0., 1., 1.5, 1.\n"
     "*COUPLING, CONSTRAINT NAME=C2, REF NODE=102, SURFACE=SLAVE, ORIENTATION=ROUND\n"
-    "*KINEMATIC\n2, 3\n*AMPLITUDE, NAME=RAMP\n0., 0., 1., 1.\n*STEP\n",
+    "*KINEMATIC\n2, 3\n*ELEMENT, TYPE=S4R, ELSET=PLATE\n6, 15, 16, 17, 18\n"
+    "*SHELL SECTION, ELSET=PLATE, MATERIAL=STEEL, OFFSET=-0.5\n0.1, 5\n"
+    "*AMPLITUDE, NAME=RAMP\n0., 0., 1., 1.\n*STEP\n",
     1,
 ).replace(
     "*END STEP\n",
     "*CLOAD, AMPLITUDE=RAMP, TIME DELAY=0.25\n100, 2, 3.\n"
-    "*MODEL CHANGE, TYPE=ELEMENT, REMOVE\n4\n*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\n"
-    "SLAVE, MASTER\n*END STEP\n",
+    "*DLOAD\nPLATE, P, 2.\n*MODEL CHANGE, TYPE=ELEMENT, REMOVE\n4\n"
+    "*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nSLAVE, MASTER\n*END STEP\n",
     1,
 )

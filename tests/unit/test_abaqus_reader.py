@@ -532,7 +532,7 @@ REFUSED = [
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 99\n")), r":27: \*ELEMENT: there is no node 99"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 7\n")), r":27: .*element 1 names a node twice"),
     (edited(("2, 11, 12", "1, 11, 12")), r":29: \*ELEMENT: element 1 is defined twice"),
-    (edited(("TYPE=C3D8,", "TYPE=S4,")), r":26: \*ELEMENT, TYPE=S4: .*mesh with solids"),
+    (edited(("TYPE=C3D8,", "TYPE=S8R5,")), r":26: \*ELEMENT, TYPE=S8R5: .*give S3, S4"),
     (edited(("TYPE=B31", "TYPE=T3D3")), r"TYPE=T3D3: .*not supported.*use T3D2"),
     (edited(("ELSET=LOWER", "ELSETT=LOWER")), r"the parameter ELSETT is not supported"),
     (edited(("15, 18, 1", "15, 19, 1")), r"the range starts or ends at 19"),

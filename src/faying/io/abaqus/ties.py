@@ -65,8 +65,8 @@ def read_ties(
     if found:
         ignored.append(
             "*TIE, TIED: slave and master move together where facets see each other within the "
-            "position tolerance, node by node where meshes match and else in the mean (mortar), which "
-            "gives way some percent more on coarse meshes; no node is adjusted"
+            "position tolerance, node by node where meshes match and else in the mean (mortar), "
+            "which gives way some percent more on coarse meshes; no node is adjusted"
         )
     return found
 
