@@ -85,6 +85,13 @@ def test_a_mass_on_a_slider_has_its_closed_form(slider):
     np.testing.assert_allclose(found.masing_frequency, found.frequency, rtol=1e-9)
     assert (np.abs(found.masing_deviation) < 0.02).all()
     assert "slips as a whole" in found.remarks[0]
+    # Half of force times displacement, of a mass that alone moves.
+    np.testing.assert_allclose(found.energy, force * moved / 2, rtol=1e-9)
+    axes = found.plot(over="energy")
+    np.testing.assert_array_equal(axes.lines[0].get_xdata(), found.energy)
+    assert axes.get_xlabel().startswith("energy of the vibration [")
+    with pytest.raises(ModelError, match="no abscissa 'force'; give 'amplitude' or 'energy'"):
+        found.plot(over="force")
 
 
 def test_a_mode_that_does_not_move_the_joint_says_so(slider):

@@ -11,7 +11,7 @@ with D the energy that friction takes in a cycle and q half of what it goes thro
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 
@@ -135,25 +135,48 @@ class Backbone(Shown):
         turns = self.measured_at.rpartition(".")[2] in DISPLACEMENT_NAMES[3:]
         return "rad" if turns else units_of(self.units).length
 
-    def plot(self, axes: "Axes | None" = None) -> "Axes":
-        """Draw damping ratio (left) and frequency (right) over the amplitude.
+    @property
+    def energy(self) -> Vector:
+        """Energy of the vibration (n,), α q/2 [force·length]: an amplitude of no one place."""
+        return np.asarray(self.load * self.modal_amplitude / 2)
+
+    def plot(
+        self, axes: "Axes | None" = None, *, over: Literal["amplitude", "energy"] = "amplitude"
+    ) -> "Axes":
+        """Draw damping ratio (left) and frequency (right) over amplitude or energy.
 
         Parameters
         ----------
         axes
             Of matplotlib; new ones by default. Those of the frequency are their twin.
+        over
+            ``"amplitude"``, where it is measured, or ``"energy"`` of the vibration.
+
+        Raises
+        ------
+        ModelError
+            If ``over`` is neither.
         """
         from faying.display.axes import new_axes
 
+        units = units_of(self.units)
+        known = {
+            "amplitude": f"amplitude at {self.measured_at} [{self._amplitude_unit}]",
+            "energy": f"energy of the vibration [{units.of('force·length')}]",
+        }
+        if over not in known:
+            message = f"there is no abscissa '{over}'; give 'amplitude' or 'energy'"
+            raise ModelError(message)
+        abscissa: Vector = getattr(self, over)
+
         left: Axes = new_axes() if axes is None else axes
         right = left.twinx()
-        time = units_of(self.units).time
         damping, frequency = "#0072B2", "#D55E00"
-        left.semilogx(self.amplitude, 100 * self.damping_ratio, "o-", color=damping)
-        right.semilogx(self.amplitude, self.frequency, "s--", color=frequency)
-        left.set_xlabel(f"amplitude at {self.measured_at} [{self._amplitude_unit}]")
+        left.semilogx(abscissa, 100 * self.damping_ratio, "o-", color=damping)
+        right.semilogx(abscissa, self.frequency, "s--", color=frequency)
+        left.set_xlabel(known[over])
         left.set_ylabel("damping ratio [%]", color=damping)
-        right.set_ylabel(f"frequency [1/{time}]", color=frequency)
+        right.set_ylabel(f"frequency [1/{units.time}]", color=frequency)
         left.set_title(f"mode {self.mode}")
         return left
 
