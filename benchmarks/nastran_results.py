@@ -71,7 +71,10 @@ def from_op2(path: Path) -> Results | None:
             if approach == MODES:
                 found.subcase = int(ident[3])
                 value = float(ident[5:6].astype(word).view(real)[0])
-                found.frequencies.append(np.sqrt(max(value, 0.0)) / (2 * np.pi))
+                frequency = np.sqrt(max(value, 0.0)) / (2 * np.pi)
+                if found.frequencies and frequency < (1 - 1e-3) * found.frequencies[-1]:
+                    return found  # modes are written again, as they fly
+                found.frequencies.append(frequency)
             elif approach == STATICS and not found.displacements:
                 table = np.frombuffer(data, dtype=word).reshape(-1, 8)
                 grid = table[:, 1] == 1

@@ -101,6 +101,16 @@ def test_tapered_beams_are_refused(read, end):
         read(BEAM + f",{end}")
 
 
+def test_offsets_of_no_mass_move_nothing(read):
+    ends = "\n,YESA,1.\n,1.,1.\n,.5,.5"
+    cards = [*BEAM.splitlines()[:3], "PBEAM,5,1,28.,63.,63.,,127."]
+    assert read(*cards[:-1], cards[-1] + ends).assembly.beams[0].section.area == 28.0
+    with pytest.raises(FormatError, match="an offset of mass"):
+        read(*cards[:-1], cards[-1] + ",2." + ends)
+    with pytest.raises(FormatError, match="an offset of the neutral axis"):
+        read(*cards[:-1], cards[-1] + ends + ",,,.5")
+
+
 def test_sections_by_dimensions_agree_within_their_digits(read):
     beam = BEAM.splitlines()[:3]
     card = "PBEAML,5,1,,TUBE\n,3.,1.99,,YES,1.,3.001,1.99"

@@ -1,4 +1,4 @@
-"""FORCE, MOMENT, PLOAD4, GRAV, RFORCE, LOAD: nodal loads by load set."""
+"""FORCE, MOMENT, PLOAD4, GRAV, RFORCE, LOAD and others: nodal loads by load set."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,6 +7,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.io.nastran.body_loads import read_accelerations
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.directed_loads import read_directed_loads
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.pressures import read_pressures
 from faying.model.assembly import Assembly, NodalLoads
@@ -15,8 +16,7 @@ from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock
 
 UNSUPPORTED = (
-    *("ACCEL", "ACCEL1", "DEFORM", "FORCE1", "FORCE2", "GMLOAD", "LSEQ", "MOMENT1"),
-    *("MOMENT2", "PLOAD", "PLOAD1", "PLOAD2", "QVOL", "SLOAD", "TEMPRB"),
+    *("ACCEL", "ACCEL1", "DEFORM", "GMLOAD", "LSEQ", "PLOAD1", "QVOL", "SLOAD", "TEMPRB"),
     *("SPCD", "SPCR"),
 )
 """Static loads that are not read; sets that use them are left out."""
@@ -51,6 +51,11 @@ def read_loads(
             _add(cards[name], grids, first, parts)
     if "PLOAD4" in cards:
         _add_pressures(cards["PLOAD4"], grids, structure.mesh, structure.shells, parts)
+    for sets, nodes, forces in read_directed_loads(
+        cards, grids, structure.mesh.nodes, structure.shells
+    ):
+        for number in np.unique(sets).tolist():
+            parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
     spoiled = _unsupported(cards)
     for number, acceleration in read_accelerations(cards, grids, structure.mesh.nodes, spoiled):
         forces = body_forces(structure, acceleration)
@@ -78,9 +83,7 @@ def read_loads(
         ignored.append(f"load set {number} ({reason} is not supported)")
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
-        ignored.append(
-            f"case control LOAD = {chosen} (no FORCE, MOMENT, PLOAD4, GRAV, RFORCE or LOAD of it)"
-        )
+        ignored.append(f"case control LOAD = {chosen} (no load of the deck that is read has it)")
     order = sorted(parts, key=lambda number: (number != chosen, number))
     return {str(number): _merged(parts[number]) for number in order}
 

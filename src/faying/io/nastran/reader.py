@@ -15,6 +15,7 @@ from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
 from faying.io.nastran.couplings import read_average_couplings
+from faying.io.nastran.directed_loads import DIRECTED
 from faying.io.nastran.equations import read_equations
 from faying.io.nastran.grids import Grids, read_grids
 from faying.io.nastran.layers import SHELL_PROPERTIES
@@ -64,6 +65,7 @@ _READ = frozenset(
         *ELEMENTS,
         *RIGID,
         *UNSUPPORTED,
+        *DIRECTED,
         *BODY_LOADS,
         *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
         *(*SHELL_PROPERTIES, *ANISOTROPIC, "MAT2", "MAT8"),

@@ -135,7 +135,9 @@ def _pbeam(card: Card, _: Material) -> BeamSection:
         row += 16 if card.text(row) == "YES" else 8
     card.refuse_non_zero([row + 4, row + 5], "non-structural inertia", "use a CONM2 at the node")
     card.refuse_non_zero([row + 6, row + 7], "warping", "leave CW blank")
-    card.refuse_non_zero(range(row + 8, row + 16), "an offset of mass or neutral axis", "remove it")
+    if card.real(7, 0.0):
+        card.refuse_non_zero(range(row + 8, row + 12), "an offset of mass", "remove it")
+    card.refuse_non_zero(range(row + 12, row + 16), "an offset of the neutral axis", "remove it")
     return BeamSection(
         area=card.real(2),
         inertia_z=card.real(3),
