@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.linalg import lapack
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Mask, Matrix, Vector, frozen
 from faying.contact.active_set import solve_complementarity
-from faying.contact.dense_points import SINGULAR_PIVOT, DensePoints
+from faying.contact.dense_points import DensePoints
+from faying.contact.neighbouring_blocks import NeighbouringBlocks
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import Joint, PortCompliance
 from faying.simulation.load import Load
@@ -183,12 +183,14 @@ class Walk:
         H, a, b = self.H, self.a, self.b
         t, forces = 0.0, solve_complementarity(DensePoints(H=H), a).forces
         slack = np.maximum(H @ forces + a, 0.0)
-        active = self._onward(t, forces, slack, forces > 0)
+        blocks, sides = NeighbouringBlocks(H=H), np.column_stack([a, b])
+        active, blocks = self._onward(t, forces, slack, forces > 0, blocks)
         factors, kept, closed = [0.0], [forces], [active]
         for _ in range(50 * len(a) + 200):
-            base, rate = self._line(active)
+            lines, blocks = blocks.solved(active, -sides)
+            base, rate = np.ascontiguousarray(lines.T)
             opening = _roots(base, rate, t, active)
-            gap_base, gap_rate = H @ base + a, H @ rate + b
+            gap_base, gap_rate = (H @ lines + sides).T
             closing = _roots(gap_base, gap_rate, t, ~active)
             following = float(min(opening.min(initial=np.inf), closing.min(initial=np.inf)))
             if following > most or not np.isfinite(following):
@@ -201,7 +203,7 @@ class Walk:
             forces = np.where(active, np.maximum(base + t * rate, 0.0), 0.0)
             slack = np.where(active, 0.0, np.maximum(gap_base + t * gap_rate, 0.0))
             turned = active ^ ((opening <= t) | (closing <= t))
-            active = self._onward(t, forces, slack, turned)
+            active, blocks = self._onward(t, forces, slack, turned, blocks)
             if t > factors[-1]:
                 factors.append(t)
                 kept.append(forces)
@@ -214,17 +216,10 @@ class Walk:
         )
         raise ConvergenceError(message)
 
-    def _line(self, active: Mask) -> tuple[Vector, Vector]:
-        """Return λ at factor zero and its rate, as long as these points are closed."""
-        lines = np.zeros((len(self.a), 2))
-        points = np.flatnonzero(active)
-        if len(points):
-            right = -np.column_stack([self.a[points], self.b[points]])
-            lines[points] = self._solved(points, right)
-        return lines[:, 0].copy(), lines[:, 1].copy()
-
-    def _onward(self, t: float, forces: Vector, slack: Vector, turned: Mask) -> Mask:
-        """Return the points that are closed right after a kink.
+    def _onward(
+        self, t: float, forces: Vector, slack: Vector, turned: Mask, blocks: NeighbouringBlocks
+    ) -> tuple[Mask, NeighbouringBlocks]:
+        """Return the points that are closed right after a kink, and what solves the next block.
 
         Parameters
         ----------
@@ -236,31 +231,15 @@ class Walk:
         small = TOGETHER * max(gap, np.abs(forces * own).max(initial=0.0))
         at_once = (forces * own <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
-            return turned
-        pressed = np.flatnonzero((forces > 0) & ~at_once)
-        both = np.flatnonzero(at_once)
+            return turned, blocks
+        found, both = (forces > 0) & ~at_once, np.flatnonzero(at_once)
         H, q = self.H[np.ix_(both, both)], self.b[both]
-        if len(pressed):
-            across = self.H[np.ix_(pressed, both)]
-            relieved = self._solved(pressed, np.column_stack([across, self.b[pressed]]))
+        if found.any():
+            across = self.H[:, both]
+            relieved, blocks = blocks.solved(found, np.column_stack([across, self.b]))
             H, q = H - across.T @ relieved[:, :-1], q - across.T @ relieved[:, -1]
-        found = np.zeros(len(forces), dtype=bool)
-        found[pressed] = True
         found[both] = solve_complementarity(DensePoints(H=(H + H.T) / 2), q).forces > 0
-        return found
-
-    def _solved(self, points: Indices, right: Matrix) -> Matrix:
-        """Return H_AA⁻¹ B of closed points."""
-        block = self.H.take(points, axis=0)[:, points].T
-        factor, failed = lapack.dpotrf(block, lower=1, overwrite_a=1, clean=0)
-        pivots = np.diag(factor)
-        if failed or pivots.min() < SINGULAR_PIVOT * pivots.max():
-            message = (
-                "contact forces are not unique where contact is hard at more points than there are "
-                "relative displacements; take nodal quadrature or a penalty to follow a load"
-            )
-            raise ModelError(message)
-        return np.asarray(lapack.dpotrs(factor, right, lower=1)[0])
+        return found, blocks
 
 
 def _roots(base: Vector, rate: Vector, t: float, chosen: Mask) -> Vector:
