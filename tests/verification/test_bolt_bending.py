@@ -27,7 +27,7 @@ def joint():
     return fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
 
 
-def standing_bolt(beams=1, *, spring=False):
+def standing_bolt(beams=1, *, spring=False, hinged=False):
     """A block pressed on a clamped one by a bolt from a fixed foot to a free head beside them."""
     grid = brick_grid(np.array([0, 4.0]), np.array([0, 4.0]), np.array([0, 2.0]))
     n = len(grid.nodes)
@@ -61,13 +61,17 @@ def standing_bolt(beams=1, *, spring=False):
             materials={1: STEEL, 2: STEEL},
             supports=(
                 Support(id=1, nodes=held, components=(0, 1, 2)),
-                Support(id=2, nodes=np.array([foot]), components=(0, 1, 2, 3, 4, 5)),
+                Support(
+                    id=2,
+                    nodes=np.array([foot]),
+                    components=(0, 1, 2, 5) if hinged else (0, 1, 2, 3, 4, 5),
+                ),
                 *guide,
             ),
             rigid_couplings=(
-                RigidCoupling(
-                    id=1, reference=head, nodes=n + np.flatnonzero(grid.nodes[:, 2] == 2)
-                ),
+                RigidCoupling(id=1, reference=head, nodes=n + np.flatnonzero(grid.nodes[:, 2] == 2))
+                if not hinged
+                else RigidCoupling(id=1, reference=n, nodes=np.array([head]), components=(0, 1, 2)),
             ),
             beams=line,
             springs=(Spring(id=90, ends=((foot, 2), (head, 2)), stiffness=3e5),) if spring else (),
@@ -150,3 +154,8 @@ def test_bending_of_springs_is_not_seen():
     assert found.bending is None
     assert found.thread.bending is None
     assert found.thread.safety == pytest.approx(640.0 * THREAD.stress_area / found.most, rel=1e-12)
+
+
+def test_beams_that_carry_no_moment_are_not_seen():
+    # Hinged at its foot, and held by the head of three translations: a rod.
+    assert standing_bolt(hinged=True).bolts["bolt"].bending is None

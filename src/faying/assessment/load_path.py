@@ -138,8 +138,8 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
 
     Notes
     -----
-    One factorization of the closed points, n³/3 for n of them, at each kink; a kink for each point
-    that opens or closes, some hundreds on a joint.
+    Some products with H at each kink, and a factorization of the closed points, n³/3 for n of them,
+    at every thirtieth; a kink for each point that opens or closes, some hundreds on a joint.
     """
     return input_path(system, load.inputs(system, np.zeros(1))[0], most=most)
 

@@ -24,7 +24,7 @@ from faying.joint.structure import Structure
 from faying.joint.system import boundary_dofs, elongations
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
-from faying.model.bolt_bending import end_moments
+from faying.model.bolt_bending import are_carried, end_moments
 from faying.model.bolt_sense import Seats, check_not_twice, spring_sense
 from faying.model.boundary import FORCE_NAMES, Boundary
 from faying.model.clamping import check_clamping, element_seats
@@ -307,14 +307,26 @@ def _bolt(
     elongation = (row @ dofs.transformation).toarray().ravel()
     if spec.nodes is not None:
         check_contained(K, elongation, spec)
-    moments = end_moments(assembly, spec) if spec.nodes is None else None
+    moments = _seen_moments(assembly, dofs, K, spec) if spec.nodes is None else None
     return Bolt(
         name=spec.name,
         elongation=elongation,
         stiffness=stiffness,
         ends=assembly.mesh.nodes[_end_nodes(assembly, spec)],
-        bending=None if moments is None else read_only((moments @ dofs.transformation).tocsr()),
+        bending=moments,
     )
+
+
+def _seen_moments(
+    assembly: Assembly, dofs: DofMap, K: SparseMatrix, spec: BoltSpec
+) -> SparseMatrix | None:
+    """Return the rows of the bending moments of a bolt; None where it carries none."""
+    moments = end_moments(assembly, spec)
+    if moments is None:
+        return None
+    rows = (moments @ dofs.transformation).tocsr()
+    rows.eliminate_zeros()
+    return read_only(rows) if are_carried(rows, K) else None
 
 
 def _end_nodes(assembly: Assembly, spec: BoltSpec) -> Indices:

@@ -11,6 +11,9 @@ from faying.model.deck_bolt import bolt_chain, end_nodes
 from faying.model.elements.beam import beam_frames, beam_matrices
 from faying.model.specs import BoltSpec
 
+NOTHING = 1e-9
+"""Moments over those of a beam that is held, below which they are round-off of its stiffness."""
+
 
 def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
     """Return rows (4, 6 n_node) that take displacements to the bending moments of a bolt.
@@ -51,3 +54,23 @@ def _ends(chain: Sequence[Beam | Spring]) -> list[tuple[Beam | Spring, int]]:
 
 def _is_bent(beam: Beam) -> bool:
     return max(beam.section.inertia_y, beam.section.inertia_z) > 0
+
+
+def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
+    """Say whether any motion makes these moments.
+
+    None does where they follow from the balance of degrees of freedom that nothing else touches: of
+    hinges at both ends, or of a beam that stands for a section across which a bolt is tightened.
+
+    Parameters
+    ----------
+    moments : (4, n_dof)
+    K : (n_dof, n_dof)
+    """
+    own = np.unique(moments.indices)
+    rows = K[own]
+    alone = own[[np.isin(rows[[k]].indices, own).all() for k in range(len(own))]]
+    wanted = moments[:, own].toarray().T
+    balance = K[alone][:, own].toarray().T
+    left = wanted - balance @ np.linalg.lstsq(balance, wanted)[0] if len(alone) else wanted
+    return bool(np.abs(left).max(initial=0.0) > NOTHING * np.abs(wanted).max(initial=0.0))
