@@ -61,6 +61,18 @@ def test_the_estimate_is_what_the_factors_take(backend, interior, told):
     assert expected.counted == (backend == "pardiso")
 
 
+def test_a_node_that_nothing_holds_is_counted(backend, interior):
+    """A model is told the size of its factors before it is refused for what moves freely."""
+    K, ports = interior
+    free = np.zeros(K.shape[0])
+    free[9:12] = 1.0
+    held = sp.diags_array(1.0 - free)
+    alone = (held @ K @ held).tocsr()
+    alone.eliminate_zeros()
+    found = estimate_memory(alone, ports=ports, backend=backend)
+    assert found.factor <= 1.01 * estimate_memory(K, ports=ports, backend=backend).factor
+
+
 @pytest.mark.parametrize("n", [0, 1, 5])
 def test_dense_and_small_matrices(backend, n):
     assert estimate_memory(np.eye(n)).factor == 8 * n * n

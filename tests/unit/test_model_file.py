@@ -359,6 +359,10 @@ def set_to(name, value):
         (set_to("reduced/kinds", ["odd"] * 13), "'odd' is not a valid ModeKind"),
         (set_to("ports/interpolation/columns", np.zeros(3, int)), "damaged"),
         (set_to("interfaces/joint/slice", [0, 3]), "interfaces have 112 points"),
+        (set_to("interfaces/joint/averaging", 1.0), r"joint/averaging' has shape \(\), expected"),
+        (set_to("interfaces/joint/initial_gap", np.zeros(7)), r"initial_gap' has shape \(7,\)"),
+        (lambda f: f["interfaces/joint/pairs"].__setitem__((0, 0), -9), "pairs' points beyond"),
+        (set_to("interfaces/joint/stuck", np.zeros(3, bool)), r"stuck' has shape \(3,\)"),
     ],
 )
 def test_damaged_files_end_in_one_message(saved, change, message):

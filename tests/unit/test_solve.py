@@ -305,6 +305,7 @@ def test_comments_names_with_commas_and_empty_lines_are_read(tmp_path):
         ("title = 'none'", "no .*load_case"),
         (LOADS.replace('"Fz"', '"Fq"'), "(?s)'component' in .*load_case.* number 1.*line 5"),
         (LOADS + "step = 1e-6", "say the same twice"),
+        (LOADS + "forces = [{ value = 1.0,", "loads.toml is not valid TOML: "),
     ],
 )
 def test_bad_load_cases_are_refused_with_their_place(tmp_path, text, expected):

@@ -54,10 +54,8 @@ def blocks_with_last(A: SparseMatrix, last: Mask) -> tuple[sp.bsr_array, Mask, I
     place[n:] = np.setdiff1d(np.arange(len(place)), place[:n])
     order = np.empty_like(place)
     order[place] = np.arange(len(place))
-    padded = sp.csr_array(A, copy=True)
-    padded.resize(len(place), len(place))
-    padding = np.append(np.zeros(n), np.ones(len(place) - n))
-    moved = (padded + sp.diags_array(padding, format="csr"))[order]
+    # A sum would lose the zeros that are stored on the diagonal.
+    moved = sp.block_diag([A, sp.eye_array(len(place) - n)], format="csr")[order]
     moved.indices = place[moved.indices].astype(moved.indices.dtype)
     moved.has_sorted_indices = False
     regrouped = sp.bsr_array(moved, blocksize=(size, size))

@@ -1,8 +1,11 @@
 """What a stored reduced model must be to be one, beside the shapes of its parts."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.interface.surface import ContactSurface
 from faying.reduction.mesh_shapes import MeshShapes
 
 ROUND_OFF = 1e-6
@@ -71,3 +74,33 @@ def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, place: st
     if len(np.unique(np.stack([nodes, components]), axis=1).T) < len(nodes):
         message = f"'{place}' names a degree of freedom twice"
         raise ValueError(message)
+
+
+def check_surfaces(interfaces: Mapping[str, ContactSurface], mesh: MeshShapes) -> None:
+    """Refuse interfaces whose arrays are not of their points and pairs, or of nodes not there.
+
+    Raises
+    ------
+    ValueError
+    """
+    for interface, surface in interfaces.items():
+        n_point, n_pair = len(surface.weights), len(surface.pairs)
+        shapes = {
+            "points": (n_point, 3),
+            "normals": (n_point, 3),
+            "weights": (n_point,),
+            "initial_gap": (n_point,),
+            "pairs": (n_pair, 2),
+            "pair_points": (n_pair, 3),
+            "averaging": (n_pair, n_point),
+            "stuck": (n_pair,),
+        }
+        for name, shape in shapes.items():
+            found = np.shape(getattr(surface, name))
+            if found != shape:
+                message = f"'/interfaces/{interface}/{name}' has shape {found}, expected {shape}"
+                raise ValueError(message)
+        nodes = surface.pairs
+        if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(mesh.nodes):
+            message = f"'/interfaces/{interface}/pairs' points beyond {len(mesh.nodes)} nodes"
+            raise ValueError(message)

@@ -36,7 +36,12 @@ from faying.model.boundary import Boundary
 from faying.model.mesh import CellBlock
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.mesh_shapes import MeshShapes
-from faying.reduction.model_check import check_definite, check_distinct, check_nodes
+from faying.reduction.model_check import (
+    check_definite,
+    check_distinct,
+    check_nodes,
+    check_surfaces,
+)
 from faying.reduction.model_fields import LAWS, TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
@@ -69,6 +74,7 @@ def load(path: Path | str) -> ReducedModel:
             node_ids=ids,
             blocks=read_member(member(file, "blocks"), tuple[CellBlock, ...], TABLES),
         )
+        check_surfaces(interfaces, mesh)
         joint = read_ports(member(file, "ports"), interfaces, forces, mesh)
         laws = {interface: _law(group) for interface, group in items(member(file, "laws"))}
         if list(laws) != list(joint.contact.slices):

@@ -68,8 +68,8 @@ def read_load_cases(
         As :func:`read_study`, or if there is none.
     """
     text = _text(Path(path))
-    source = StudySource(Path(path).resolve(), text, line_numbers(text))
     tables = _tables(text, Path(path))
+    source = StudySource(Path(path).resolve(), text, line_numbers(text))
     if "model" not in tables:
         known = ["title", "load_case", "requirement"]
         unknown = [key for key in tables if key not in known]
