@@ -380,6 +380,8 @@ def _timing(case: LoadCaseSection) -> str:
     if case.kind == "static":
         return ""
     step = f"{case.steps_per_period} per period" if case.step is None else f"{case.step:g}"
+    if case.tolerance is not None:
+        step += f" or less (within {case.tolerance:g} of the largest pressure)"
     length = "as the history" if case.duration is None else f"{case.duration:g}"
     if case.periods is not None:
         length = f"{case.periods:g} period{'s' * (case.periods != 1)}"

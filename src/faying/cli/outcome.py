@@ -11,6 +11,7 @@ from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON
 from faying.study.jumps import Jump, jump_sentence
 from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results import FULL_MODEL
+from faying.study.step_choice import StepChoice, choice_sentence
 
 
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
@@ -29,6 +30,10 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     console.print(table)
     for line in _estimates(cases):
         console.print(line, highlight=False)
+    for name, case in cases.items():
+        if case.get("steps") is not None:
+            chosen = {key: value for key, value in case["steps"].items() if key != "met"}
+            console.print(choice_sentence(name, StepChoice(**chosen)), highlight=False)
     for line in _remedies(summary):
         console.print(line, highlight=False)
     for name, case in cases.items():

@@ -41,6 +41,7 @@ from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
 from faying.study.results import CaseResult, Results
 from faying.study.step_check import StepCheck, step_check
+from faying.study.step_choice import choice_sentence, step_choice
 from faying.units import Units, units_of
 
 LONG = 22
@@ -169,6 +170,9 @@ def _step_check(case: CaseResult, units: Units) -> str:
     """Return what the half-step run says about the pressures of a transient case."""
     if case.times is None:
         return ""
+    choice = step_choice(case)
+    if choice is not None:
+        return choice_sentence(case.name, choice)
     check = step_check(case)
     if check is None:
         return "No run with half the time step was made: convergence in time is open."

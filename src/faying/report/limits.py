@@ -7,6 +7,7 @@ import numpy as np
 from faying.report.quantities import number, percent, quantity
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.study.step_check import step_check
+from faying.study.step_choice import choice_sentence, step_choice
 from faying.units import Units, units_of
 
 SMOOTH = 0.05
@@ -94,6 +95,9 @@ def _step(name: str, case: CaseResult, units: Units) -> str:
     if case.times is None or len(case.times) < 2:
         return ""
     step = quantity(float(case.times[1] - case.times[0]), units.time)
+    choice = step_choice(case)
+    if choice is not None:
+        return choice_sentence(name, choice)
     check = step_check(case)
     if check is None:
         return f"{name}: a step of {step}; it was not checked, so convergence in time is open."

@@ -15,6 +15,7 @@ from faying.study.declared import missing_contacts
 from faying.study.jumps import jump_sentence
 from faying.study.results import CaseResult, MethodResult, Results
 from faying.study.step_check import step_check
+from faying.study.step_choice import choice_sentence, step_choice
 from faying.units import units_of
 
 GOOD = 0.05
@@ -243,7 +244,10 @@ def reservations(results: Results) -> list[str]:
                 f"({percent(check.change.rms_relative_error)} root mean square), the peak itself "
                 f"by {percent(check.peak_change)}. This is not part of the errors."
             )
-        if case.times is not None and check is None:
+        choice = step_choice(case)
+        if choice is not None:
+            said.append(choice_sentence(name, choice))
+        elif case.times is not None and check is None:
             said.append(f"{name}: no time-step check was run, so convergence in time is open.")
     said.extend(_undetermined(results))
     said.extend(_unseen(results))

@@ -18,6 +18,7 @@ from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.divided_steps import divided_steps
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
@@ -121,6 +122,7 @@ class CaseRunner:
             reserve=reserve,
             reference_model=found.name,
             remedy=remedy,
+            tolerance=case.tolerance,
             jumps=self._jumps(case),
             mesh_errors=self._mesh_errors(case, reference),
         )
@@ -272,7 +274,7 @@ class CaseRunner:
     def _half_step(self, case: LoadCaseSection, reference: Solved) -> Response | None:
         """Repeat a transient of the reference with half the time step, where the study does."""
         if self.reference.kind != "full":
-            if not (case.transient and self.half_step):
+            if not (case.transient and self.half_step) or case.tolerance is not None:
                 return None
             return self._response(case, reference.system, reference.label, refinement=2)
         key = response_key(case, refinement=2)
@@ -316,7 +318,7 @@ class CaseRunner:
                 else:
                     initial = self._rest(system, label) if rubs else None
                     solution, seconds = solve_case(
-                        self.joint, case, system, advance, refinement, initial
+                        self.joint, case, system, advance, refinement, initial, like
                     )
                     drawn = like is None and refinement == 1
                     response = respond(solution, self.joint.model, seconds, moves=drawn)
@@ -346,21 +348,30 @@ def solve_case(
     progress: Callable[[int], object] | None = None,
     refinement: int = 1,
     initial: Solution | None = None,
+    like: Response | None = None,
 ) -> tuple[Solution, float]:
     """Solve a load case with one model; return how many seconds that took as well.
 
-    Transients start from ``initial``, where it is given: what has slipped before.
+    Transients start from ``initial``, where it is given: what has slipped before. Where steps are
+    chosen, they are those of ``like``, so that errors against it are not of the steps.
     """
-    start = time.perf_counter()
+    start, load = time.perf_counter(), case_load(case)
     if case.kind == "static":
-        solution = solve_static(system, case_load(case))
+        return solve_static(system, load), time.perf_counter() - start
+    step, duration = (of(case, joint.period) for of in (time_step, time_span))
+    scheme = integrator_of(case)
+    if case.tolerance is not None:
+        steps = None if like is None else like.substeps
+        solution = divided_steps(
+            system, step=step, tolerance=case.tolerance, integrator=scheme
+        ).solve(load, duration=duration, initial=initial, substeps=steps, progress=progress)
     else:
         solution = solve_transient(
             system,
-            case_load(case),
-            step=time_step(case, joint.period) / refinement,
-            duration=time_span(case, joint.period),
-            integrator=integrator_of(case),
+            load,
+            step=step / refinement,
+            duration=duration,
+            integrator=scheme,
             initial=initial,
             progress=progress,
         )

@@ -307,7 +307,7 @@ def _load_cases(study: Study) -> Iterator[Problem]:
 
 def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
     if not case.transient:
-        keys = [*Timed.model_fields, "integrator"]
+        keys = [*Timed.model_fields, "integrator", "tolerance"]
         for key in [key for key in keys if getattr(case, key) is not None]:
             text = f'kind = "{case.kind}" has no time; remove it or use kind = "step"'
             yield _problem(study, (*location, key), text)

@@ -1,12 +1,14 @@
 """Load cases over time that the full model solves, those that fit together side by side."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
+from faying.simulation.divided_steps import divided_steps
 from faying.simulation.integrators import Integrator, named_integrator
+from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
@@ -35,8 +37,10 @@ def case_groups(
     alike: dict[object, dict[str, FullTransient]] = {}
     for refinement in (1, 2) if half_step else (1,):
         for case in cases:
-            if case.transient:
-                kind = (refinement, instants(case), integrator_of(case))
+            if case.transient and not (case.tolerance and refinement > 1):
+                # Steps that are chosen are so for each case alone.
+                alone = case.name if case.tolerance else ""
+                kind = (refinement, instants(case), integrator_of(case), alone)
                 run = FullTransient(case=case, refinement=refinement)
                 key = response_key(case, refinement=refinement)
                 alike.setdefault(kind, {})[key] = run
@@ -50,19 +54,23 @@ def full_transients(
 ) -> list[Response]:
     """Solve transients with the full model, side by side; each has its share of the time."""
     first, start = runs[0], time.perf_counter()
-    solver = transient_solver(
-        joint.model,
-        step=time_step(first.case, joint.period) / first.refinement,
-        integrator=integrator_of(first.case),
-    )
-    found = step_responses(
-        solver,
-        [case_load(run.case) for run in runs],
-        duration=time_span(first.case, joint.period),
-        # Solved anew it would depend, in the last digits, on what was solved before.
-        initial=joint.rest,
-        progress=progress,
-    )
+    step, duration = (of(first.case, joint.period) for of in (time_step, time_span))
+    loads, scheme = [case_load(run.case) for run in runs], integrator_of(first.case)
+    found: Iterable[Solution]
+    # The rest is given: solved anew it would depend, in the last digits, on what was solved before.
+    if first.case.tolerance:
+        divided = divided_steps(
+            joint.model, step=step, tolerance=first.case.tolerance, integrator=scheme
+        )
+        found = [
+            divided.solve(load, duration=duration, initial=joint.rest, progress=progress)
+            for load in loads
+        ]
+    else:
+        solver = transient_solver(joint.model, step=step / first.refinement, integrator=scheme)
+        found = step_responses(
+            solver, loads, duration=duration, initial=joint.rest, progress=progress
+        )
     responses = [
         respond(solution, joint.model, 0.0, moves=run.refinement == 1)
         for run, solution in zip(runs, found, strict=True)

@@ -125,6 +125,13 @@ def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
             "follows; leave it out, or follow it in Python with faying.solve_path"
         )
         raise StudyError(message)
+    chosen = [case.name for case in cases if case.tolerance is not None]
+    if chosen:
+        message = (
+            f"load case '{chosen[0]}' leaves its time steps to a run of a study; give a number for "
+            "'step' and no 'tolerance'"
+        )
+        raise StudyError(message)
     static = [case_load(case) for case in cases if case.kind == "static"]
     start = np.zeros(1)
     rows = [load.inputs(rom, start) for load in static]

@@ -58,6 +58,8 @@ def respond(
         iterations=solution.iterations,
         seconds=seconds,
         energy_gain=solution.energy_gain,
+        substeps=solution.substeps,
+        step_error=solution.step_error,
         nodal_displacement=(
             model.dofs.nodal(_displacement(model, solution))[:, :3] if static else None
         ),
@@ -93,6 +95,8 @@ ARRAYS = (
     "slip",
     "recovered_pressure",
     "energy_gain",
+    "substeps",
+    "step_error",
 )
 
 
@@ -156,6 +160,8 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         slip=arrays.get("slip"),
         recovered_pressure=arrays.get("recovered_pressure"),
         energy_gain=float(arrays["energy_gain"]),
+        substeps=arrays["substeps"].astype(np.int64) if "substeps" in arrays else None,
+        step_error=arrays.get("step_error"),
         estimate=_unpacked_estimate(arrays),
         path=unpacked_path(arrays, PATH) if f"{PATH}/factors" in arrays else None,
         cycles={name: unpacked_cycles(arrays, f"{CYCLES}/{name}") for name in amplitudes},

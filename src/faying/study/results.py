@@ -56,6 +56,11 @@ class Response:
     energy_gain : [1]
         Of transients: share of the energy in motion that the time integration gained from
         nothing.
+    substeps : (n_time,) [1]
+        Time steps that led to each instant, where the run chose them.
+    step_error : (n_time,) [1]
+        Largest change of a pressure when they are halved, over the largest so far; NaN of methods,
+        which take the steps of the reference.
     estimate
         Errors estimated without a full solution, of transients of reduced models.
     path
@@ -85,6 +90,8 @@ class Response:
     slip: Matrix | None = None
     recovered_pressure: Matrix | None = None
     energy_gain: float = 0.0
+    substeps: Indices | None = None
+    step_error: Vector | None = None
     estimate: Accuracy | None = None
     path: PathRecord | None = None
     cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
@@ -165,6 +172,8 @@ class CaseResult:
         Of the loads of transients, the largest one of each that jumps.
     remedy
         Of transients: what was solved again with inertia at the interface, unasked.
+    tolerance : [1]
+        Largest pressure error of time steps that the run chose.
     """
 
     name: str
@@ -180,6 +189,7 @@ class CaseResult:
     mesh_errors: Mapping[str, MeshError] = field(default_factory=dict)
     jumps: tuple[Jump, ...] = ()
     remedy: Remedy | None = None
+    tolerance: float | None = None
 
     @property
     def is_full(self) -> bool:

@@ -100,6 +100,14 @@ def _tangential_penalty(value: Any) -> float | str:
     raise refusal(message)
 
 
+def _step(value: Any) -> float:
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if number and 0 < value < float("inf"):
+        return float(in_range(value))
+    message = f"found {shown(value)}, expected a positive number, or 'auto' for a motion in time"
+    raise refusal(message)
+
+
 def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
     if isinstance(value, (str, Path)):
         return _existing_file(Path(value), info)
@@ -146,6 +154,9 @@ Penalty = Annotated[
 TangentialPenalty = Annotated[
     float | str,
     BeforeValidator(_tangential_penalty, json_schema_input_type=Positive | Literal["auto"]),
+]
+StepOrAuto = Annotated[
+    float, BeforeValidator(_step, json_schema_input_type=Positive | Literal["auto"])
 ]
 InitialGap = Annotated[
     float | Path, BeforeValidator(_initial_gap, json_schema_input_type=Number | str)

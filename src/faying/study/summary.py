@@ -16,6 +16,7 @@ from faying.study.opening import opening
 from faying.study.path_record import CycleRecord
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Response, Results
 from faying.study.step_check import step_check
+from faying.study.step_choice import step_choice
 from faying.study.validation_record import ValidationRecord
 
 TRAINING = ["static training", "step training"]
@@ -192,6 +193,8 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
     }
     if case.times is not None:
         summary["jumps"] = [asdict(jump) for jump in case.jumps]
+        choice = step_choice(case)
+        summary["steps"] = None if choice is None else {**asdict(choice), "met": choice.met}
         summary["remedy"] = None if case.remedy is None else asdict(case.remedy)
     summary |= _slip(case)
     check = step_check(case)

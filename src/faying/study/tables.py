@@ -35,6 +35,7 @@ from faying.study.section import (
     Number,
     Positive,
     Section,
+    StepOrAuto,
     Switch,
     name_in,
 )
@@ -188,6 +189,12 @@ class ForceSection(Loading):
     file: ExistingFile | None = None
 
 
+DEFAULT_TOLERANCE = 0.03
+"""Pressure error over the peak that time steps chosen by a run may make."""
+
+DEFAULT_INSTANTS = 100
+"""Instants of a longest period where a run chooses the time steps between them."""
+
 DEFAULT_INCREMENTS = 10
 """Increments from the preload to a static load, and of a quarter of a cycle."""
 
@@ -229,6 +236,11 @@ class LoadCaseSection(Timed):
         method.
     rise_time : [time]
         Over which the loads of a step rise, by half a cosine; None is a jump.
+    step : [time]
+        As of :class:`Timed`; ``"auto"`` in a file is kept as the tolerance.
+    tolerance
+        Largest pressure error of the time steps over the peak, within which they are divided;
+        ``step`` and ``steps_per_period`` are then the distance of instants. None divides none.
     """
 
     name: Name
@@ -244,6 +256,18 @@ class LoadCaseSection(Timed):
     integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
     rise_time: Positive | None = None
+    step: StepOrAuto | None = None
+    tolerance: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _auto(cls, data: Any) -> Any:
+        """Let step = "auto" stand for a tolerance, at a hundred instants a period unless told."""
+        motion = isinstance(data, Mapping) and data.get("kind") in ("step", "history")
+        if not motion or data.get("step") != "auto":
+            return data
+        rest = {name: value for name, value in data.items() if name != "step"}
+        return {"tolerance": DEFAULT_TOLERANCE, "steps_per_period": DEFAULT_INSTANTS, **rest}
 
     @property
     def transient(self) -> bool:
