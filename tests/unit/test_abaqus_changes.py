@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, ModelError
 from faying.io.abaqus import read_joint
 from small_abaqus_deck import DECK
 
@@ -123,3 +123,10 @@ def test_supports_in_all_directions_need_no_axes(read):
     assert len(support.nodes) == 4
     with pytest.raises(FormatError, match="the axes are not defined"):
         read(held.replace("BOTTOM, 1, 3", "BOTTOM, 2, 3"))
+
+
+def test_what_something_else_holds_cannot_be_moved(read):
+    """Node 1 belongs to a rigid body whose reference is held."""
+    text = edited(("*STEP\n", "*STEP\n*BOUNDARY\n1, 2, 2, 0.1\n"))
+    with pytest.raises(ModelError, match="node 1 is moved along component 2, which something else"):
+        read(text)

@@ -42,26 +42,29 @@ def with_moved_supports(
     used = used_components(assembly)
     T = constrain(assembly, used).transformation
     own = np.asarray(T.multiply(assemble_matrices(assembly).K @ T).sum(axis=0)).ravel()
-    springs: list[Spring] = []
-    for (node, component), course in moved.items():
-        row = T[[6 * node + component]]
-        if not row.nnz:
-            if not used[6 * node + component]:
-                continue  # nothing is there to be moved
-            message = (
-                f"node {assembly.mesh.node_ids[node]} is moved along component {component + 1}, "
-                "which something else holds; remove one of them"
-            )
-            raise ModelError(message)
-        stiffness = STIFFNESS_FACTOR * float((own[row.indices] / row.data**2).max())
-        springs.append(
-            Spring(
-                id=assembly.largest_id + 1 + len(springs),
-                ends=((node, component),),
-                stiffness=stiffness,
-            )
+    places = np.array([6 * node + component for node, component in moved])
+    rows = T[places].tocsr()
+    there = np.diff(rows.indptr) > 0
+    held = np.flatnonzero(~there & used[places])
+    if held.size:
+        node, component = divmod(int(places[held[0]]), 6)
+        message = (
+            f"node {assembly.mesh.node_ids[node]} is moved along component {component + 1}, "
+            "which something else holds; remove one of them"
         )
-        forces[:, node, component] = stiffness * np.array(course)
+        raise ModelError(message)
+    # Where nothing is, there is nothing to be moved.
+    places, courses = places[there], np.array(list(moved.values()))[there]
+    each = own[rows.indices] / rows.data**2
+    stiffness = STIFFNESS_FACTOR * np.maximum.reduceat(each, rows.indptr[:-1][there])
+    forces[:, places // 6, places % 6] = (stiffness[:, None] * courses).T
+    first = assembly.largest_id + 1
+    springs = [
+        Spring(id=number, ends=((place // 6, place % 6),), stiffness=value)
+        for number, (place, value) in enumerate(
+            zip(places.tolist(), stiffness.tolist(), strict=True), start=first
+        )
+    ]
     ignored.append(
         f"{len(springs)} displacements other than zero by *BOUNDARY: springs of "
         f"{STIFFNESS_FACTOR:g} times the stiffness there, moved by the loads of the steps "
