@@ -21,7 +21,6 @@ from faying.linalg.factorization import factorize
 from faying.reduction.normal_modes import lowest_modes
 from faying.reduction.projection import projected
 from faying.simulation.energy_guard import MOST_GAIN
-from faying.simulation.stepping import transient_solver
 
 FRICTION, TANGENTIAL = 0.2, 8e5
 STEP = 1.55e-5
@@ -250,8 +249,6 @@ def test_what_does_not_fit_is_refused(coarse, rom):
     moving = fy.solve_transient(rom, PULLED, **options)
     with pytest.raises(ModelError, match="cannot start from the end of another"):
         fy.solve_transient(rom, PULLED, initial=moving, **options)
-    with pytest.raises(ModelError, match="steps with friction are not compiled"):
-        transient_solver(rom, step=STEP, compiled=True)
     hard = fy.lap_joint(element_size=5.0, penalty="hard").with_friction(0.2)
     with pytest.raises(ModelError, match="EnergyDecaying steps with friction need elastic"):
         fy.solve_transient(hard, PULLED, integrator=fy.EnergyDecaying(), **options)

@@ -95,6 +95,11 @@ class NewtonSteps:
         return own
 
     @cached_property
+    def rows(self) -> PaddedRows:
+        """G by rows."""
+        return PaddedRows.of(self.G)
+
+    @cached_property
     def transposed(self) -> SparseMatrix:
         """Gᵀ, which takes forces at the points to the pairs."""
         transposed = self.G.T.tocsr()
@@ -236,7 +241,7 @@ class NewtonSteps:
     @cached_property
     def _assembly(self) -> tuple[SparseMatrix, Indices, Indices]:
         """Return the entries of B (nnz, 9 n_point) per entry of K, and their columns and rows."""
-        rows = PaddedRows.of(self.G)
+        rows = self.rows
         n, n_pair = self.G.shape[0] // 3, len(self.S)
         columns, values = (part.reshape(3, n, -1) for part in (rows.columns, rows.values))
         factors = values[:, None, :, :, None] * values[None, :, :, None, :]

@@ -12,6 +12,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.compiled_frictional import CompiledFrictionalContact, compilable
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
@@ -30,21 +31,26 @@ class FrictionalEnd:
     """The law holds at the end of the step, and the forces there enter the balance."""
 
     condensed: CondensedContact
+    compiled: bool = False
 
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case."""
-        solver = self.condensed.frictional
+        solver, contact = self._solver, self.condensed.contact
         acting, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            found = solver.solve(solver.contact.free_slack(relative, slip), state.forces)
+            found = solver.solve(contact.free_slack(relative, slip), state.forces)
             slip = slip + found.slack[1:]
             ends.append(_contact_forces(found, found.dissipation, slip))
             acting.append(found.forces.ravel())
             after.append(ContactState(active=ends[-1].active, slip=slip, forces=found.forces))
         return np.array(acting), ends, after
+
+    @cached_property
+    def _solver(self) -> FrictionalContact | CompiledFrictionalContact:
+        return _solver(self.condensed, self.compiled)
 
 
 @final
@@ -63,6 +69,7 @@ class FrictionalMean:
     """
 
     condensed: CondensedContact
+    compiled: bool = False
 
     def __post_init__(self) -> None:
         contact = self.condensed.contact
@@ -78,11 +85,11 @@ class FrictionalMean:
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case, and the law at the end where that is not obeyed."""
-        solver = self.condensed.frictional
+        solver, contact = self._solver, self.condensed.contact
         means, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            z_free = solver.contact.free_slack(relative, slip) - self._given_way(before)
+            z_free = contact.free_slack(relative, slip) - self._given_way(before)
             mean = solver.solve(z_free, state.forces)
             end = self._at_end(mean, mean.forces - before)
             slip = slip + mean.slack[1:] + end.slack[1:]
@@ -91,6 +98,10 @@ class FrictionalMean:
             ends.append(_contact_forces(end, taken, slip))
             after.append(ContactState(active=ends[-1].active, slip=slip, forces=mean.forces))
         return np.array(means), ends, after
+
+    @cached_property
+    def _solver(self) -> FrictionalContact | CompiledFrictionalContact:
+        return _solver(self.condensed, self.compiled)
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
         """Return forces at the end, with the slip that they add to that of the mean."""
@@ -153,3 +164,10 @@ def _contact_forces(found: Increment, dissipation: float, slip: Matrix) -> Conta
         slip=slip,
         dissipation=dissipation,
     )
+
+
+def _solver(
+    condensed: CondensedContact, compiled: bool
+) -> FrictionalContact | CompiledFrictionalContact:
+    plain = condensed.frictional
+    return CompiledFrictionalContact(plain) if compiled and compilable(plain) else plain

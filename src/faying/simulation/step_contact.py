@@ -154,3 +154,10 @@ def mean_contact(condensed: CondensedContact) -> StepContact:
     if condensed.contact.components == 1:
         return MeanContact(condensed)
     return FrictionalMean(condensed)
+
+
+def compiled_contact(contact: StepContact) -> StepContact:
+    """Return the contact of a step with its increments compiled, itself where it has none."""
+    if isinstance(contact, FrictionalEnd | FrictionalMean):
+        return replace(contact, compiled=True)
+    return contact

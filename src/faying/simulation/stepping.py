@@ -33,11 +33,10 @@ from faying.simulation.restart import Restart, each_of, side_by_side
 from faying.simulation.solution import Solution
 from faying.simulation.start import begun, stacked_forces, starting_states
 from faying.simulation.static import relative_forces
-from faying.simulation.step_contact import StepContact
+from faying.simulation.step_contact import StepContact, compiled_contact
 
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
-
 
 MOST_STEPS = 10**9
 """Steps of a response; even instants alone are eight gigabytes of them."""
@@ -69,7 +68,7 @@ def transient_solver(
     Raises
     ------
     ModelError
-        If the step is not positive, or compiled steps are asked for without numba or with friction.
+        If the step is not positive, or compiled steps are asked for without numba.
 
     Notes
     -----
@@ -78,7 +77,7 @@ def transient_solver(
     """
     check_times(step, step)
     if compiled:
-        check_compiler(system)
+        check_compiler()
     scheme = ImplicitEuler() if integrator is None else integrator
     effective = factorize(scheme.effective_matrix(system, step), ports=_dense_ports(system))
     return TransientSolver(
@@ -278,6 +277,10 @@ class TransientSolver:
     ) -> list[Restart]:
         """Write the instants from ``first`` on; compiled where that pays, else side by side."""
         n_case, n_step = external.shape[:2]
+        rubs = self.system.contact.components > 1
+        if rubs and self.compiled is None and worth_compiling(whole):
+            compiled = replace(self, compiled=True)
+            return compiled._walk(here, external, history, first, progress, whole)
         if (loop := self._loop(whole)) is not None:
             walk = partial(self._walk_compiled, loop)
             cases = zip(here, external, strict=True)
@@ -334,7 +337,8 @@ class TransientSolver:
 
     @cached_property
     def _step_contact(self) -> StepContact:
-        return self.scheme.step_contact(self.condensed)
+        contact = self.scheme.step_contact(self.condensed)
+        return compiled_contact(contact) if self.compiled else contact
 
     @cached_property
     def _compiled(self) -> CompiledSteps | None:

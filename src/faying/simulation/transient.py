@@ -38,8 +38,9 @@ def solve_transient(
     progress
         Called with the number of steps done since the last call: one, unless they are compiled.
     compiled
-        Whether the steps of a reduced model are compiled (extra ``compiled``, 15 to 30 s once per
-        installation); unless given, from 20 000 steps on. The same results up to round-off.
+        Whether the steps of a reduced model are compiled, or of any joint with friction the
+        solution of its contact (extra ``compiled``, up to a minute once per installation); unless
+        given, from 20 000 steps on. The same results up to round-off.
     tolerance
         Largest pressure error of the time steps over the largest pressure. With it each ``step``
         is done in as many steps as that takes, up to 64: ``substeps`` of the solution tells how

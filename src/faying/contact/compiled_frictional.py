@@ -1,0 +1,84 @@
+"""The compiled solver of increments with friction, and where it hands over to the one in Python."""
+
+import logging
+import time
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import Any, final
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.laws import Coulomb, Hard, Penalty
+
+_log = logging.getLogger("faying")
+
+INCREMENTS = "faying.contact.compiled_increments"
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class CompiledFrictionalContact:
+    """Solver of increments with Coulomb's law, compiled; the same up to the residual left.
+
+    Attributes
+    ----------
+    plain
+        The solver in Python, which does what the compiled one leaves.
+    """
+
+    plain: FrictionalContact
+
+    def solve(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
+        """Solve one increment; see :meth:`.FrictionalContact.solve`."""
+        if start is None:
+            return self.plain.solve(z_free)
+        forces = np.ascontiguousarray(self.plain.laws.admissible(start, None))
+        slack = np.empty(z_free.shape)
+        steps, left = self._loop.solve(
+            **self._arrays, z_free=np.ascontiguousarray(z_free), x=forces, z=slack
+        )
+        if not left <= self._loop.ENOUGH:
+            return self.plain.solve(z_free, start)
+        return Increment(forces=forces, slack=slack, iterations=int(steps), residual=left)
+
+    @cached_property
+    def _loop(self) -> Any:
+        begin = time.perf_counter()
+        _log.info("compiling increments with friction, once per installation")
+        loop = import_module(INCREMENTS)
+        _log.info("compiled, or read from the cache, in %.1f s", time.perf_counter() - begin)
+        return loop
+
+    @cached_property
+    def _arrays(self) -> dict[str, Any]:
+        plain, rows = self.plain, self.plain.steps.rows
+        arrays = {
+            "columns": rows.columns,
+            "values": rows.values,
+            "S": plain.S,
+            "own": plain.steps.own,
+            "closure": plain.D,
+            "scale": plain.scale,
+            "friction": plain.friction,
+        }
+        routines = {name: np.uint64(_address(f"d{name}")) for name in ("getrf", "getrs")}
+        return {
+            **routines,
+            "transposed": np.array([ord("T")], dtype=np.uint8),
+            **{name: np.array(values, order="C") for name, values in arrays.items()},
+        }
+
+
+def compilable(solver: FrictionalContact) -> bool:
+    """Say whether there is compiled code for the laws of all interfaces."""
+    return all(isinstance(law, Coulomb | Hard | Penalty) for law in solver.contact.laws.values())
+
+
+def _address(name: str) -> int:
+    """Return where a routine of SciPy's LAPACK is."""
+    from numba.extending import get_cython_function_address
+
+    return int(get_cython_function_address("scipy.linalg.cython_lapack", name))

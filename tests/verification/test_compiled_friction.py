@@ -1,0 +1,118 @@
+"""Compiled increments with friction against the same ones in Python."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.contact.compiled_frictional import CompiledFrictionalContact, compilable
+from faying.contact.frictional import SOLVED, FrictionalContact
+from faying.export import transient_stream
+
+STEP, STEPS = 2e-5, 60
+SHAKEN = fy.Load(
+    {
+        "tip.Fz": fy.History(times=np.linspace(0, 1e-3, 21), values=800 * np.sin(np.arange(21))),
+        "tip.Fx": 3e3,
+    },
+    name="shaken",
+)
+SCHEMES = {"euler": fy.ImplicitEuler(), "decaying": fy.EnergyDecaying()}
+
+
+@pytest.fixture(scope="module")
+def full():
+    model = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 10e3})
+    return model.with_friction(0.2)
+
+
+@pytest.fixture(scope="module")
+def rom(full):
+    return fy.reduce(full, fy.craig_bampton(full, normal_modes=10), compliance=True)
+
+
+def test_what_is_not_solved_compiled_is_solved_in_python(full):
+    plain = full.static_contact.frictional
+    nothing = SimpleNamespace(solve=lambda **_: (60.0, np.inf), ENOUGH=1e-11)
+    solver = CompiledFrictionalContact(plain)
+    vars(solver)["_loop"] = nothing
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    z_free = 1e-3 * np.random.default_rng(0).standard_normal((3, full.contact.n_points))
+    first = plain.solve(z_free)
+    found, expected = solver.solve(z_free, first.forces), plain.solve(z_free, first.forces)
+    np.testing.assert_array_equal(found.forces, expected.forces)
+    assert compilable(plain)
+
+
+def test_laws_without_compiled_code_are_left_to_python(full):
+    class Curve:
+        components = 1
+
+    contact = replace(full.contact, laws={"joint": Curve()})
+    assert not compilable(FrictionalContact(contact=contact, S=full.static_contact.total))
+
+
+@pytest.mark.slow  # compiles, half a minute once per installation
+@pytest.mark.parametrize("scheme", SCHEMES.values(), ids=SCHEMES)
+def test_compiled_steps_with_friction_are_those_in_python(rom, scheme):
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    options = {"step": STEP, "duration": STEPS * STEP, "integrator": scheme}
+    found = fy.solve_transient(rom, SHAKEN, compiled=True, **options)
+    expected = fy.solve_transient(rom, SHAKEN, **options)
+    # Increments are solved to 1e-11 of the largest force, and their conditions multiply that.
+    for name in ("contact_forces", "shear_forces", "states", "shear_slip", "dissipation"):
+        mine, other = getattr(found, name), getattr(expected, name)
+        small = 1e-8 * np.abs(other).max()
+        np.testing.assert_allclose(mine, other, rtol=0, atol=small, err_msg=name)
+    assert expected.dissipation.sum() > 0
+
+
+@pytest.mark.slow
+def test_compiled_pieces_go_on_to_the_bit(rom, tmp_path, monkeypatch):
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    monkeypatch.setattr(transient_stream, "PIECE", 10)
+    options = {"step": STEP, "compiled": True, "fields": ("pressure", "traction", "slip")}
+    whole, parts = tmp_path / "whole.h5", tmp_path / "parts.h5"
+    fy.stream_transient(rom, SHAKEN, whole, duration=30 * STEP, **options)
+    fy.stream_transient(rom, SHAKEN, parts, duration=20 * STEP, **options)
+    fy.stream_transient(rom, SHAKEN, parts, duration=30 * STEP, resume=True, **options)
+    with h5py.File(whole) as one, h5py.File(parts) as other:
+        for field in options["fields"]:
+            np.testing.assert_array_equal(one[field][()], other[field][()])
+
+
+@pytest.mark.slow
+def test_compiled_increments_solve_what_random_paths_ask(full):
+    """Judged by the law in Python: every increment that the compiled code says it has solved."""
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    rng = np.random.default_rng(3)
+    for friction in (0.05, 0.3, 1.0):
+        rubbing = full.with_friction(friction)
+        plain = rubbing.static_contact.frictional
+        solver, solved = CompiledFrictionalContact(plain), 0
+        n = rubbing.contact.n_points
+        forces = plain.solve(np.vstack([np.full((1, n), -1e-3), np.zeros((2, n))])).forces
+        for _ in range(20):
+            move = 3e-4 * (rng.standard_normal((3, 1)) + rng.standard_normal((3, n)))
+            z_free = move - np.array([[1e-3], [0], [0]])
+            found = solver.solve(z_free, forces)
+            wrong = plain._residual(found.forces, plain._slack(found.forces, z_free), None)
+            assert np.abs(wrong).max() <= SOLVED * np.abs(found.forces).max()
+            solved += found.residual > 0
+            forces = found.forces
+        assert solved > 10
+
+
+@pytest.mark.slow
+def test_long_runs_are_compiled_unasked(rom, monkeypatch):
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    options = {"step": STEP, "duration": 10 * STEP}
+    asked = fy.solve_transient(rom, SHAKEN, compiled=True, **options)
+    plain = fy.solve_transient(rom, SHAKEN, **options)
+    monkeypatch.setattr("faying.simulation.stepping.worth_compiling", lambda n_step: n_step >= 10)
+    unasked = fy.solve_transient(rom, SHAKEN, **options)
+    np.testing.assert_array_equal(unasked.contact_forces, asked.contact_forces)
+    assert not np.array_equal(unasked.contact_forces, plain.contact_forces)
