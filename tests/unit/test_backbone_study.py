@@ -11,6 +11,7 @@ from faying import cli
 from faying.assessment.backbone import Backbone
 from faying.exceptions import StudyError
 from faying.report.figures.backbone import backbone_figure
+from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.study.load_model import build
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
@@ -109,6 +110,20 @@ def test_damping_is_drawn_over_amplitude(results):
     np.testing.assert_array_equal(second.get_xdata(), expected.amplitude)
     np.testing.assert_array_equal(second.get_ydata(), expected.damping_ratio)
     assert len(loops.get_lines()) == 2
+
+
+def test_slip_is_mapped_at_amplitudes_that_slip(results):
+    case = results.cases["ring"]
+    one = case.reference.backbones["2"]
+    assert one.slip_distance.shape == (3, len(one.slip_distance[0]))
+    slips = one.energy_per_cycle > 0
+    assert slips.any()
+    assert (one.slip_distance[slips].max(axis=1) > 0).all()
+    drawn = backbone_slip_figure(results, case)
+    titles = [axes.get_title(loc="left") for axes in drawn.figure.axes]
+    second = [title for title in titles if title.startswith("mode 2, joint: amplitude ")]
+    assert len(second) == np.count_nonzero(slips)
+    assert all(axes.images for axes in drawn.figure.axes if axes.get_title(loc="left") in second)
 
 
 def test_check_says_how_many_increments_there_are(tmp_path, monkeypatch, capsys):

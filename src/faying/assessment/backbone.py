@@ -78,6 +78,8 @@ class Backbone(Shown):
         Load α along the last cycle, from its positive reversal on.
     loop_modal : (n, n_increment + 1)
         Modal coordinate q = φᵀ M (u − u₀) along it.
+    slip_distance : (n, n_point) [length]
+        How far each contact point slips in a cycle, there and back.
     masing_frequency : (n,) [1/time]
         By Masing's rule from the first loading alone; None unless asked for.
     masing_damping : (n,) [1]
@@ -106,6 +108,7 @@ class Backbone(Shown):
     stationary: Mask
     loop_load: Matrix
     loop_modal: Matrix
+    slip_distance: Matrix | None = None
     masing_frequency: Vector | None = None
     masing_damping: Vector | None = None
     remarks: tuple[str, ...] = ()
@@ -330,6 +333,7 @@ def _assembled(
         stationary=np.array([row.stationary for row in rows]),
         loop_load=np.array([row.loads for row in rows]),
         loop_modal=np.array([row.modals for row in rows]),
+        slip_distance=np.array([row.slip_distance for row in rows]),
         masing_frequency=np.sqrt(load / first) / (2 * np.pi) if masing else None,
         masing_damping=lost / (2 * np.pi * load * first) if masing else None,
         remarks=_remarks(found, mode, rows),

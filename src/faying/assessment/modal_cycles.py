@@ -105,6 +105,7 @@ class ModalCycle:
     first_loop: float
     loads: Vector
     modals: Vector
+    slip_distance: Vector
 
 
 @final
@@ -187,6 +188,7 @@ class Swing:
             first_loop=first_loop,
             loads=loads,
             modals=modal,
+            slip_distance=_distance([before, *steps]),
         )
 
     def _pairs(self, steps: Sequence[PathStep]) -> Matrix:
@@ -214,3 +216,9 @@ class Swing:
             for points in contact.slices.values()
         ]
         return float(contact.weights[sticks].sum()) / area if area > 0 else 0.0, any(gross)
+
+
+def _distance(steps: Sequence[PathStep]) -> Vector:
+    """Return how far each point (n_point,) slips along a cycle, there and back [length]."""
+    change = np.diff([step.slip for step in steps], axis=0)
+    return np.asarray(np.hypot(change[:, 0], change[:, 1]).sum(axis=0))

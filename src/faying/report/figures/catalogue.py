@@ -6,6 +6,7 @@ from pathlib import Path
 from faying.exceptions import FormatError
 from faying.files.names import file_names
 from faying.report.figures.backbone import backbone_figure
+from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
@@ -109,6 +110,7 @@ def _drawings(results: Results) -> Iterator[Draw]:
                 loop_figure,
                 fretting_figure,
                 backbone_figure,
+                backbone_slip_figure,
                 gap_figure,
                 deformed_figure,
                 error_figure,

@@ -1,0 +1,70 @@
+"""Where a joint slips when it vibrates in a mode, over the amplitude."""
+
+import numpy as np
+
+from faying.assessment.backbone import Backbone
+from faying.display.style import heading, plain
+from faying.report.figures.entry import Drawn
+from faying.report.figures.plane import best_plane
+from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
+from faying.report.quantities import number
+from faying.report.style import new_figure
+from faying.study.results import CaseResult, Results
+from faying.units import units_of
+
+SLIP_MAP = "viridis"
+MOST_COLUMNS = 3
+"""Amplitudes of a mode whose maps are drawn."""
+
+
+def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw how far points slip in a cycle, at the first, middle and last amplitude that slips.
+
+    Returns
+    -------
+    Drawn or None
+        One row for each mode and interface; None for cases without backbones, or without slip.
+    """
+    records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
+    shown = {mode: _chosen(one) for mode, one in case.reference.backbones.items()}
+    rows = [(mode, name) for mode in shown if shown[mode] for name in records]
+    if not rows:
+        return None
+    units = units_of(results.units)
+    heights = [panel_size(records[name], best_plane(records[name]), 3.8)[1] for _, name in rows]
+    figure = new_figure(13.0, max(sum(heights), 2.0) + 0.7)
+    panels = figure.subplots(len(rows), MOST_COLUMNS, squeeze=False, height_ratios=heights)
+    for line, (mode, name) in zip(panels, rows, strict=True):
+        record, backbone = records[name], case.reference.backbones[mode]
+        distance = np.asarray(backbone.slip_distance)[:, slice(*record.slice)]
+        for axes in line[len(shown[mode]) :]:
+            axes.set_axis_off()
+        for axes, at in zip(line, shown[mode], strict=False):
+            plane, own = best_plane(record), distance[at]
+            prepare(axes, record, plane, units)
+            colours = scale(SLIP_MAP, float(own.max(initial=0.0)))
+            draw_points(axes, record, plane, np.where(own > 0, own, np.nan), colours)
+            colour_bar(axes, colours, f"slip in a cycle [{units.length}]")
+            reached = number(float(backbone.amplitude[at]))
+            axes.set_title(plain(f"mode {mode}, {name}: amplitude {reached}"), loc="left")
+    figure.suptitle(heading(f"{case.name}: where the joint slips, full model"))
+    return Drawn(
+        figure=figure,
+        stem="backbone_slip",
+        title=f"{case.name}: slip over amplitude",
+        caption=(
+            "How far contact points slip in a cycle, there and back, at the first, the middle and "
+            "the last amplitude of each mode at which something slips. Grey does not slip."
+        ),
+        section=case.name,
+    )
+
+
+def _chosen(backbone: Backbone) -> list[int]:
+    """Return the first, the middle and the last amplitude that slips, as far as there are."""
+    if backbone.slip_distance is None:
+        return []
+    slips = np.flatnonzero(backbone.energy_per_cycle > 0)
+    if not len(slips):
+        return []
+    return [int(at) for at in np.unique(slips[[0, len(slips) // 2, -1]])]
