@@ -119,6 +119,8 @@ def test_slip_is_mapped_at_amplitudes_that_slip(results):
     slips = one.energy_per_cycle > 0
     assert slips.any()
     assert (one.slip_distance[slips].max(axis=1) > 0).all()
+    nothing = one.stick_share == 1
+    assert not (one.slip_distance[nothing] > 1e-9).any()
     drawn = backbone_slip_figure(results, case)
     titles = [axes.get_title(loc="left") for axes in drawn.figure.axes]
     second = [title for title in titles if title.startswith("mode 2, joint: amplitude ")]

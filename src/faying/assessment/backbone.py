@@ -79,7 +79,7 @@ class Backbone(Shown):
     loop_modal : (n, n_increment + 1)
         Modal coordinate q = φᵀ M (u − u₀) along it.
     slip_distance : (n, n_point) [length]
-        How far each contact point slips in a cycle, there and back.
+        How far each contact point slips in a cycle, there and back, while it is pressed on.
     masing_frequency : (n,) [1/time]
         By Masing's rule from the first loading alone; None unless asked for.
     masing_damping : (n,) [1]

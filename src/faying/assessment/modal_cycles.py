@@ -219,6 +219,7 @@ class Swing:
 
 
 def _distance(steps: Sequence[PathStep]) -> Vector:
-    """Return how far each point (n_point,) slips along a cycle, there and back [length]."""
+    """Return how far each point (n_point,) slips along a cycle while it is pressed on [length]."""
     change = np.diff([step.slip for step in steps], axis=0)
-    return np.asarray(np.hypot(change[:, 0], change[:, 1]).sum(axis=0))
+    pressed = np.array([step.increment.forces[0] > 0 for step in steps[1:]])
+    return np.asarray((np.hypot(change[:, 0], change[:, 1]) * pressed).sum(axis=0))

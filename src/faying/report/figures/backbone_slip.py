@@ -13,6 +13,8 @@ from faying.study.results import CaseResult, Results
 from faying.units import units_of
 
 SLIP_MAP = "viridis"
+NEXT_TO_NONE = 1e-6
+"""Slip below this share of the largest is the residual of an increment."""
 MOST_COLUMNS = 3
 """Amplitudes of a mode whose maps are drawn."""
 
@@ -43,7 +45,9 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
             plane, own = best_plane(record), distance[at]
             prepare(axes, record, plane, units)
             colours = scale(SLIP_MAP, float(own.max(initial=0.0)))
-            draw_points(axes, record, plane, np.where(own > 0, own, np.nan), colours)
+            draw_points(
+                axes, record, plane, np.where(own > NEXT_TO_NONE * own.max(), own, np.nan), colours
+            )
             colour_bar(axes, colours, f"slip in a cycle [{units.length}]")
             reached = number(float(backbone.amplitude[at]))
             axes.set_title(plain(f"mode {mode}, {name}: amplitude {reached}"), loc="left")
@@ -53,8 +57,8 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         stem="backbone_slip",
         title=f"{case.name}: slip over amplitude",
         caption=(
-            "How far contact points slip in a cycle, there and back, at the first, the middle and "
-            "the last amplitude of each mode at which something slips. Grey does not slip."
+            "How far contact points slip in a cycle while they are pressed on, at the first, the "
+            "middle and the last amplitude of each mode that slips somewhere. Grey does not slip."
         ),
         section=case.name,
     )
