@@ -9,11 +9,12 @@ import h5py
 import numpy as np
 import pytest
 
+import faying as fy
 from faying import cli
 from faying.exceptions import FormatError, StudyError
 from faying.export import vtk
 from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, default_name, export
-from faying.reduction.projection import nodal_shapes
+from faying.reduction.projection import completed, nodal_shapes
 from faying.study.recover import results_of
 
 
@@ -278,6 +279,18 @@ def test_shapes_that_exceed_the_limit_are_left_out(joint, classic):
     whole = joint.dofs.nodal(classic.vectors[:, :5].T)[..., :3]
     # Sums of a handful of products each.
     np.testing.assert_allclose(shapes, whole, rtol=1e-12, atol=1e-15)
+
+
+def test_shapes_are_kept_for_models_whose_shapes_all_fit(joint, classic):
+    few, many = (
+        fy.reduce(joint, fy.craig_bampton(joint, normal_modes=count), compliance=False)
+        for count in (1, 9)
+    )
+    room = 24 * joint.dofs.n_nodes * (len(many.basis) - 1)
+    with_shapes, without = completed(joint, [few, many], most_bytes=room)
+    assert with_shapes.mesh.vectors.shape[1] == len(few.basis)
+    assert without.mesh.vectors is None
+    assert without.invariants is None
 
 
 def test_long_series_are_thinned(run, tmp_path, monkeypatch):

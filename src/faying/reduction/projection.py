@@ -122,10 +122,17 @@ def for_moving_supports(model: Model, rom: ReducedModel) -> ReducedModel:
     )
 
 
-def completed(model: Model, models: Sequence[ReducedModel]) -> list[ReducedModel]:
+def completed(
+    model: Model, models: Sequence[ReducedModel], most_bytes: int = MOST_SHAPE_BYTES
+) -> list[ReducedModel]:
     """Give reduced models of one full model all that files keep, computed together.
 
-    Recovery matrices, those of moving supports, and shapes as far as there is room for them.
+    Recovery matrices, those of moving supports, and shapes of the models whose shapes all fit.
+
+    Parameters
+    ----------
+    most_bytes
+        What the shapes of all may take.
 
     Notes
     -----
@@ -139,7 +146,9 @@ def completed(model: Model, models: Sequence[ReducedModel]) -> list[ReducedModel
     order = sorted(models, key=lambda rom: len(rom.basis))
     together, columns = _shared_vectors([rom.basis for rom in order])
     known, frame = supported_operator(model, together), frame_operator(model)
-    shapes = nodal_shapes(model, together)
+    shapes = nodal_shapes(model, together, most_bytes)
+    ends = [int(at.max(initial=-1)) + 1 for at in columns]
+    shapes = shapes[: max((end for end in ends if end <= len(shapes)), default=0)]
     invariants = mass_invariants(model, together.vectors[:, : len(shapes)], shapes)
     rows = shapes.reshape(len(shapes), -1).T
     found: dict[int, ReducedModel] = {}
