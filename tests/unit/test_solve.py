@@ -388,6 +388,7 @@ REQUIRED = """
 [requirement]
 min_clamp_force = LIMIT
 max_pressure = 1e3
+max_nodal_pressure = 1e3
 no_opening_within = 8.0
 min_opening_factor = 1.0
 closed_ring = [{ around = [0.0, 0.0, 0.0] }]
@@ -408,6 +409,7 @@ def test_requirements_are_those_that_an_assessment_judges(rom, tmp_path):
     assert [one["requirement"] for one in found] == [
         "min_clamp_force",
         "max_pressure",
+        "max_nodal_pressure",
         "no_opening_within",
         "closed_ring",
         "min_opening_factor",

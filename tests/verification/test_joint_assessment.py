@@ -160,6 +160,7 @@ def test_requirements_are_judged_where_they_are_nearest_to_failing(joint):
     wanted = fy.Requirements(
         min_clamp_force={"joint": 8e3},
         max_pressure=float(cases.max_pressure.max()) * 1.01,
+        max_nodal_pressure=10.0,
         no_opening_within=8.0,
         min_opening_factor=1.0,
     )
@@ -170,6 +171,11 @@ def test_requirements_are_judged_where_they_are_nearest_to_failing(joint):
     assert by_name["min_clamp_force"].value == pytest.approx(clamp.min(), rel=1e-6)
     assert by_name["min_clamp_force"].met == (clamp.min() >= 8e3)
     assert by_name["max_pressure"].met
+    means = joint.interfaces["joint"].nodal_average(cases.pressure).max(axis=-1)
+    crushed = by_name["max_nodal_pressure"]
+    assert crushed.value == pytest.approx(means.max(), rel=1e-12)
+    assert crushed.case == loads[int(means.argmax())].name
+    assert not crushed.met
     points, rest = joint.interfaces["joint"].points, fy.solve_static(joint).pressure > 0
     ends = joint.bolts["bolt"].ends
     near = (np.hypot(*(points - ends[0])[:, :2].T) <= 8.0) & rest

@@ -193,6 +193,11 @@ def _interface(
     clamps = {case: (one.pressure[:, own] @ weights).min() for case, one in cases.items()}
     areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
     peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
+    means = {
+        case: float((surface.averaging @ one.pressure[:, own].T).max(initial=0.0))
+        for case, one in cases.items()
+    }
+    crushed = max(means, key=means.__getitem__)
     least, highest = min(clamps, key=clamps.__getitem__), max(peaks, key=peaks.__getitem__)
     smallest = min(areas, key=areas.__getitem__)
     peak = cases[highest].pressure[:, own].max(axis=0).argmax()
@@ -207,6 +212,8 @@ def _interface(
         max_pressure=float(peaks[highest]),
         max_pressure_case=highest,
         max_pressure_point=surface.points[peak],
+        max_nodal_pressure=means[crushed],
+        max_nodal_pressure_case=crushed,
         closed_area=float(areas[smallest]),
         closed_area_case=smallest,
         first_opening={case: path.first_opening(points) for case, path in paths.items()},

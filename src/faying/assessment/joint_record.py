@@ -92,6 +92,10 @@ class InterfaceAssessment:
         Load case it belongs to.
     max_pressure_point : (3,) [length]
         Where it is.
+    max_nodal_pressure : [force/length²]
+        Largest average pressure around a node.
+    max_nodal_pressure_case
+        Load case it belongs to.
     closed_area : [length²]
         Smallest area under pressure.
     closed_area_case
@@ -109,6 +113,8 @@ class InterfaceAssessment:
     max_pressure: float
     max_pressure_case: str
     max_pressure_point: Vector
+    max_nodal_pressure: float
+    max_nodal_pressure_case: str
     closed_area: float
     closed_area_case: str
     first_opening: Mapping[str, float]

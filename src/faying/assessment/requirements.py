@@ -33,6 +33,8 @@ class Requirements:
         Least total normal force of an interface; or one for each interface named.
     max_pressure : [force/length²]
         Largest pressure of a contact point.
+    max_nodal_pressure : [force/length²]
+        Largest average pressure around a node.
     no_opening_within : [length]
         Distance from the axis of a bolt within which all that the preload presses stays pressed.
     min_opening_factor
@@ -45,6 +47,7 @@ class Requirements:
 
     min_clamp_force: float | Mapping[str, float] | None = None
     max_pressure: float | None = None
+    max_nodal_pressure: float | None = None
     no_opening_within: float | None = None
     min_opening_factor: float | None = None
     min_slip_safety: float | None = None

@@ -28,7 +28,13 @@ def verdicts(
         Load case to the factor at which an interface slips as a whole.
     """
     yield from _clamp_verdict(wanted.min_clamp_force, interfaces)
-    yield from _pressure_verdict(wanted.max_pressure, interfaces)
+    peaks = {name: (one.max_pressure_case, one.max_pressure) for name, one in interfaces.items()}
+    yield from pressure_verdict("max_pressure", wanted.max_pressure, peaks)
+    means = {
+        name: (one.max_nodal_pressure_case, one.max_nodal_pressure)
+        for name, one in interfaces.items()
+    }
+    yield from pressure_verdict("max_nodal_pressure", wanted.max_nodal_pressure, means)
     yield from _opening_verdict(wanted.no_opening_within, surfaces, bolts, rest, cases)
     yield from _factor_verdict(wanted.min_opening_factor, interfaces)
     yield from _slip_verdict(wanted.min_slip_safety, slip)
@@ -74,19 +80,20 @@ def wanted_clamps(
     return limits
 
 
-def _pressure_verdict(
-    limit: float | None, interfaces: Mapping[str, InterfaceAssessment]
+def pressure_verdict(
+    requirement: str, limit: float | None, found: Mapping[str, tuple[str, float]]
 ) -> Iterator[Verdict]:
+    """Judge the largest pressures of the interfaces, each with its case."""
     if limit is None:
         return
-    name = max(interfaces, key=lambda one: interfaces[one].max_pressure)
-    worst = interfaces[name]
+    name = max(found, key=lambda one: found[one][1])
+    case, value = found[name]
     yield Verdict(
-        requirement="max_pressure",
-        met=worst.max_pressure <= limit,
+        requirement=requirement,
+        met=value <= limit,
         place=name,
-        case=worst.max_pressure_case,
-        value=worst.max_pressure,
+        case=case,
+        value=value,
         limit=limit,
     )
 

@@ -348,4 +348,5 @@ def _rest(found: Findings) -> Iterator[str]:
     yield "# [requirement]"
     yield f"# min_clamp_force = ?  # [{units.force}]"
     yield f"# max_pressure = ?  # [{units.pressure}]"
+    yield f"# max_nodal_pressure = ?  # [{units.pressure}]"
     yield f"# no_opening_within = ?  # of the axis of every bolt [{units.length}]"

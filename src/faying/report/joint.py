@@ -16,6 +16,7 @@ from faying.units import Units, units_of
 MEANINGS = {
     "min_clamp_force": ("clamp force", "at least", "force"),
     "max_pressure": ("largest pressure", "at most", "force/length²"),
+    "max_nodal_pressure": ("largest average around a node", "at most", "force/length²"),
     "no_opening_within": ("smallest pressure around the bolt", "nothing open within", "length"),
     "min_opening_factor": ("nothing is pressed any more at", "at least", "1"),
     "min_slip_safety": ("slips as a whole at", "at least", "1"),

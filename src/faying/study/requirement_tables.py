@@ -39,6 +39,8 @@ class RequirementSection(Section):
         Total normal force of every interface, or of those named.
     max_pressure : [force/length²]
         Of every contact point.
+    max_nodal_pressure : [force/length²]
+        Of the average around every node.
     no_opening_within : [length]
         Distance from a bolt's axis within which what the preload presses stays pressed.
     min_opening_factor
@@ -51,6 +53,7 @@ class RequirementSection(Section):
 
     min_clamp_force: Positive | Mapping[Name, Positive] | None = None
     max_pressure: Positive | None = None
+    max_nodal_pressure: Positive | None = None
     no_opening_within: Positive | None = None
     min_opening_factor: Positive | None = None
     min_slip_safety: Positive | None = None

@@ -8,7 +8,13 @@ from faying.assessment.bolt_surroundings import pressed_near
 from faying.assessment.load_path import input_path
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
-from faying.assessment.verdicts import no_opening, ring_surface, ring_verdict, wanted_clamps
+from faying.assessment.verdicts import (
+    no_opening,
+    pressure_verdict,
+    ring_surface,
+    ring_verdict,
+    wanted_clamps,
+)
 from faying.exceptions import ModelError
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.static import solve_static
@@ -62,18 +68,15 @@ def solved_verdicts(
             value=value,
             limit=least,
         )
-    if wanted.max_pressure is not None:
-        found = {name: _extreme(sets, f"max_pressure.{name}") for name in rom.interfaces}
-        place = max(found, key=lambda name: found[name][1])
-        case, value = found[place]
-        yield Verdict(
-            requirement="max_pressure",
-            met=value <= wanted.max_pressure,
-            place=place,
-            case=case,
-            value=value,
-            limit=wanted.max_pressure,
-        )
+    limits = {
+        "max_pressure": wanted.max_pressure,
+        "max_nodal_pressure": wanted.max_nodal_pressure,
+    }
+    for requirement, limit in limits.items():
+        if limit is None:
+            continue
+        found = {name: _extreme(sets, f"{requirement}.{name}") for name in rom.interfaces}
+        yield from pressure_verdict(requirement, limit, found)
     yield from _openings(wanted.no_opening_within, rom, sets)
     for name, ring in _named(wanted, rom).items():
         case, value = _extreme(sets, f"ring_pressure.{name}", largest=False)
