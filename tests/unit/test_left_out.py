@@ -11,7 +11,7 @@ from faying.study.schema import parse_study
 from small_abaqus_deck import DECK
 
 PLASTIC = DECK.replace("*DENSITY\n", "*PLASTIC\n300., 0.\n*DENSITY\n", 1)
-SHELLS = "*ELEMENT, TYPE=S4\n9, 1, 2, 3, 4\n*ELEMENT, TYPE=S4\n10, 5, 6, 7, 8\n"
+MEMBRANES = "*ELEMENT, TYPE=M3D4\n9, 1, 2, 3, 4\n*ELEMENT, TYPE=M3D4\n10, 5, 6, 7, 8\n"
 
 
 @pytest.fixture
@@ -27,7 +27,9 @@ def deck(tmp_path):
 
 def test_everything_refused_is_told_at_once_under_what_to_do(deck):
     text = PLASTIC.replace(
-        "*MATERIAL", SHELLS + "*SHELL SECTION, ELSET=X, MATERIAL=M\n1.\n*NGEN\n1, 2\n*MATERIAL", 1
+        "*MATERIAL",
+        MEMBRANES + "*MEMBRANE SECTION, ELSET=X, MATERIAL=M\n1.\n*NGEN\n1, 2\n*MATERIAL",
+        1,
     )
     with pytest.raises(FormatError) as caught:
         read_joint(deck(text))
@@ -35,10 +37,10 @@ def test_everything_refused_is_told_at_once_under_what_to_do(deck):
     assert heading.endswith(
         "deck.inp: 4 kinds of keywords are not supported and may change the structure:"
     )
-    shells = lines.index("  mesh with solids; shells and membranes are not supported:")
+    membranes = lines.index("  give S3, S4, S6 or S8 with *SHELL SECTION of one layer, or solids:")
     # Both under one remedy, with their number and the line of the first.
-    assert lines[shells + 1].endswith("deck.inp:44: *ELEMENT, TYPE=S4 (2)")
-    assert lines[shells + 2].endswith("deck.inp:48: *SHELL SECTION (1)")
+    assert lines[membranes + 1].endswith("deck.inp:44: *ELEMENT, TYPE=M3D4 (2)")
+    assert lines[membranes + 2].endswith("deck.inp:48: *MEMBRANE SECTION (1)")
     assert any("*NGEN (1)" in line for line in lines)
     asked = next(line for line in lines if "ignore = " in line)
     assert 'ignore = ["plastic"]: materials stay linear elastic' in asked
