@@ -10,6 +10,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
@@ -67,6 +68,7 @@ GROUPS = {
     "/assessment": Assessment,
     "/assessment/bolts/NAME": BoltAssessment,
     "/assessment/bolts/NAME/bending": BoltBending,
+    "/assessment/bolts/NAME/clamp_around/INTERFACE": ClampRange,
     "/assessment/bolts/NAME/thread": ThreadStress,
     "/assessment/interfaces/NAME": InterfaceAssessment,
     "/assessment/scatter/0": Spread,

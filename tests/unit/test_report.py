@@ -9,14 +9,16 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 
+import faying as fy
 from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.report import style
 from faying.report.certified import sharpness
 from faying.report.html import render, write_report
+from faying.report.joint import clamp_judgement
 from faying.report.limits import limits
 from faying.report.meanings import meanings
-from faying.report.quantities import percent
+from faying.report.quantities import percent, quantity
 from faying.report.tables import applied_loads, case_table, error_table, timing_table
 from faying.report.unseen_loads import worst_case_table
 from faying.report.verdict import headline, reservations, verdicts
@@ -67,6 +69,22 @@ def written(tmp_path_factory):
         patch.setattr(style, "DPI", 50)  # quick; what is drawn is checked elsewhere
         path = write_report(RESULTS, folder)
     return path, Page(path.read_text(encoding="utf-8"))
+
+
+def test_clamp_forces_are_told_around_each_of_several_bolts():
+    model = fy.lap_joint(element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)))
+    joint = fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+    found = fy.assess(joint, [fy.Load({"tip.Fz": -300.0}, name="bend")], paths=False)
+    rows = clamp_judgement(replace(RESULTS, assessment=found)).rows
+    around = found.bolts["bolt-2"].clamp_around["joint"]
+    assert [row[0].text for row in rows] == [
+        "joint",
+        "joint around bolt-1",
+        "joint around bolt-2",
+    ]
+    assert rows[2][4].text == f"{quantity(around.most, 'N', 5)} (bend)"
+    alone = replace(found, bolts={"bolt-2": found.bolts["bolt-2"]})
+    assert len(clamp_judgement(replace(RESULTS, assessment=alone)).rows) == 1
 
 
 def test_page_stands_alone(written):

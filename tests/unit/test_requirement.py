@@ -74,6 +74,11 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     assert pressure.value == pytest.approx(peaks[worst], rel=1e-12)
     forces = [case.reference.contact_forces["joint"].min() for case in results.cases.values()]
     assert found.interfaces["joint"].least_clamp == pytest.approx(min(forces), rel=1e-12)
+    most = [case.reference.contact_forces["joint"].max() for case in results.cases.values()]
+    assert found.interfaces["joint"].most_clamp == pytest.approx(max(most), rel=1e-12)
+    around = found.bolts["bolt"].clamp_around["joint"]
+    assert around.least == pytest.approx(min(forces), rel=1e-12)
+    assert summary["assessment"]["bolts"]["bolt"]["clamp_around"]["joint"]["most"] == around.most
     assert clamp.met
     assert summary["assessment"]["verdicts"][1]["met"] is False
     static = fy.assess(

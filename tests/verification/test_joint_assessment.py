@@ -1,9 +1,12 @@
 """Joints judged: load paths against separate solutions, bolts against the bolted joint."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.bolt_surroundings import surroundings
 from faying.assessment.certificate import certifier
 from faying.assessment.load_path import Walk
 from faying.exceptions import ModelError
@@ -11,6 +14,7 @@ from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
 from faying.model.generate import brick_grid
 from faying.model.mesh import CellBlock, Mesh
+from faying.reduction.projection import contact_surfaces
 
 LOAD = fy.Load({"tip.Fx": 3e3, "tip.Fz": -400.0, "tip.Mx": 8e3}, name="pull and bend")
 E, AREA, LENGTH, PENALTY, BOLT, PRELOAD = 210e3, 54.0, 8.0, 1e5, 4e5, 5e3
@@ -151,6 +155,81 @@ def test_certified_clamp_forces_contain_the_full_models(joint):
     assert widths[1] < widths[0]
 
 
+@pytest.fixture(scope="module")
+def pair():
+    model = fy.lap_joint(
+        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
+    )
+    return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+
+
+def test_clamp_forces_around_bolts_are_certified(pair):
+    """In 100 random cases: ranges that the full model has, in intervals from two bases off it."""
+    values = np.random.default_rng(3).uniform(-1, 1, (100, 3)) * [2e3, 500.0, 20e3]
+    loads = [
+        fy.Load(dict(zip(("tip.Fx", "tip.Fz", "tip.Mx"), row, strict=True)), name=str(k))
+        for k, row in enumerate(values)
+    ]
+    exact = fy.solve_static_cases(pair, loads)
+    areas = surroundings(contact_surfaces(pair), pair.bolts)
+    assert set(areas) == {("joint", name) for name in pair.bolts}
+    forces = {area: exact.contact_forces[:, points].sum(axis=1) for area, points in areas.items()}
+    whole = exact.contact_force("joint")
+    assert sum(forces.values()) == pytest.approx(whole, rel=1e-12)
+    classic = fy.craig_bampton(pair, normal_modes=10)
+    widths = []
+    for basis in (classic, fy.jim_a(pair, joint_modes=40, classic=classic)):
+        cases = fy.solve_static_cases(rom := fy.reduce(pair, basis), loads)
+        certificate = certifier(rom.joint).certify_inputs(cases.inputs, cases.pressure, areas)
+        for area, force in forces.items():
+            low, high = certificate.area_force[area].T
+            assert ((low <= force) & (force <= high)).all()
+            widths.append(float(np.median(high - low)))
+        found = fy.assess(rom, loads, paths=False)
+        for name, bolt in found.bolts.items():
+            around, true = bolt.clamp_around["joint"], forces["joint", name]
+            low, high = around.certified_least
+            assert low <= true[int(around.least_case)] <= high
+            low, high = around.certified_most
+            assert low <= true[int(around.most_case)] <= high
+        face = found.interfaces["joint"]
+        assert face.certified_most[0] <= whole[int(face.most_clamp_case)] <= face.certified_most[1]
+    assert max(widths[2:]) < min(widths[:2])
+
+
+def test_clamp_ranges_are_those_of_the_cases(pair):
+    values = np.random.default_rng(4).uniform(-1, 1, (20, 2)) * [2e3, 500.0]
+    loads = [
+        fy.Load({"tip.Fx": pull, "tip.Fz": bend}, name=str(k))
+        for k, (pull, bend) in enumerate(values)
+    ]
+    found = fy.assess(pair, loads, paths=False)
+    cases, rest = fy.solve_static_cases(pair, loads), fy.solve_static(pair)
+    face, clamp = found.interfaces["joint"], cases.contact_force("joint")
+    assert face.most_clamp == pytest.approx(clamp.max(), rel=1e-12)
+    assert face.most_clamp_case == str(clamp.argmax())
+    along = pair.interfaces["joint"].points[:, 0]
+    for name, bolt in found.bolts.items():
+        here = (along < 0) == (pair.bolts[name].ends[0, 0] < 0)
+        forces, around = cases.contact_forces[:, here].sum(axis=1), bolt.clamp_around["joint"]
+        assert around.preload == pytest.approx(rest.contact_forces[here].sum(), rel=1e-12)
+        assert around.least == pytest.approx(forces.min(), rel=1e-12)
+        assert around.least_case == str(forces.argmin())
+        assert around.most == pytest.approx(forces.max(), rel=1e-12)
+        assert around.most_case == str(forces.argmax())
+        # The exact model is certified to its round-off.
+        assert around.certified_least == pytest.approx(around.least, rel=1e-6)
+
+
+def test_bolts_whose_axes_are_unknown_have_no_areas(pair):
+    one, other = pair.bolts
+    lost = replace(pair.bolts[other], ends=None)
+    assert not surroundings(contact_surfaces(pair), {one: pair.bolts[one], other: lost})
+    whole = surroundings(contact_surfaces(pair), {other: lost})
+    assert whole["joint", other].all()
+    assert not surroundings(contact_surfaces(pair), {})
+
+
 def test_requirements_are_judged_where_they_are_nearest_to_failing(joint):
     loads = [
         fy.Load({"tip.Fz": -200.0}, name="mild"),
@@ -187,11 +266,8 @@ def test_requirements_are_judged_where_they_are_nearest_to_failing(joint):
     assert found.met == all(one.met for one in found.verdicts)
 
 
-def test_bolts_share_the_area_around_them():
-    model = fy.lap_joint(
-        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
-    )
-    joint = fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+def test_bolts_share_the_area_around_them(pair):
+    joint = pair
     found = fy.assess(joint, [fy.Load({"tip.Fz": -300.0}, name="bend")], paths=False)
     axial = sum(one.axial_loads["bend"] for one in found.bolts.values())
     # What the tip takes from all bolts and all areas together: no force is lost between them.

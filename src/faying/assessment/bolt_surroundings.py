@@ -15,6 +15,26 @@ def nearest_bolts(surface: ContactSurface, bolts: Mapping[str, Bolt]) -> Indices
     return np.where(np.isfinite(distances).any(axis=0), distances.argmin(axis=0), 0)
 
 
+def surroundings(
+    surfaces: Mapping[str, ContactSurface], bolts: Mapping[str, Bolt]
+) -> dict[tuple[str, str], Mask]:
+    """Return the points (n_point,) of an interface nearest to a bolt, by interface and bolt.
+
+    Of all points of the joint. A bolt that is nearest to no point of an interface has no area
+    there, and several bolts have none where the axis of any of them is unknown.
+    """
+    if len(bolts) > 1 and any(bolt.ends is None for bolt in bolts.values()):
+        return {}
+    n_point = max((surface.slice[1] for surface in surfaces.values()), default=0)
+    found: dict[tuple[str, str], Mask] = {}
+    for interface, surface in surfaces.items() if bolts else ():
+        nearest = np.full(n_point, -1)
+        nearest[slice(*surface.slice)] = nearest_bolts(surface, bolts)
+        for number in np.unique(nearest[nearest >= 0]):
+            found[interface, list(bolts)[number]] = nearest == number
+    return found
+
+
 def axis_distances(surface: ContactSurface, bolt: Bolt) -> Vector:
     """Return the distances (n_point,) of points from the axis of a bolt; infinite if unknown."""
     if bolt.ends is None:

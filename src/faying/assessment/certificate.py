@@ -10,14 +10,14 @@ numbers (C…) are of that page.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, final
 
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Matrix, Vector, frozen
+from faying._typing import Mask, Matrix, Vector, frozen
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.exceptions import ModelError
 from faying.joint.system import Joint
@@ -207,6 +207,8 @@ class Certificate:
         The exact pressure of each contact point lies between them.
     contact_force : interface to (..., 2) [force]
         The exact total force of each interface lies between these two.
+    area_force : (interface, bolt) to (..., 2) [force]
+        The exact total force of each area that was asked for lies between these two.
     contact_force_error : (...)
         Bound of the error of the candidate's total force over the exact one, the largest over the
         interfaces.
@@ -227,6 +229,7 @@ class Certificate:
     contact_force_error: Vector
     rms_pressure_error: Vector
     max_relative_error: Vector
+    area_force: Mapping[tuple[str, str], Matrix] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("pressure", "pressure_low", "pressure_high"):
@@ -288,8 +291,18 @@ class Certifier:
         scaled = self.flexibility.half_inverse / np.sqrt(contact.weights)[:, None]
         return min(by_law, float(np.sqrt(np.abs(scaled @ scaled.T).sum(axis=1).max())))
 
-    def certify_inputs(self, inputs: Matrix, pressure: Matrix) -> Certificate:
+    def certify_inputs(
+        self,
+        inputs: Matrix,
+        pressure: Matrix,
+        areas: Mapping[tuple[str, str], Mask] | None = None,
+    ) -> Certificate:
         """Certify pressures (..., n_point) under inputs (..., n_input).
+
+        Parameters
+        ----------
+        areas : (interface, bolt) to (n_point,)
+            Points whose total force is bounded too, as around a bolt.
 
         Raises
         ------
@@ -306,7 +319,7 @@ class Certifier:
         where = enclose(self.flexibility, g_free, forces)
         force_error = _functional_bound(forces - where.centre, where, self.flexibility.point_norms)
         error, weights = force_error / contact.weights, contact.weights
-        totals = self._totals(where)
+        totals = _totals(where, self.totals, self.total_norms)
         low, high = self._pressures(where)
         least = self._least_maximum(candidate, low, totals, where)
         return Certificate(
@@ -320,6 +333,7 @@ class Certifier:
             contact_force_error=_total_error(forces @ self.totals.T, totals),
             rms_pressure_error=self._rms(forces, where) / np.sqrt(weights.sum()),
             max_relative_error=_ratio(error.max(axis=-1), least),
+            area_force={} if not areas else self._areas(where, areas),
         )
 
     def _checked(self, inputs: Matrix, pressure: Matrix) -> Matrix:
@@ -340,11 +354,13 @@ class Certifier:
         high = np.maximum(where.centre + reach, 0.0) / self.system.contact.weights
         return low, high
 
-    def _totals(self, where: Enclosure) -> Matrix:
-        """Intervals (..., n_interface, 2) of the exact total forces."""
-        middle = where.centre @ self.totals.T
-        reach = _reach(where.radius, self.total_norms)
-        return np.maximum(np.stack([middle - reach, middle + reach], axis=-1), 0.0)
+    def _areas(
+        self, where: Enclosure, areas: Mapping[tuple[str, str], Mask]
+    ) -> dict[tuple[str, str], Matrix]:
+        """Intervals (..., 2) of the exact total forces of areas."""
+        rows = np.array(list(areas.values()), dtype=float)
+        totals = _totals(where, rows, self.flexibility.norms(rows))
+        return {area: totals[..., row, :] for row, area in enumerate(areas)}
 
     def _least_maximum(
         self, candidate: Matrix, low: Matrix, totals: Matrix, where: Enclosure
@@ -426,6 +442,13 @@ def _functional_bound(offset: Matrix, where: Enclosure, norms: Vector) -> Matrix
     """|λ̂_k − λ*_k| ≤ min(|λ̂_k − c_k| + r h_k, √(2B) h_k), (C10) and (C13)."""
     ball = np.abs(offset) + _reach(where.radius, norms)
     return np.minimum(ball, _reach(np.sqrt(2 * where.energy), norms))
+
+
+def _totals(where: Enclosure, rows: Matrix, norms: Vector) -> Matrix:
+    """Intervals (..., k, 2) of the exact forces that rows (k, n_point) of ones sum, (C13)."""
+    middle = where.centre @ rows.T
+    reach = _reach(where.radius, norms)
+    return np.maximum(np.stack([middle - reach, middle + reach], axis=-1), 0.0)
 
 
 def _reach(radius: Vector, norms: Vector) -> Matrix:

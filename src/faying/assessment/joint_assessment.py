@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from faying._typing import Mask
 from faying.assessment.bolt_bending import bending_of
-from faying.assessment.bolt_surroundings import nearest_bolts
+from faying.assessment.bolt_surroundings import nearest_bolts, surroundings
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
+from faying.assessment.clamp_range import ClampRange, certified_clamps, clamp_range
 from faying.assessment.joint_record import (
     Assessment,
     BoltAssessment,
@@ -79,14 +81,17 @@ def assess(
         raise ModelError(message)
     rest, cases = solve_static(system), solve_static_cases(system, loads)
     full = system.joint if isinstance(system, ReducedModel) else system
-    certificate = certifier(full).certify_inputs(cases.inputs, cases.pressure)
+    surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
+    certificate = certifier(full).certify_inputs(
+        cases.inputs, cases.pressure, surroundings(surfaces, system.bolts)
+    )
     bolt_forces = {name: np.asarray(cases.bolt_force(name)) for name in system.bolts}
     bent = {name: cases.bolt_bending(name) for name in bent_bolts(system.bolts)}
     states = {
         name: CaseState(
             pressure=cases.pressure[row : row + 1],
             bolt_forces={bolt: force[row : row + 1] for bolt, force in bolt_forces.items()},
-            certified={one: ends[row] for one, ends in certificate.contact_force.items()},
+            certified=certified_clamps(certificate, row),
             bolt_moments={bolt: moments[row : row + 1] for bolt, moments in bent.items()},
         )
         for row, name in enumerate(names)
@@ -96,7 +101,6 @@ def assess(
         bolt_forces={name: np.atleast_1d(rest.bolt_force(name)) for name in system.bolts},
         bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
     )
-    surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
     followed = {load.name: load_path(full, load) for load in loads} if paths else {}
     found = judged(surfaces, system.bolts, at_rest, states, requirements, followed)
     spreads = [
@@ -175,8 +179,12 @@ def judged(
     interfaces = {
         name: _interface(name, surface, rest, cases, known) for name, surface in surfaces.items()
     }
+    around = surroundings(surfaces, bolts)
+    clamps: dict[str, dict[str, ClampRange]] = {name: {} for name in bolts}
+    for (interface, bolt), points in around.items():
+        clamps[bolt][interface] = _clamp_around((interface, bolt), points, surfaces, rest, cases)
     return Assessment(
-        bolts={name: _bolt(name, bolts, surfaces, rest, cases) for name in bolts},
+        bolts={name: _bolt(name, bolts, surfaces, rest, cases, clamps[name]) for name in bolts},
         interfaces=interfaces,
         verdicts=tuple(verdicts(wanted, surfaces, bolts, rest, cases, interfaces, slip or {})),
     )
@@ -190,7 +198,15 @@ def _interface(
     paths: Mapping[str, LoadPath],
 ) -> InterfaceAssessment:
     own, weights = slice(*surface.slice), surface.weights
-    clamps = {case: (one.pressure[:, own] @ weights).min() for case, one in cases.items()}
+    clamp = clamp_range(
+        float(rest.pressure[0, own] @ weights),
+        {case: one.pressure[:, own] @ weights for case, one in cases.items()},
+        {
+            case: np.asarray(one.certified.interfaces[name])
+            for case, one in cases.items()
+            if one.certified is not None
+        },
+    )
     areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
     peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
     means = {
@@ -198,17 +214,19 @@ def _interface(
         for case, one in cases.items()
     }
     crushed = max(means, key=means.__getitem__)
-    least, highest = min(clamps, key=clamps.__getitem__), max(peaks, key=peaks.__getitem__)
+    highest = max(peaks, key=peaks.__getitem__)
     smallest = min(areas, key=areas.__getitem__)
     peak = cases[highest].pressure[:, own].max(axis=0).argmax()
-    certified = cases[least].certified
     points = np.zeros(rest.pressure.shape[1], dtype=bool)
     points[own] = True
     return InterfaceAssessment(
-        preload=float(rest.pressure[0, own] @ weights),
-        least_clamp=float(clamps[least]),
-        least_clamp_case=least,
-        certified=None if certified is None else np.asarray(certified[name]),
+        preload=clamp.preload,
+        least_clamp=clamp.least,
+        least_clamp_case=clamp.least_case,
+        certified=clamp.certified_least,
+        most_clamp=clamp.most,
+        most_clamp_case=clamp.most_case,
+        certified_most=clamp.certified_most,
         max_pressure=float(peaks[highest]),
         max_pressure_case=highest,
         max_pressure_point=surface.points[peak],
@@ -221,12 +239,34 @@ def _interface(
     )
 
 
+def _clamp_around(
+    area: tuple[str, str],
+    points: Mask,
+    surfaces: Mapping[str, ContactSurface],
+    rest: CaseState,
+    cases: Mapping[str, CaseState],
+) -> ClampRange:
+    surface = surfaces[area[0]]
+    own = slice(*surface.slice)
+    weights = surface.weights * points[own]
+    return clamp_range(
+        float(rest.pressure[0, own] @ weights),
+        {case: one.pressure[:, own] @ weights for case, one in cases.items()},
+        {
+            case: np.asarray(one.certified.areas[area])
+            for case, one in cases.items()
+            if one.certified is not None
+        },
+    )
+
+
 def _bolt(
     name: str,
     bolts: Mapping[str, Bolt],
     surfaces: Mapping[str, ContactSurface],
     rest: CaseState,
     cases: Mapping[str, CaseState],
+    clamps: Mapping[str, ClampRange],
 ) -> BoltAssessment:
     preload = float(rest.bolt_forces[name][0])
     lows = {case: float(one.bolt_forces[name].min()) for case, one in cases.items()}
@@ -247,6 +287,7 @@ def _bolt(
         most_case=most,
         axial_loads=axial,
         load_factors=factors,
+        clamp_around=clamps,
         bending=bending_of(
             rest.bolt_moments[name][0],
             {case: one.bolt_moments[name] for case, one in cases.items()},

@@ -6,6 +6,7 @@ from typing import final
 
 from faying._typing import Matrix, Vector
 from faying.assessment.bolt_bending import BoltBending
+from faying.assessment.clamp_range import CertifiedClamps, ClampRange
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.thread import ThreadStress
@@ -21,14 +22,14 @@ class CaseState:
     bolt_forces
         Bolt to (n_instant,) [force].
     certified
-        Interface to the interval (2,) in which the full model's clamp force lies, of static cases.
+        Intervals in which the full model's clamp forces lie, of static cases.
     bolt_moments
         Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where seen.
     """
 
     pressure: Matrix
     bolt_forces: Mapping[str, Vector]
-    certified: Mapping[str, Vector] | None = None
+    certified: CertifiedClamps | None = None
     bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
 
 
@@ -54,6 +55,9 @@ class BoltAssessment:
         along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
     load_factors : [1]
         Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
+    clamp_around
+        Interface to the clamp force of its points nearest to this bolt; empty where the axes of
+        several bolts are not all known.
     bending
         How far the bolt is bent; None where it is not seen, as of springs.
     thread
@@ -67,6 +71,7 @@ class BoltAssessment:
     most_case: str
     axial_loads: Mapping[str, float]
     load_factors: Mapping[str, float]
+    clamp_around: Mapping[str, ClampRange]
     bending: BoltBending | None = None
     thread: ThreadStress | None = None
 
@@ -85,6 +90,12 @@ class InterfaceAssessment:
     least_clamp_case
         Load case it belongs to.
     certified : (2,) [force]
+        Interval in which the full model's clamp force lies in that case.
+    most_clamp : [force]
+        Largest clamp force.
+    most_clamp_case
+        Load case it belongs to.
+    certified_most : (2,) [force]
         Interval in which the full model's clamp force lies in that case.
     max_pressure : [force/length²]
         Largest pressure of a contact point.
@@ -110,6 +121,9 @@ class InterfaceAssessment:
     least_clamp: float
     least_clamp_case: str
     certified: Vector | None
+    most_clamp: float
+    most_clamp_case: str
+    certified_most: Vector | None
     max_pressure: float
     max_pressure_case: str
     max_pressure_point: Vector

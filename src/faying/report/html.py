@@ -16,6 +16,7 @@ from faying.report.figures.entry import FigureEntry
 from faying.report.friction_table import friction_table
 from faying.report.joint import (
     bolt_judgement,
+    clamp_judgement,
     interface_judgement,
     joint_headline,
     requirement_table,
@@ -104,7 +105,13 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         joint=joint_headline(results),
         joint_tables=[
             one
-            for of in (requirement_table, bolt_judgement, interface_judgement, scatter_table)
+            for of in (
+                requirement_table,
+                bolt_judgement,
+                clamp_judgement,
+                interface_judgement,
+                scatter_table,
+            )
             if (one := of(results)).rows
         ],
         headline=headline(found, results),

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from faying._typing import Vector
+from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import BoltAssessment, InterfaceAssessment
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
@@ -82,10 +84,41 @@ def interface_judgement(results: Results) -> Table:
     units = units_of(results.units)
     found = {} if results.assessment is None else results.assessment.interfaces
     columns = (
-        "interface", "clamp force at rest", "smallest clamp force", "certified", "largest pressure",
-        "smallest area under pressure", "first opening at", "nothing pressed from",
+        "interface", "largest pressure", "smallest area under pressure", "first opening at",
+        "nothing pressed from",
     )  # fmt: skip
     rows = [(name, *_interface(name, one, results, units)) for name, one in found.items()]
+    return table(columns, rows)
+
+
+def clamp_judgement(results: Results) -> Table:
+    """Return the clamp forces of interfaces and, where several bolts share one, around each."""
+    force = units_of(results.units).force
+    bolts = {} if results.assessment is None else results.assessment.bolts
+    interfaces = {} if results.assessment is None else results.assessment.interfaces
+    columns = (
+        "clamp force of", "at rest", "smallest", "smallest, certified", "largest",
+        "largest, certified",
+    )  # fmt: skip
+    rows: list[tuple[str, ...]] = []
+    for name, one in interfaces.items():
+        whole = ClampRange(
+            preload=one.preload,
+            least=one.least_clamp,
+            least_case=one.least_clamp_case,
+            certified_least=one.certified,
+            most=one.most_clamp,
+            most_case=one.most_clamp_case,
+            certified_most=one.certified_most,
+        )
+        rows.append((name, *_clamp(whole, force)))
+        near = {
+            bolt: area.clamp_around[name]
+            for bolt, area in bolts.items()
+            if name in area.clamp_around
+        }
+        if len(near) > 1:
+            rows += [(f"{name} around {bolt}", *_clamp(area, force)) for bolt, area in near.items()]
     return table(columns, rows)
 
 
@@ -150,13 +183,21 @@ def _bolt(one: BoltAssessment, units: Units, *, stressed: bool) -> Iterator[str]
     yield number(found.safety)
 
 
+def _clamp(one: ClampRange, unit: str) -> Iterator[str]:
+    yield quantity(one.preload, unit, 5)
+    yield f"{quantity(one.least, unit, 5)} ({one.least_case})"
+    yield _interval(one.certified_least, unit)
+    yield f"{quantity(one.most, unit, 5)} ({one.most_case})"
+    yield _interval(one.certified_most, unit)
+
+
+def _interval(ends: Vector | None, unit: str) -> str:
+    return "—" if ends is None else " … ".join(quantity(end, unit, 5) for end in ends.tolist())
+
+
 def _interface(
     name: str, one: InterfaceAssessment, results: Results, units: Units
 ) -> Iterator[str]:
-    yield quantity(one.preload, units.force, 5)
-    yield f"{quantity(one.least_clamp, units.force, 5)} ({one.least_clamp_case})"
-    ends = () if one.certified is None else one.certified.tolist()
-    yield " … ".join(quantity(end, units.force, 5) for end in ends) or "—"
     size = float(np.ptp(results.interfaces[name].points, axis=0).max())
     where = place(one.max_pressure_point, units.length, size)
     yield f"{quantity(one.max_pressure, units.pressure, 4)} at {where} ({one.max_pressure_case})"

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Vector
+from faying.assessment.bolt_surroundings import surroundings
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
+from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
 from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.load_path import LoadPath, load_path
@@ -112,7 +113,7 @@ def requirements_of(section: RequirementSection) -> Requirements:
     return Requirements(**{**keys, "closed_ring": rings})
 
 
-def _state(case: CaseResult, certified: Mapping[str, Vector] | None) -> CaseState:
+def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
     pressure = np.atleast_2d(case.reference.pressure)
     return CaseState(
         pressure=pressure,
@@ -129,7 +130,7 @@ def _intervals(
     static: list[LoadCaseSection],
     cases: Mapping[str, CaseResult],
     extras: Extras,
-) -> dict[str, Mapping[str, Vector]]:
+) -> dict[str, CertifiedClamps]:
     """Return the certified clamp forces of static load cases."""
     if not static:
         return {}
@@ -137,11 +138,9 @@ def _intervals(
         judge, start = certifier(joint.model), np.zeros(1)
         inputs = np.concatenate([case_load(case).inputs(joint.model, start) for case in static])
         pressure = np.array([cases[case.name].reference.pressure for case in static])
-        found = judge.certify_inputs(inputs, pressure).contact_force
-        return {
-            case.name: {name: ends[row] for name, ends in found.items()}
-            for row, case in enumerate(static)
-        }
+        areas = surroundings(contact_surfaces(joint.model), joint.model.bolts)
+        found = judge.certify_inputs(inputs, pressure, areas)
+        return {case.name: certified_clamps(found, row) for row, case in enumerate(static)}
     return {}
 
 

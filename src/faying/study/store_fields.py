@@ -5,6 +5,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
@@ -43,6 +44,7 @@ STORED = (
     BoltAssessment,
     BoltBending,
     ThreadStress,
+    ClampRange,
     InterfaceAssessment,
     Spread,
     Verdict,

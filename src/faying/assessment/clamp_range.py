@@ -1,0 +1,92 @@
+"""Between which forces an area stays clamped over load cases."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+from faying._typing import Vector
+from faying.assessment.certificate import Certificate
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CertifiedClamps:
+    """Intervals in which the full model's clamp forces lie in a static load case.
+
+    Attributes
+    ----------
+    interfaces : interface to (2,) [force]
+        Of whole interfaces.
+    areas : (interface, bolt) to (2,) [force]
+        Of the points of an interface nearest to a bolt.
+    """
+
+    interfaces: Mapping[str, Vector]
+    areas: Mapping[tuple[str, str], Vector]
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ClampRange:
+    """Clamp force of an area over all load cases.
+
+    Attributes
+    ----------
+    preload : [force]
+        Clamp force at rest.
+    least : [force]
+        Smallest clamp force.
+    least_case
+        Load case it belongs to.
+    certified_least : (2,) [force]
+        Interval in which the full model's clamp force lies in that case, of static cases.
+    most : [force]
+        Largest clamp force.
+    most_case
+        Load case it belongs to.
+    certified_most : (2,) [force]
+        Interval in which the full model's clamp force lies in that case, of static cases.
+    """
+
+    preload: float
+    least: float
+    least_case: str
+    certified_least: Vector | None
+    most: float
+    most_case: str
+    certified_most: Vector | None
+
+
+def certified_clamps(certificate: Certificate, row: int) -> CertifiedClamps:
+    """Return the intervals of one of several load cases that were certified together."""
+    return CertifiedClamps(
+        interfaces={name: ends[row] for name, ends in certificate.contact_force.items()},
+        areas={area: ends[row] for area, ends in certificate.area_force.items()},
+    )
+
+
+def clamp_range(
+    rest: float, forces: Mapping[str, Vector], certified: Mapping[str, Vector]
+) -> ClampRange:
+    """Return between which forces an area stays clamped.
+
+    Parameters
+    ----------
+    rest : [force]
+        At rest.
+    forces : load case to (n_instant,) [force]
+    certified : load case to (2,) [force]
+        Of those that are certified.
+    """
+    lows = {case: float(force.min()) for case, force in forces.items()}
+    highs = {case: float(force.max()) for case, force in forces.items()}
+    least, most = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    return ClampRange(
+        preload=rest,
+        least=lows[least],
+        least_case=least,
+        certified_least=certified.get(least),
+        most=highs[most],
+        most_case=most,
+        certified_most=certified.get(most),
+    )
