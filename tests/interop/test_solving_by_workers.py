@@ -18,19 +18,7 @@ from faying.study.schema import read_study
 from faying.workflow import solve_cases, solve_workers
 from faying.workflow.reduce import reduce_study
 from faying.workflow.solve import solve_loads
-
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[damping]
-beta = 1e-6
-"""
+from small_study import SMALL_JOINT
 
 OTHER_PROCESS = 1e-12
 """Of values over the largest of their kind: libraries sum from other addresses in memory."""
@@ -39,7 +27,7 @@ OTHER_PROCESS = 1e-12
 @pytest.fixture(scope="module")
 def model_file(tmp_path_factory):
     folder = tmp_path_factory.mktemp("model")
-    (folder / "tiny.toml").write_text(STUDY)
+    (folder / "tiny.toml").write_text(SMALL_JOINT)
     reduce_study(read_study(folder / "tiny.toml"), folder / "tiny.faying", shapes=False)
     return folder / "tiny.faying"
 

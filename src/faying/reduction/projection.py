@@ -146,15 +146,16 @@ def completed(
     order = sorted(models, key=lambda rom: len(rom.basis))
     together, columns = _shared_vectors([rom.basis for rom in order])
     known, frame = supported_operator(model, together), frame_operator(model)
-    shapes = nodal_shapes(model, together, most_bytes)
     ends = [int(at.max(initial=-1)) + 1 for at in columns]
-    shapes = shapes[: max((end for end in ends if end <= len(shapes)), default=0)]
+    each = 24 * model.dofs.n_nodes
+    kept = max((end for end in ends if end * each <= most_bytes), default=0)
+    shapes = nodal_shapes(model, together, kept * each)
     invariants = mass_invariants(model, together.vectors[:, : len(shapes)], shapes)
     rows = shapes.reshape(len(shapes), -1).T
     found: dict[int, ReducedModel] = {}
-    for rom, at in zip(order, columns, strict=True):
+    for rom, at, end in zip(order, columns, ends, strict=True):
         fields = np.concatenate([np.arange(4), (4 + 3 * at[:, None] + np.arange(3)).ravel()])
-        fits = at.max(initial=-1) < len(shapes)
+        fits = end <= kept
         found[id(rom)] = replace(
             rom,
             ports=ports,

@@ -4,7 +4,7 @@ Fields as in the Simcenter Nastran Quick Reference Guide: BCTSET holds rows of s
 region, friction, and the least and largest search distance, BGSET of regions and search distance.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -112,14 +112,20 @@ def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None
     return found
 
 
-def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> list[Pair]:
-    found = []
+def _source_rows(card: Card) -> Iterator[tuple[int, list[str]]]:
+    """Yield the rows of a card that name a source region, with the number of their first field."""
     for first, texts in rows(card):
         if not any(texts[1:]):
             continue
         if first and texts[0]:
             text = f"'{texts[0]}' stands in front of a source region; leave that field blank"
             raise card.error(text, first)
+        yield first, texts
+
+
+def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> list[Pair]:
+    found = []
+    for first, texts in _source_rows(card):
         friction = friction_coefficient(card, first + 3)
         if card.real(first + 4, 0.0) > 0:
             text = (
@@ -148,12 +154,7 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
 
 def _glued(card: Card, regions: dict[int, Region]) -> list[Pair]:
     found = []
-    for first, texts in rows(card):
-        if not any(texts[1:]):
-            continue
-        if first and texts[0]:
-            text = f"'{texts[0]}' stands in front of a source region; leave that field blank"
-            raise card.error(text, first)
+    for first, texts in _source_rows(card):
         sides = [region_of(regions, card, first + j) for j in (1, 2)]
         found.append(
             Pair(
