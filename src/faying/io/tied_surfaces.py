@@ -1,6 +1,6 @@
 """Surfaces that move together, tied or glued, as equations."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,7 +17,30 @@ MOST_OF_IT = 0.99
 """Share of the smaller surface from which on all of it is tied."""
 
 
-def tied_equations(
+def moving_together(
+    assembly: Assembly, specs: Iterable[InterfaceSpec]
+) -> tuple[list[Equation], list[tuple[str, float]]]:
+    """Return the equations of several ties, behind those there are, and which tie but a part.
+
+    The latter by name, with the share of the smaller surface that is tied.
+
+    Raises
+    ------
+    ModelError
+        If the two surfaces of one see nothing of each other.
+    """
+    first = max((equation.id for equation in assembly.equations), default=0) + 1
+    equations: list[Equation] = []
+    partial: list[tuple[str, float]] = []
+    for spec in specs:
+        found, share = _tied_equations(assembly, spec, first + len(equations))
+        equations += found
+        if share < MOST_OF_IT:
+            partial.append((spec.name, share))
+    return equations, partial
+
+
+def _tied_equations(
     assembly: Assembly, spec: InterfaceSpec, first: int
 ) -> tuple[list[Equation], float]:
     """Return the equations of two surfaces, and the share of the smaller one that they tie.

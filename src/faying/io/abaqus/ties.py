@@ -10,8 +10,8 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
-from faying.io.tied_surfaces import MOST_OF_IT, tied_equations
-from faying.model.assembly import Assembly, Equation
+from faying.io.tied_surfaces import moving_together
+from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS
 
@@ -81,20 +81,20 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     """
     sides = [side for tie in ties for side in (tie.slave, tie.master)]
     named = replace(assembly, mesh=with_mixed_sides(assembly.mesh, sides))
-    first = max((equation.id for equation in assembly.equations), default=0) + 1
-    equations: list[Equation] = []
-    for tie in ties:
-        spec = InterfaceSpec(
+    specs = [
+        InterfaceSpec(
             name=tie.name,
             minus=tie.slave.name,
             plus=tie.master.name,
             meshes="non-matching",
             search_distance=_tolerance(assembly, tie),
         )
-        found, share = tied_equations(named, spec, first + len(equations))
-        if share < MOST_OF_IT:
-            ignored.append(f"*TIE {tie.name}: {share:.0%} of the smaller surface is tied")
-        equations += found
+        for tie in ties
+    ]
+    equations, partial = moving_together(named, specs)
+    ignored += [
+        f"*TIE {name}: {share:.0%} of the smaller surface is tied" for name, share in partial
+    ]
     return replace(assembly, equations=(*assembly.equations, *equations))
 
 

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from faying.io.nastran.contact_pairs import Pair, glue_distance
-from faying.io.tied_surfaces import MOST_OF_IT, tied_equations
-from faying.model.assembly import Assembly, Equation
+from faying.io.tied_surfaces import moving_together
+from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 
 
@@ -24,20 +24,19 @@ def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None
     """
     if not pairs:
         return assembly
-    first = max((equation.id for equation in assembly.equations), default=0) + 1
-    equations: list[Equation] = []
-    for pair in pairs:
-        spec = InterfaceSpec(
+    specs = [
+        InterfaceSpec(
             name=pair.name,
             minus=pair.minus.name,
             plus=pair.plus.name,
             meshes="non-matching",
             search_distance=glue_distance(pair, assembly.mesh),
         )
-        found, share = tied_equations(assembly, spec, first + len(equations))
-        if share < MOST_OF_IT:
-            ignored[f"{pair.name}: {share:.0%} of the smaller surface is glued"] = None
-        equations += found
+        for pair in pairs
+    ]
+    equations, partial = moving_together(assembly, specs)
+    for name, share in partial:
+        ignored[f"{name}: {share:.0%} of the smaller surface is glued"] = None
     ignored[
         "glued surfaces move together where they see each other within the search distance, node "
         "by node where meshes match and else in the mean (mortar); Nastran's glue is a stiff "
