@@ -143,3 +143,14 @@ def test_matching_meshes_are_tied_as_calculix_does(tmp_path):
     ours = solved(read_deck(tmp_path / "job.inp"))[:, :3]
     wanted = np.array([theirs[i + 1] for i in range(len(nodes))])
     np.testing.assert_allclose(ours, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
+
+
+def test_a_tie_of_a_part_says_how_much_it_ties(tmp_path):
+    """The upper block is half a length aside, and of other divisions."""
+    text, nodes = deck("hex8", (2, 2, 2), (3, 1, 1), 0.0, PULL)
+    for number, (x, y, z) in enumerate(nodes.tolist(), 1):
+        if number > len(solid_block("hex8", (2, 2, 2), SIZE).nodes):
+            text = text.replace(f"{number},{x!r},{y!r},{z!r}", f"{number},{x + 1.0!r},{y!r},{z!r}")
+    (tmp_path / "deck.inp").write_text(text)
+    notes = read_deck(tmp_path / "deck.inp").ignored
+    assert "*TIE T: 50% of the smaller surface is tied" in notes
