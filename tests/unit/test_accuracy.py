@@ -54,7 +54,7 @@ def test_rotations_do_not_count_as_displacements(reference, joint):
     assert fy.compare(replace(reference, states=changed), reference).displacement_error == 0
 
 
-def test_boundary_that_only_turns_has_no_displacement_error(reference, joint):
+def test_boundary_that_only_turns_is_judged_by_its_rotation(reference, joint):
     """Its translations are round-off, and so is their difference."""
     tip = joint.boundaries["tip"].dofs
     turned, other = reference.states.copy(), reference.states.copy()
@@ -63,6 +63,10 @@ def test_boundary_that_only_turns_has_no_displacement_error(reference, joint):
     turned[tip[:3]], other[tip[:3]] = 1e-15, -4e-15
     small = replace(reference, states=turned)
     assert fy.compare(replace(reference, states=other), small).displacement_error == 0
+    other[tip[4]] = 1.2e-3
+    # 0.2e-3 about one of three axes, about each of which it turns by 1e-3.
+    error = fy.compare(replace(reference, states=other), small).displacement_error
+    assert error == pytest.approx(0.2 / np.sqrt(3), rel=1e-12)
     # A translation of a thousandth of the rotation is one.
     turned[tip[0]], other[tip[0]] = 1e-6, 2e-6
     small = replace(reference, states=turned)
@@ -81,6 +85,25 @@ def test_displacement_error_is_over_the_boundary_that_moves_most(reference, join
     states[still.dofs], others[still.dofs] = 1e-15, -4e-15
     states[:3], others[:3] = 1.0, 1.1
     one = replace(reference, system=system, states=states)
+    assert fy.compare(replace(one, states=others), one).displacement_error == pytest.approx(0.1)
+
+
+def test_boundary_that_only_turns_counts_beside_one_that_moves(reference, joint):
+    """Rotations of a held one are round-off of those of the other."""
+    tip = joint.boundaries["tip"]
+    turning = replace(tip, name="turning", dofs=tip.dofs[3:])
+    turning = replace(turning, nodes=tip.nodes[3:], components=tip.components[3:])
+    moving = replace(tip, dofs=np.arange(3), nodes=tip.nodes[:3], components=tip.components[:3])
+    system = replace(joint, boundaries={"turning": turning, "moving": moving})
+    states = np.zeros_like(reference.states)
+    states[:3], states[turning.dofs] = 1.0, 1e-3
+    others = 1.1 * states
+    others[turning.dofs] = 1.3e-3
+    one = replace(reference, system=system, states=states)
+    assert fy.compare(replace(one, states=others), one).displacement_error == pytest.approx(0.3)
+    states, others = states.copy(), others.copy()
+    states[turning.dofs], others[turning.dofs] = 1e-12, -4e-12
+    one = replace(one, states=states)
     assert fy.compare(replace(one, states=others), one).displacement_error == pytest.approx(0.1)
 
 

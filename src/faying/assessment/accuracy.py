@@ -12,7 +12,7 @@ from faying.exceptions import ModelError
 from faying.joint.system import Joint
 
 NO_MOTION = 1e-9
-"""Largest translation over the largest displacement or rotation, below which it is round-off.
+"""Translation or rotation over the largest of any boundary, below which it is round-off.
 
 A boundary that only turns has translations of 1e-16; the unit of length, which this compares with
 radians, may be a thousand times another.
@@ -53,7 +53,8 @@ class Accuracy(Shown):
         Largest pressure over the largest reference pressure.
     displacement_error : [1]
         Largest distance of boundary translations over the largest reference translation of any
-        boundary; zero where none moves but by round-off.
+        boundary; or of rotations of boundaries that only turn over the largest of these, where that
+        is more. Zero where none moves but by round-off.
     """
 
     max_relative_error: float
@@ -156,17 +157,34 @@ def measure(
 
 
 def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> float:
-    """Largest distance of translations over the largest motion; zero where nothing moves."""
-    largest = largest_translation = distance = 0.0
+    """Largest distance of translations, or of rotations where that is all, over the largest one."""
+    largest = max((float(np.abs(one).max(initial=0.0)) for _, one, _ in displacements), default=0.0)
+    moved, turned = _Farthest(), _Farthest()
     for motion, reference, components in displacements:
-        moved = reference[..., components < 3]
-        largest = max(largest, float(np.abs(reference).max(initial=0.0)))
-        largest_translation = max(largest_translation, float(_lengths(moved).max(initial=0.0)))
-        apart = _lengths(motion[..., components < 3] - moved)
-        distance = max(distance, float(apart.max(initial=0.0)))
-    if largest_translation <= NO_MOTION * largest:
-        return 0.0
-    return distance / largest_translation
+        shift, turn = components < 3, components >= 3
+        moved = moved.beside(motion[..., shift], reference[..., shift])
+        own = float(np.abs(reference).max(initial=0.0))
+        if _lengths(reference[..., shift]).max(initial=0.0) <= NO_MOTION * own:
+            turned = turned.beside(motion[..., turn], reference[..., turn])
+    return max(moved.error(NO_MOTION * largest), turned.error(NO_MOTION * largest))
+
+
+@dataclass(frozen=True)
+class _Farthest:
+    """How far vectors are from others at most, and the largest of these."""
+
+    distance: float = 0.0
+    length: float = 0.0
+
+    def beside(self, found: Matrix, reference: Matrix) -> "_Farthest":
+        """Return the same with more vectors (..., n)."""
+        apart = float(_lengths(found - reference).max(initial=0.0))
+        length = float(_lengths(reference).max(initial=0.0))
+        return _Farthest(max(self.distance, apart), max(self.length, length))
+
+    def error(self, least: float) -> float:
+        """Return one over the other; zero of vectors no longer than what is least."""
+        return self.distance / self.length if self.length > least else 0.0
 
 
 def _lengths(vectors: Matrix) -> Vector:
