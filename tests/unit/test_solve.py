@@ -2,6 +2,7 @@
 
 import csv
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -346,21 +347,84 @@ def test_methods_that_cannot_be_kept_are_refused(study, tmp_path, method, expect
     assert not list(tmp_path.iterdir())
 
 
-def test_parquet_in_and_out(rom, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet")
+def write_parquet(path: Path, columns) -> Path:
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
     import pyarrow
 
+    parquet.write_table(pyarrow.table(columns), path)
+    return path
+
+
+def test_parquet_in_and_out(rom, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
     random_loads(tmp_path / "many.csv", 5)
     known = read_load_table(tmp_path / "many.csv")
     columns = {"case": list(known.names), **known.columns}
-    parquet.write_table(pyarrow.table(columns), tmp_path / "many.parquet")
-    loads = read_loads(tmp_path / "many.parquet", rom)
+    loads = read_loads(write_parquet(tmp_path / "many.parquet", columns), rom)
     np.testing.assert_array_equal(loads.inputs, read_loads(tmp_path / "many.csv", rom).inputs)
     solve_loads(rom, loads, tmp_path / "out", SolveOptions(table="parquet"))
+    solve_loads(rom, loads, tmp_path / "text")
     found = parquet.read_table(tmp_path / "out" / "metrics.parquet")
     names = [one.name for one in metrics_of(rom, rom.interfaces, certified=True)]
     assert found.column_names == ["case", *names]
     assert found.schema.field("clamp_force.joint").metadata[b"unit"] == b"N"
+    texts = table(tmp_path / "text" / "metrics.csv")
+    assert found.column("case").to_pylist() == texts["case"]
+    for name in names:  # sixteen digits are written to csv
+        expected = pytest.approx(np.array(texts[name], dtype=float), rel=1e-15, abs=0.0)
+        assert found.column(name).to_numpy() == expected, name
+
+
+def test_parquet_over_time_in_and_out(rom, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
+    columns = {"time": np.linspace(0.0, 1e-3, 11), "tip.Fz": np.linspace(0.0, -150.0, 11)}
+    loads = read_loads(write_parquet(tmp_path / "ride.parquet", columns), rom)
+    solve_loads(rom, loads, tmp_path / "out", SolveOptions(table="parquet"))
+    solve_loads(rom, loads, tmp_path / "text")
+    found = parquet.read_table(tmp_path / "out" / "history_ride.parquet")
+    texts = table(tmp_path / "text" / "history_ride.csv")
+    assert found.column_names == list(texts)
+    assert found.num_rows == 11
+    peaks = pytest.approx(np.array(texts["max_pressure.joint"], dtype=float), rel=1e-15)
+    assert found.column("max_pressure.joint").to_numpy() == peaks
+
+
+BAD_PARQUET = {
+    "text": ({"tip.Fz": ["a"], "tip.Mx": [True]}, "(?s)'tip.Fz' holds string.*'tip.Mx' holds bool"),
+    "empty": ({"tip.Fz": [1.0, None]}, "row 2: column 'tip.Fz' is empty or not finite"),
+    "no name": ({"case": ["a", None], "tip.Fz": [1, 2]}, "row 2: column 'case' is empty"),
+    "names": ({"case": ["a", "a"], "tip.Fz": [1, 2]}, "two rows have the name 'a'"),
+    "loads": ({"case": ["a", "b"]}, "expected a header with columns of loads"),
+    "column": ({"tip.Fq": [1, 2]}, "no column 'tip.Fq'; did you mean 'tip.F"),
+}
+
+
+@pytest.mark.parametrize("kind", BAD_PARQUET)
+def test_bad_parquet_is_refused_with_its_place(rom, tmp_path, kind):
+    columns, expected = BAD_PARQUET[kind]
+    with pytest.raises(StudyError, match=expected):
+        read_loads(write_parquet(tmp_path / "bad.parquet", columns), rom)
+
+
+def test_file_that_is_no_parquet_is_refused(rom, tmp_path):
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    (tmp_path / "bad.parquet").write_text("tip.Fz\n1")
+    with pytest.raises(StudyError, match="cannot read the loads .*bad.parquet: .*as csv"):
+        read_loads(tmp_path / "bad.parquet", rom)
+    with pytest.raises(StudyError, match="cannot read the loads .*none.parquet"):
+        read_loads(tmp_path / "none.parquet", rom)
+
+
+def test_parquet_without_pyarrow_is_refused_before_anything_is_solved(rom, tmp_path, monkeypatch):
+    loads = read_loads(random_loads(tmp_path / "many.csv", 5), rom)
+    (tmp_path / "many.parquet").write_bytes(b"PAR1")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    remedy = r"needs pyarrow, which is not installed; pip install 'faying\[parquet\]', or "
+    with pytest.raises(StudyError, match=f"many.parquet {remedy}save the table as csv"):
+        read_loads(tmp_path / "many.parquet", rom)
+    with pytest.raises(StudyError, match=f"--table parquet {remedy}take csv"):
+        solve_loads(rom, loads, tmp_path / "out", SolveOptions(table="parquet"))
+    assert not (tmp_path / "out").exists()
 
 
 def test_commands(study, tmp_path, monkeypatch):

@@ -14,6 +14,7 @@ from faying.files.contents import file_text
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.study.errors import MOST_SHOWN, nearest
+from faying.study.parquet_files import parquet_cells
 
 NAME = "case"
 """Column with the names of static cases; without it they are numbered from 1."""
@@ -62,7 +63,9 @@ def read_load_table(path: Path) -> LoadTable:
     StudyError
         If it cannot be read; the message names the line and the column.
     """
-    header, cells, names = (_parquet if path.suffix == ".parquet" else _csv)(path)
+    header, cells, names = parquet_cells(path, NAME) if path.suffix == ".parquet" else _csv(path)
+    if names is not None:
+        _check_distinct(path, names)
     numeric = [name for name in header if name != NAME]
     if not set(numeric) - {TIME} or not len(cells):
         message = (
@@ -152,7 +155,7 @@ def _csv(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
     names = np.loadtxt(
         rows, delimiter=",", usecols=[column], dtype=str, ndmin=1, quotechar='"', comments=None
     )
-    return header, cells, _distinct(path, tuple(map(str.strip, names.tolist())))
+    return header, cells, tuple(map(str.strip, names.tolist()))
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:
@@ -221,13 +224,12 @@ def _is_number(cell: str) -> bool:
         return False
 
 
-def _distinct(path: Path, names: tuple[str, ...]) -> tuple[str, ...]:
+def _check_distinct(path: Path, names: Sequence[str]) -> None:
     if len(set(names)) < len(names):
         in_order = sorted(names)
         twice = next(one for one, other in pairwise(in_order) if one == other)
         message = f"{path.name}: two rows have the name '{twice}'; names of cases must differ"
         raise StudyError(message)
-    return names
 
 
 def _check_times(path: Path, times: Vector) -> None:
@@ -239,35 +241,3 @@ def _check_times(path: Path, times: Vector) -> None:
             "or later, and increase"
         )
         raise StudyError(message)
-
-
-def _parquet(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
-    try:
-        from pyarrow import ArrowException
-        from pyarrow.parquet import read_table
-    except ImportError:
-        message = f"{path.name} takes the package pyarrow (pip install pyarrow), or save it as csv"
-        raise StudyError(message) from None
-    try:
-        table = read_table(path)
-    except (OSError, ArrowException) as error:
-        reason = str(error).splitlines()[0][:200]
-        message = f"cannot read the loads {path}: {reason}; check the file"
-        raise StudyError(message) from None
-    header = list(table.column_names)
-    _check_header(path, header)
-    names = None
-    if NAME in header:
-        names = _distinct(path, tuple(map(str, table.column(NAME).to_pylist())))
-    try:
-        numeric = [table.column(name).to_numpy() for name in header if name != NAME]
-        cells = np.column_stack([np.asarray(column, dtype=float) for column in numeric])
-    except (ValueError, TypeError) as error:
-        message = f"{path.name}: expected numbers in all columns but '{NAME}' ({error}); mend it"
-        raise StudyError(message) from None
-    if not np.isfinite(cells).all():
-        row, column = np.argwhere(~np.isfinite(cells))[0]
-        name = [one for one in header if one != NAME][column]
-        message = f"{path.name}, row {row + 1}: column '{name}' is empty or not finite; mend it"
-        raise StudyError(message)
-    return header, cells, names

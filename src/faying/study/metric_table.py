@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.case_metrics import Metric
-from faying.exceptions import StudyError
 from faying.files.atomic import replacing
+from faying.study.parquet_files import pyarrow_for
 from faying.units import Units
 
 TableFormat = Literal["csv", "parquet"]
@@ -53,7 +53,7 @@ def check_table_format(name: TableFormat) -> None:
     StudyError
     """
     if name == "parquet":
-        _pyarrow()
+        pyarrow_for("--table parquet", "take csv")
 
 
 def _csv(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, _: Units) -> None:
@@ -71,7 +71,7 @@ def _quoted(text: str) -> str:
 
 
 def _parquet(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, units: Units) -> None:
-    arrow, parquet = _pyarrow()
+    arrow, parquet = pyarrow_for(path.name, "take csv")
     columns = [
         arrow.field(
             one.name,
@@ -85,13 +85,3 @@ def _parquet(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, unit
         for labels, values in rows:
             arrays = [arrow.array(list(labels)), *map(arrow.array, np.asarray(values).T.copy())]
             file.write_table(arrow.table(arrays, schema=schema))
-
-
-def _pyarrow() -> tuple[Any, Any]:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        message = "Parquet takes the package pyarrow (pip install pyarrow); or take csv"
-        raise StudyError(message) from None
-    return pyarrow, pyarrow.parquet
