@@ -26,6 +26,7 @@ from faying.report.figures import (
     plot_states,
     write_figures,
 )
+from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure, exaggeration
 from faying.report.figures.error import error_figure, shown_methods
 from faying.report.figures.gap import STATES, gap_figure
@@ -88,6 +89,15 @@ def test_pictures_are_not_blank(entries):
         assert min(pixels.shape[:2]) > 200
         # Margins are cut, so ink fills a good part of any picture of ours.
         assert 0.01 < (pixels.min(axis=-1) < 0.97).mean() < 0.99, entry.path.name
+
+
+def test_error_over_joint_modes_is_left_out_where_no_method_has_joint_modes():
+    def only_zero(case):
+        return replace(case, methods={"compliance": {0: case.methods["compliance"][0]}})
+
+    none = replace(RESULTS, cases={name: only_zero(case) for name, case in RESULTS.cases.items()})
+    assert convergence_figure(none) is None
+    assert convergence_figure(RESULTS) is not None
 
 
 def test_captions_give_the_numbers(entries):

@@ -409,9 +409,9 @@ def test_bad_parquet_is_refused_with_its_place(rom, tmp_path, kind):
 def test_file_that_is_no_parquet_is_refused(rom, tmp_path):
     pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     (tmp_path / "bad.parquet").write_text("tip.Fz\n1")
-    with pytest.raises(StudyError, match="cannot read the loads .*bad.parquet: .*as csv"):
+    with pytest.raises(StudyError, match=r"cannot read the loads .*bad.parquet: .*as csv"):
         read_loads(tmp_path / "bad.parquet", rom)
-    with pytest.raises(StudyError, match="cannot read the loads .*none.parquet"):
+    with pytest.raises(StudyError, match=r"cannot read the loads .*none.parquet"):
         read_loads(tmp_path / "none.parquet", rom)
 
 
@@ -420,9 +420,9 @@ def test_parquet_without_pyarrow_is_refused_before_anything_is_solved(rom, tmp_p
     (tmp_path / "many.parquet").write_bytes(b"PAR1")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     remedy = r"needs pyarrow, which is not installed; pip install 'faying\[parquet\]', or "
-    with pytest.raises(StudyError, match=f"many.parquet {remedy}save the table as csv"):
+    with pytest.raises(StudyError, match=rf"many.parquet {remedy}save the table as csv"):
         read_loads(tmp_path / "many.parquet", rom)
-    with pytest.raises(StudyError, match=f"--table parquet {remedy}take csv"):
+    with pytest.raises(StudyError, match=rf"--table parquet {remedy}take csv"):
         solve_loads(rom, loads, tmp_path / "out", SolveOptions(table="parquet"))
     assert not (tmp_path / "out").exists()
 

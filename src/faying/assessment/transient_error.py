@@ -6,6 +6,8 @@ dominant patterns Λ give the Krylov shapes K⁻¹PᵀΛ, K⁻¹MK⁻¹PᵀΛ, �
 is compared with. ``docs/theory/transient_accuracy.md`` has what was measured.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from faying._typing import Matrix
@@ -14,6 +16,7 @@ from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.reduction.attachment import refined_basis
 from faying.reduction.basis import ModeKind
+from faying.reduction.methods import METHODS
 from faying.reduction.pod import pod
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
@@ -39,7 +42,7 @@ OBSERVED_ON = (
 )
 
 LARGE = 0.03
-"""Estimated error from which the remedy is named."""
+"""Estimated error from which a remedy is named."""
 
 REMEDY = "compliance+inertia"
 """Method that has the inertia whose lack is estimated."""
@@ -48,8 +51,34 @@ HINT = (
     f"Method '{REMEDY}' has the inertia that is missing: name it under [reduction] methods to "
     "compare it (docs/theory/transient_accuracy.md says what it is worth and costs)."
 )
+"""For methods with a residual compliance, which lack nothing but inertia."""
+
+EXACT = "compliance"
+"""Method whose static pressures are those of the full model."""
+
+STATIC_HINT = (
+    "{methods}: the flexibility of the interface is missing, so that static pressures are off "
+    f"too. Method '{EXACT}' has it: name it under [reduction] methods to compare it."
+)
+"""For methods that see contact through their basis only."""
 
 NO_TRANSIENT = "only a transient of a reduced model can be judged by a model with more inertia"
+
+
+def remedy_hint(errors: Mapping[str, float]) -> str:
+    """Return what to compare beside what was compared; empty where nothing is missing.
+
+    Parameters
+    ----------
+    errors
+        Methods that were compared, and the largest pressure error that each is estimated to have.
+    """
+    large = [name for name, error in errors.items() if error > LARGE]
+    if any(METHODS[name].compliance for name in large):
+        return "" if REMEDY in errors else HINT
+    if not large or any(METHODS[name].compliance or name == REMEDY for name in errors):
+        return ""
+    return STATIC_HINT.format(methods=", ".join(large))
 
 
 def transient_error(

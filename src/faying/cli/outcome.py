@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON, REMEDY
+from faying.assessment.transient_error import EXACT, OBSERVED, OBSERVED_ON, REMEDY, remedy_hint
 from faying.study.jumps import Jump, jump_sentence
 from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results import FULL_MODEL
@@ -98,27 +98,30 @@ def _remedies(summary: Mapping[str, Any]) -> list[str]:
 def _estimates(cases: Mapping[str, Any]) -> list[str]:
     """Say of each transient how far off the methods are estimated to be, their largest bases."""
     said: list[str] = []
-    worst, named = 0.0, False
+    worst: dict[str, float] = {}
     for name, case in cases.items():
-        named = named or REMEDY in case["methods"] or case.get("remedy") is not None
         found = {
             method: sizes[max(sizes, key=int)].get("estimated_max_relative_error")
             for method, sizes in case["methods"].items()
             if sizes
         }
+        shown = [f"{method} {error:.2%}" for method, error in found.items() if error is not None]
         own = case["reference"].get("estimated_max_relative_error")
         if own is not None:
-            found[f"the reference, {case['reference']['model']}"] = own
-        worst = max([worst, *(error for error in found.values() if error is not None)])
-        shown = [f"{method} {error:.2%}" for method, error in found.items() if error is not None]
+            shown.append(f"the reference, {case['reference']['model']} {own:.2%}")
         if shown:
             said.append(f"{name}, errors estimated without a full solution: {', '.join(shown)}")
+        errors = {method: error or 0.0 for method, error in found.items()}
+        if own is not None:
+            errors[EXACT] = max(own, errors.get(EXACT, 0.0))
+        if case.get("remedy") is not None:
+            errors.setdefault(REMEDY, 0.0)
+        worst |= {method: max(error, worst.get(method, 0.0)) for method, error in errors.items()}
     if said:
         low, high = OBSERVED
         said.append(f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}.)")
-    if worst > LARGE and not named:
-        said.append(HINT)
-    return said
+    hint = remedy_hint(worst)
+    return [*said, hint] if hint else said
 
 
 def _percent(entry: Mapping[str, float] | None) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying.assessment.transient_error import HINT, LARGE, OBSERVED, OBSERVED_ON, REMEDY
+from faying.assessment.transient_error import EXACT, OBSERVED, OBSERVED_ON, REMEDY, remedy_hint
 from faying.report.quantities import number, percent
 from faying.report.verdict import GOOD
 from faying.study.remedy import remedy_sentence, shapes_seconds
@@ -15,9 +15,9 @@ ROUND_OFF = 1e-6
 def estimate_note(results: Results) -> str:
     """Say what the estimated errors of transients are; empty where there are none."""
     found = [
-        (case.is_full, result.response.estimate, result.accuracy)
+        (case.is_full, name, result.response.estimate, result.accuracy)
         for case in results.cases.values()
-        for sizes in case.methods.values()
+        for name, sizes in case.methods.items()
         for result in sizes.values()
         if result.response.estimate is not None
     ]
@@ -30,18 +30,36 @@ def estimate_note(results: Results) -> str:
         "and is an estimate, no bound; what the time step adds is not in it. Against full "
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error."
     )
-    named = any(REMEDY in case.methods or case.remedy for case in results.cases.values())
-    if not named and max(one.max_relative_error for _, one, _ in found) > LARGE:
-        said = f"{said} {HINT}"
+    hint = remedy_hint(_worst(results))
+    said = f"{said} {hint}" if hint else said
     ratios = [
         estimate.max_relative_error / true.max_relative_error
-        for full, estimate, true in found
+        for full, _, estimate, true in found
         if full and true.max_relative_error > ROUND_OFF
     ]
     if not ratios:
         return said
     least, most = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
     return f"{said} In this run it is {least} to {most} times the true one."
+
+
+def _worst(results: Results) -> dict[str, float]:
+    """Return the largest estimated error of every method; 0 of those without an estimate."""
+    worst: dict[str, float] = {}
+    for case in results.cases.values():
+        found = [
+            (name, result.response.estimate)
+            for name, sizes in case.methods.items()
+            for result in sizes.values()
+        ]
+        if not case.is_full:
+            found.append((EXACT, case.reference.estimate))
+        if case.remedy is not None:
+            found.append((REMEDY, None))
+        for name, estimate in found:
+            error = 0.0 if estimate is None else estimate.max_relative_error
+            worst[name] = max(error, worst.get(name, 0.0))
+    return worst
 
 
 def remedies(results: Results) -> list[str]:

@@ -50,8 +50,8 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
 
 
 def convergence_figure(results: Results) -> Drawn | None:
-    """Draw one panel per load case; None without methods."""
-    cases = [case for case in results.cases.values() if case.methods]
+    """Draw one panel per load case; None where no method has joint modes."""
+    cases = [case for case in results.cases.values() if any(map(any, case.methods.values()))]
     if not cases:
         return None
     columns = min(len(cases), 3)
