@@ -17,6 +17,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import test_backbone
 import test_bar_impact
 import test_block_on_a_plane
+import test_bolted_flange
 import test_bolts
 import test_cattaneo_mindlin
 import test_friction
@@ -185,6 +186,49 @@ def lift_off() -> Iterator[Row]:
             "bolt diagram (VDI 2230)" if first else "",
             quantity, f"{exact:.6g}", f"{ours:.6g}", relative(ours, exact), "exact",
             "test_joint_assessment",
+        )  # fmt: skip
+
+
+def flange() -> Iterator[Row]:
+    """A stiff flange on an elastic bed under six bolts, pulled and tilted until it is apart."""
+    module = test_bolted_flange
+    model, moment = module.flange(12), 0.5 * module.opening_moment()
+    factor, half_open = module.opened(16)
+    coarse, fine = module.errors(*module.opened(8)), module.errors(factor, half_open)
+    orders = [f"{order:.2f}" for order in np.log2(np.divide(coarse, fine))]
+    for place, (quantity, exact, ours, order) in enumerate(
+        (
+            (
+                "largest bolt force, closed, gauss [N]",
+                module.closed_forces(moment).max(),
+                module.bolt_forces(module.solved(model, module.PULL, moment)).max(),
+                "exact",
+            ),
+            (
+                "moment that opens the edge, nodal; facet 1/16 [N mm]",
+                module.opening_moment(),
+                module.opening_moment() * factor,
+                orders[0],
+            ),
+            (
+                "largest bolt force, open in part, nodal; facet 1/16 [N]",
+                module.half_open()[1].max(),
+                half_open.max(),
+                orders[1],
+            ),
+            (
+                "largest bolt force, apart, two moments [N]",
+                module.apart(*module.TWISTED).max(),
+                module.bolt_forces(module.solved(model, *module.TWISTED)).max(),
+                "exact",
+            ),
+        )
+    ):
+        yield Row(
+            "" if place else "flange under six bolts that lifts off",
+            "" if place else "equilibrium of a rigid plate",
+            quantity, f"{exact:.6g}", f"{ours:.6g}", relative(ours, exact), order,
+            "test_bolted_flange",
         )  # fmt: skip
 
 
@@ -387,6 +431,7 @@ PROBLEMS: tuple[Callable[[], Iterator[Row]], ...] = (
     nafems_punch,
     receding_layer,
     lift_off,
+    flange,
     vibration_on_a_stop,
     bar_impact,
     slider,
