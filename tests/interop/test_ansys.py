@@ -15,6 +15,7 @@ from faying.exceptions import FormatError
 from faying.io.ansys_archive import read_archive
 from faying.io.ansys_full import read_full
 from faying.model.assembly import Material
+from faying.model.elements import SOLIDS
 from faying.model.matrices import mass_properties
 
 with warnings.catch_warnings():
@@ -54,6 +55,52 @@ def test_tetrahedra():
     assert {block.kind for block in found.mesh.blocks} == {"tet4"}  # SOLID187 without mid-sides
     volume = np.ptp(found.mesh.nodes, axis=0).prod()
     assert mass_properties(found).mass == pytest.approx(7850.0 * volume, rel=1e-9)
+
+
+def written(path, routine, points, elements):
+    """An archive as CDWRITE writes it, of one routine; elements are their nodes."""
+    lines = ["/PREP7", f"ET,1,{routine}", f"NBLOCK,6,SOLID,{len(points)},{len(points)}"]
+    lines.append("(3i9,6e21.13e3)")
+    for number, place in enumerate(points.tolist(), start=1):
+        lines.append(f"{number:9d}{0:9d}{0:9d}" + "".join(f"{x:21.13e}" for x in place))
+    lines += ["N,R5.3,LOC,-1,", f"EBLOCK,19,SOLID,{len(elements)},{len(elements)}", "(19i9)"]
+    for number, nodes in enumerate(elements, start=1):
+        head = [1, 1, 1, 1, 0, 0, 0, 0, len(nodes), 0, number]
+        for row in (head + nodes[:8], nodes[8:]):
+            lines.append("".join(f"{one:9d}" for one in row))
+    path.write_text("\n".join([*lines, "       -1", ""]))
+    return path
+
+
+def test_pyramids_and_removed_mid_side_nodes(tmp_path):
+    """SOLID186 folded to a pyramid: the apex stands for the top and its sides."""
+    places = SOLIDS["pyramid13"].reference_nodes
+    apex = [5] * 4
+    whole = [1, 2, 3, 4, *apex, 6, 7, 8, 9, *apex, 10, 11, 12, 13]
+    found = read_archive(
+        written(tmp_path / "a.cdb", 186, places, [whole]), materials={"default": STEEL}
+    )
+    (block,) = found.mesh.blocks
+    assert block.kind == "pyramid13"
+    np.testing.assert_array_equal(block.nodes, [range(13)])
+    assert found.ignored == ()
+
+    without = [0 if node in (7, 12) else node for node in whole]
+    found = read_archive(
+        written(tmp_path / "b.cdb", 186, places, [without]), materials={"default": STEEL}
+    )
+    (block,) = found.mesh.blocks
+    np.testing.assert_array_equal(block.nodes, [[0, 1, 2, 3, 4, 5, 13, 7, 8, 9, 10, 14, 12]])
+    np.testing.assert_array_equal(found.mesh.nodes[13:], places[[6, 11]])
+    assert {equation.terms[1:] for equation in found.equations} == {
+        ((a, c, -0.5), (b, c, -0.5)) for a, b in ((1, 2), (2, 4)) for c in range(3)
+    }
+    assert found.ignored == ("2 removed mid-side nodes: straight sides",)
+
+    linear = written(tmp_path / "c.cdb", 185, places[:5], [[1, 2, 3, 4, *apex]])
+    (block,) = read_archive(linear, materials={"default": STEEL}).mesh.blocks
+    assert block.kind == "pyramid5"
+    np.testing.assert_array_equal(block.nodes, [range(5)])
 
 
 def test_matrices_are_labelled_and_symmetric(matrices):

@@ -118,22 +118,24 @@ def test_included_files_are_read_beside_the_deck(tmp_path, read):
         read("*INCLUDE, INPUT=parts/nodes.inc\n*ELEMENT" + rest)
 
 
-MIDDLES = {"hex20": "C3D20", "wedge15": "C3D15", "tet10": "C3D10"}
+MIDDLES = {"hex20": "C3D20", "wedge15": "C3D15", "pyramid13": "C3D13", "tet10": "C3D10"}
 # Abaqus: edges of the mid-side nodes, corners counted from one (Analysis User's Guide, solids).
 EDGES = {
     "C3D20": "12 23 34 41 56 67 78 85 15 26 37 48",
     "C3D15": "12 23 31 45 56 64 14 25 36",
+    "C3D13": "12 23 34 41 15 25 35 45",
     "C3D10": "12 23 31 14 24 34",
 }
 # The same: corners of faces S1, S2, ...
 FACES = {
     8: "1234 5876 1562 2673 3784 4851",
     6: "123 465 1452 2563 3641",
+    5: "1234 125 235 345 415",
     4: "123 142 243 341",
 }
 
 
-@pytest.mark.parametrize("kind", ["hex8", "wedge6", "tet4", "hex20", "wedge15", "tet10"])
+@pytest.mark.parametrize("kind", SOLIDS)
 def test_node_order_and_faces(kind, read):
     element = SOLIDS[kind]
     corners = element.reference_nodes[: element.n_corners]
@@ -160,7 +162,7 @@ def test_node_order_and_faces(kind, read):
     np.testing.assert_allclose(assembly.mesh.nodes[block.nodes[0]], element.reference_nodes)
     # The mass is the volume of the reference element: no node is out of place.
     mass = assemble_matrices(assembly).M[0::6][:, 0::6].sum()
-    assert mass == pytest.approx({8: 1.0, 6: 0.5, 4: 1 / 6}[len(corners)], rel=1e-12)
+    assert mass == pytest.approx({8: 1.0, 6: 0.5, 5: 4 / 3, 4: 1 / 6}[len(corners)], rel=1e-12)
     for number, face in enumerate(faces, 1):
         nodes = assembly.face_sets[f"F{number}"].nodes[0]
         assert set(nodes[: len(face)] + 1) == {int(digit) for digit in face}

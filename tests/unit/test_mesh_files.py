@@ -12,6 +12,7 @@ from faying.io.mesh_files import read_mesh_file
 from faying.joint.build import build_model
 from faying.model.assembly import Material, Spring, Support
 from faying.model.bodies import bodies
+from faying.model.elements import SOLIDS
 from faying.model.generate import brick_grid, shaped
 from faying.model.matrices import assemble_matrices, mass_properties
 from faying.model.separate import separated
@@ -208,6 +209,20 @@ def test_pyramids(tmp_path):
     mesh = meshio.Mesh(points, [("pyramid", np.array([[0, 1, 2, 3, 4]]))])
     found = read_mesh_file(written(mesh, tmp_path / "p.vtu"), materials=MATERIALS)
     assert [block.kind for block in found.mesh.blocks] == ["pyramid5"]
+
+
+def test_pyramids_with_mid_side_nodes(tmp_path, monkeypatch):
+    """In MED, which meshio reads without knowing that they are solids."""
+    pytest.importorskip("h5py", reason="MED is read with h5py")
+    places = SOLIDS["pyramid13"].reference_nodes
+    monkeypatch.setitem(topological_dimension, "pyramid13", 3)
+    mesh = meshio.Mesh(places, [("pyramid13", np.arange(13)[None])])
+    path = written(mesh, tmp_path / "p.med")
+    monkeypatch.delitem(topological_dimension, "pyramid13")
+    found = read_mesh_file(path, materials=MATERIALS)
+    (block,) = found.mesh.blocks
+    assert block.kind == "pyramid13"
+    np.testing.assert_array_equal(block.nodes, [range(13)])
 
 
 def test_ungrouped_solids_are_one_group(tmp_path):

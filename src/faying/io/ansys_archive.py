@@ -11,7 +11,10 @@ import numpy.typing as npt
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
 from faying.io.isolated import read_isolated
+from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly, Material
+from faying.model.elements import SOLIDS
+from faying.model.generate import mid_side_ends
 from faying.model.mesh import CellBlock, Mesh
 
 BRICKS_8 = frozenset((45, 185))
@@ -45,13 +48,16 @@ np.savez(sys.argv[2], **parts)
 _MATERIAL, _TYPE, _NUMBER, _FIRST_NODE = 0, 1, 8, 10
 
 # A brick's nodes: corners, bottom edges, top edges, upright edges; ours have upright before top.
-# Degenerate bricks repeat nodes: K = L and O = P make a wedge, M = N = O = P a tetrahedron.
+# Degenerate bricks repeat nodes: K = L and O = P make a wedge, M = N = O = P a pyramid, both a
+# tetrahedron.
 _ORDERS: Mapping[str, list[int]] = {
     "hex8": [*range(8)],
     "wedge6": [0, 1, 2, 4, 5, 6],
+    "pyramid5": [*range(5)],
     "tet4": [0, 1, 2, 4],
     "hex20": [*range(12), *range(16, 20), *range(12, 16)],
     "wedge15": [0, 1, 2, 4, 5, 6, 8, 9, 11, 16, 17, 18, 12, 13, 15],
+    "pyramid13": [*range(5), *range(8, 12), *range(16, 20)],
     "tet10": [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
 }
 
@@ -75,19 +81,20 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     Raises
     ------
     FormatError
-        If the file is damaged, has no solids, has pyramids, or a material has no constants.
+        If the file is damaged, has no solids, or a material has no constants.
     """
     parts = read_isolated(_SCRIPT, path, "Ansys archive", "ansys")
     rows, kinds = _elements(parts), dict(parts["kinds"].tolist())
     routine = np.array([kinds.get(kind, 0) for kind in rows[:, _TYPE].tolist()], dtype=np.int64)
     node_ids = parts["node_ids"].astype(np.int64)
-    blocks, left_out = _blocks(path, rows, routine, node_ids)
+    straight = StraightSides(places=parts["nodes"], ids=node_ids)
+    blocks, left_out = _blocks(path, rows, routine, straight)
     numbers = sorted({int(n) for block in blocks for n in np.unique(block.properties)})
     own = _material_constants(path)
     return Assembly(
         mesh=Mesh(
-            nodes=parts["nodes"],
-            node_ids=node_ids,
+            nodes=np.vstack([parts["nodes"], straight.nodes]),
+            node_ids=np.concatenate([node_ids, straight.node_ids]),
             blocks=blocks,
             node_sets={
                 name: np.flatnonzero(np.isin(node_ids, ids))
@@ -102,6 +109,7 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
             },
         ),
         materials={n: _material(path, n, own.get(n, {}), materials) for n in numbers},
+        equations=tuple(straight.equations()),
         name=path.stem,
         ignored=tuple(left_out),
     )
@@ -125,7 +133,7 @@ def _components(parts: Mapping[str, npt.NDArray[Any]], prefix: str) -> list[tupl
 
 
 def _blocks(
-    path: Path, rows: Indices, routine: Indices, node_ids: Indices
+    path: Path, rows: Indices, routine: Indices, straight: StraightSides
 ) -> tuple[tuple[CellBlock, ...], list[str]]:
     nodes = rows[:, _FIRST_NODE:]
     brick8, brick20, tetra = (
@@ -137,20 +145,14 @@ def _blocks(
     tetra4 = tetra & (nodes[:, 4:10] == 0).all(axis=1)
     apex = (nodes[:, 4:7] == nodes[:, 5:8]).all(axis=1)
     folded = nodes[:, 2] == nodes[:, 3]
-    pyramid = (brick8 | brick20) & apex & ~folded
-    if pyramid.any():
-        number = rows[np.flatnonzero(pyramid)[0], _NUMBER]
-        message = (
-            f"Ansys archive '{path}': element {number} is a pyramid, which is not supported; mesh "
-            "with bricks, wedges or tetrahedra"
-        )
-        raise FormatError(message)
     chosen: dict[str, Mask] = {
-        "hex8": brick8 & ~folded,
+        "hex8": brick8 & ~folded & ~apex,
         "wedge6": brick8 & folded & ~apex,
+        "pyramid5": brick8 & ~folded & apex,
         "tet4": brick8 & folded & apex,
-        "hex20": brick20 & ~folded,
+        "hex20": brick20 & ~folded & ~apex,
         "wedge15": brick20 & folded & ~apex,
+        "pyramid13": brick20 & ~folded & apex,
         "tet10": brick20 & folded & apex,
     }
     tables = [(kind, which, nodes[:, _ORDERS[kind]]) for kind, which in chosen.items()]
@@ -159,7 +161,7 @@ def _blocks(
     blocks = tuple(
         CellBlock(
             kind=kind,
-            nodes=_indices(path, table[which], rows[which, _NUMBER], node_ids),
+            nodes=_indices(path, kind, table[which], rows[which, _NUMBER], straight),
             ids=rows[which, _NUMBER],
             properties=rows[which, _MATERIAL],
         )
@@ -174,25 +176,36 @@ def _blocks(
         raise FormatError(message)
     other = routine[~(brick8 | brick20 | tetra) & ~np.isin(routine, list(NO_STRUCTURE))]
     found, counts = np.unique(other, return_counts=True)
-    left_out = [
+    removed = len(straight.ends)
+    left_out = [f"{removed} removed mid-side nodes: straight sides"] if removed else []
+    left_out += [
         f"{count} elements of routine {kind}; model them in the study, or use .full matrices"
         for kind, count in zip(found.tolist(), counts.tolist(), strict=True)
     ]
     return blocks, left_out
 
 
-def _indices(path: Path, wanted: Indices, elements: Indices, node_ids: Indices) -> Indices:
-    order = np.argsort(node_ids, kind="stable")
-    place = np.searchsorted(node_ids, wanted, sorter=order)
+def _indices(
+    path: Path, kind: str, wanted: Indices, elements: Indices, straight: StraightSides
+) -> Indices:
+    """Node indices (n, n_node); new ones where a mid-side node was removed."""
+    order = np.argsort(straight.ids, kind="stable")
+    place = np.searchsorted(straight.ids, wanted, sorter=order)
     found: Indices = order[np.minimum(place, len(order) - 1)]
-    wrong = (node_ids[found] != wanted).any(axis=1)
+    corners = SOLIDS[kind].n_corners
+    removed = wanted == 0
+    removed[:, :corners] = False
+    wrong = ((straight.ids[found] != wanted) & ~removed).any(axis=1)
     if wrong.any():
         element = int(elements[np.flatnonzero(wrong)[0]])
         message = (
-            f"Ansys archive '{path}': element {element} names a node that is not there, or has no "
-            "mid-side node; write all nodes"
+            f"Ansys archive '{path}': element {element} names a node that is not there; write all "
+            "nodes"
         )
         raise FormatError(message)
+    for column, (start, end) in enumerate(mid_side_ends(kind), start=corners):
+        here = removed[:, column]
+        found[here, column] = straight.between(found[here, start], found[here, end], turns=False)
     return found
 
 

@@ -123,8 +123,9 @@ def _read(path: Path) -> Any:
     import meshio
     from meshio._mesh import topological_dimension
 
-    # meshio 5.3.5 reads fifteen-node wedges but forgot that they are solids.
-    topological_dimension.setdefault("wedge15", 3)
+    # meshio 5.3.5 reads these but forgot that they are solids.
+    for kind in ("wedge15", "pyramid13"):
+        topological_dimension.setdefault(kind, 3)
     said = io.StringIO()
     try:
         with (

@@ -2,11 +2,14 @@
 
 from collections.abc import Mapping
 
-from faying.model.elements import ALL_SOLIDS, SolidElement
+from faying.model.elements import ALL_SOLIDS, SOLIDS, SolidElement
 
 SOLID_TYPES: Mapping[str, SolidElement] = {
-    name: element for element in ALL_SOLIDS for name in element.elsewhere.abaqus
+    **{name: element for element in ALL_SOLIDS for name in element.elsewhere.abaqus},
+    "C3D5": SOLIDS["pyramid5"],
+    "C3D13": SOLIDS["pyramid13"],
 }
+"""Pyramids are read only: CalculiX has none."""
 
 LINE_TYPES: Mapping[str, int] = {
     "B31": 2,

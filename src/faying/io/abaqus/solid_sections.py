@@ -142,7 +142,7 @@ def formulation(blocks: Sequence[ElementBlock], ignored: list[str]) -> str:
     for block in blocks:
         counts[block.type] = counts.get(block.type, 0) + len(block.ids)
     for name, count in counts.items():
-        if note := SOLID_TYPES[name].elsewhere.abaqus[name]:
+        if note := SOLID_TYPES[name].elsewhere.abaqus.get(name, ""):
             ignored.append(f"{count} {name}: {note}")
     bricks = {SOLID_TYPES[name].formulation for name in counts if _is_hex8(name)}
     return bricks.pop() if len(bricks) == 1 else "incompatible"

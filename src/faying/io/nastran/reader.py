@@ -47,9 +47,9 @@ from faying.io.nastran.solids import (
 )
 from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import read_scalar_masses, read_springs
-from faying.io.nastran.straight_sides import StraightSides
 from faying.io.nastran.supports import read_supports
 from faying.io.nastran.tokenizer import read_cards
+from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 
@@ -133,7 +133,7 @@ def read_parts(
         materials = read_materials(cards, factor, ignored)
         factors = shear_factors(cards)
         directed = read_anisotropic(cards, materials_of_solids(cards), materials, factor, ignored)
-        straight = StraightSides(grids=grids)
+        straight = StraightSides(places=grids.nodes, ids=grids.ids)
         solids = read_solids(cards, grids, {**materials, **directed}, straight, ignored)
         heavy = any(one.density > 0 for one in {**materials, **directed}.values())
         if control.present and heavy and lumps_masses(cards, parameters):

@@ -11,7 +11,7 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.shell_sections import ShellProperty
 from faying.io.nastran.solids import check_distinct, property_ids
-from faying.io.nastran.straight_sides import StraightSides
+from faying.io.straight_sides import StraightSides
 from faying.model.shells import ShellBlock, ShellSection
 
 _DIFFERENT = 1e-6

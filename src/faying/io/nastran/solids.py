@@ -10,7 +10,7 @@ from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solid_materials import along
-from faying.io.nastran.straight_sides import StraightSides
+from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Material
 from faying.model.elements import SOLIDS, SolidElement
 from faying.model.elements.orientation import right_side_out

@@ -1,4 +1,4 @@
-"""Sides of elements whose mid-side node is blank: straight, with a node that follows the ends."""
+"""Sides of elements without a mid-side node: straight, with a node that follows the ends."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.io.nastran.grids import Grids
 from faying.model.assembly import Equation
 
 Side = tuple[int, int]
@@ -18,19 +17,23 @@ class StraightSides:
 
     Attributes
     ----------
+    places : (n_node, 3) [length]
+        Nodes of the file.
+    ids : (n_node,)
     ends
         Node indices of both ends to that of the new node.
     turning
         Sides of shells, whose nodes turn too.
     """
 
-    grids: Grids
+    places: Matrix
+    ids: Indices
     ends: dict[Side, int] = field(default_factory=dict)
     turning: set[Side] = field(default_factory=set)
 
     def between(self, starts: Indices, ends: Indices, *, turns: bool) -> Indices:
         """Return the indices (n,) of the new nodes between pairs of nodes (n,)."""
-        first = len(self.grids.ids)
+        first = len(self.ids)
         pairs = np.sort(np.column_stack([starts, ends]), axis=1)
         unique, which = np.unique(pairs, axis=0, return_inverse=True)
         sides: list[Side] = [(start, end) for start, end in unique.tolist()]
@@ -43,13 +46,13 @@ class StraightSides:
     def nodes(self) -> Matrix:
         """Places (n, 3) of the new nodes."""
         ends = np.array(list(self.ends), dtype=np.int64).reshape(-1, 2)
-        places: Matrix = self.grids.nodes[ends].mean(axis=1)
-        return places
+        middles: Matrix = self.places[ends].mean(axis=1)
+        return middles
 
     @property
     def node_ids(self) -> Indices:
         """Ids (n,) of the new nodes, behind all others."""
-        return int(self.grids.ids.max()) + 1 + np.arange(len(self.ends))
+        return int(self.ids.max()) + 1 + np.arange(len(self.ends))
 
     def equations(self) -> Iterator[Equation]:
         """Yield the means of each new node."""
