@@ -36,6 +36,7 @@ from faying.study.results import (
     Response,
     Results,
 )
+from faying.study.slip_record import SlipRecord
 from faying.study.store_fields import MEANINGS
 from faying.study.validation_record import (
     LoadSpaceRecord,
@@ -60,6 +61,7 @@ GROUPS = {
     "/cases/NAME/mesh_errors/INTERFACE": MeshError,
     "/cases/NAME/reference": Response,
     "/cases/NAME/reference/motion": NodalMotion,
+    "/cases/NAME/reference/friction": SlipRecord,
     "/cases/NAME/reference/path": PathRecord,
     "/cases/NAME/reference/cycles/AMPLITUDE": CycleRecord,
     "/cases/NAME/reference/backbones/MODE": Backbone,

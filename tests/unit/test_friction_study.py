@@ -5,13 +5,14 @@ import re
 import sys
 from dataclasses import replace
 
+import h5py
 import numpy as np
 import pytest
 
 import faying as fy
 from faying import cli
 from faying.contact.laws import Coulomb, Hard, Penalty
-from faying.exceptions import ModelError, StudyError
+from faying.exceptions import FormatError, ModelError, StudyError
 from faying.report.figures.slip import plot_slip_states
 from faying.report.friction_table import friction_table
 from faying.report.html import write_report
@@ -414,7 +415,7 @@ forces = [{ boundary = "tip", component = "Fx", value = 600.0 }]
 step = 2e-5
 duration = 2e-4
 [validation]
-half_step = false
+half_step = true
 [output]
 report = false
 """
@@ -435,6 +436,50 @@ report = false
     # Tightened with friction it rests on tractions, and moves otherwise.
     other = fy.solve_transient(model, load, **times)
     assert np.abs(other.pressure - motion.pressure).max() > 1e-5 * top  # 8e-5 is measured
+    _check_what_friction_does(found, motion, tmp_path / "out")
+
+
+def _check_what_friction_does(found, motion, out):
+    """Compare what a run keeps of friction in a motion with the motion, and look for it."""
+    record = found.cases["jump"].reference.friction
+    for name in ("traction", "slip", "dissipation"):
+        mine, exact = getattr(record, name), getattr(motion, name)
+        # The same steps from the same state.
+        np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-9 * np.abs(exact).max())
+    assert record.status.shape == motion.pressure.shape
+    np.testing.assert_array_equal(record.status == 0, motion.pressure <= 0)
+    # Nothing has slipped in the first instant; who slips has a traction on the bound after that.
+    assert record.slip_share[0] == 0
+    assert record.slip_share.max() > 0
+    slips = record.status == 2
+    size = np.linalg.norm(motion.traction, axis=-1)
+    np.testing.assert_allclose(size[slips], 0.2 * motion.pressure[slips], rtol=2e-6)
+    summary = json.loads((out / "summary.json").read_text())["load_cases"]["jump"]
+    assert summary["max_traction"] == pytest.approx(size.max(), rel=1e-9)
+    assert summary["dissipated_energy"] == pytest.approx(motion.dissipation.sum(), rel=1e-9)
+    assert summary["slip_fraction"] == record.slip_share.max()
+    errors = summary["methods"]["compliance"]["0"]
+    mine = found.cases["jump"].methods["compliance"][0].response.friction
+    apart = np.linalg.norm(mine.traction - motion.traction, axis=-1).max()
+    assert errors["max_traction_error"] == pytest.approx(apart / size.max(), rel=1e-9)
+    energy = motion.dissipation.sum()
+    apart = abs(mine.dissipation.sum() - energy)
+    assert errors["dissipation_error"] == pytest.approx(apart / energy, rel=1e-6)
+    assert 0 < summary["half_step"]["max_traction_change"] < 1
+    assert 0 < summary["half_step"]["dissipation_change"] < 1
+    page = write_report(found, out).read_text(encoding="utf-8")
+    assert re.search(r'class="verdict">([^.]*\.)', page)[1].startswith("The joint slips: up to ")
+    assert {"case_jump_slip", "case_jump_friction"} <= {p.stem for p in out.glob("figures/*.png")}
+    (row,) = friction_table(found).rows
+    assert row[0].text == "jump"
+    with h5py.File(out / "results.h5", "a") as file:
+        group = file["cases/jump/reference/friction"]
+        short = {name: group[name][:-1] for name in group}
+        for name, values in short.items():
+            del group[name]
+            group[name] = values
+    with pytest.raises(FormatError, match="/cases/jump/reference/friction/traction' has shape"):
+        read_results(out / "results.h5")
 
 
 def test_columns_that_are_nothing_are_refused(tmp_path):

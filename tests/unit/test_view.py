@@ -18,6 +18,7 @@ from faying.report.view.packing import STEPS, packed_integers, packed_numbers
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
 from faying.study.interface_surface import nodal_average
+from faying.study.slip_record import SlipRecord
 
 RESULTS = fake_results()
 WEB = Path(__file__).parents[2] / "web"
@@ -167,7 +168,14 @@ def test_displacements_of_all_instants_come_back_from_their_shapes():
 def test_slip_of_transients_is_shown_at_every_instant():
     case = RESULTS.cases["LC2-step"]
     slip = np.outer(np.arange(11.0), RESULTS.interfaces["joint"].points[:, 0])
-    rubbing = replace(case, reference=replace(case.reference, slip=slip))
+    nothing, none = np.zeros(11), np.zeros(slip.shape)
+    record = SlipRecord(
+        traction=np.stack([none, none, none], axis=-1),
+        slip=np.stack([0.6 * slip, 0.8 * slip, none], axis=-1),
+        status=none.astype(np.int64), open_share=nothing, stick_share=nothing, slip_share=nothing,
+        macroslip=nothing > 0, dissipation=nothing,
+    )  # fmt: skip
+    rubbing = replace(case, reference=replace(case.reference, friction=record))
     shown = json.loads(scene(replace(RESULTS, cases={"rub": rubbing})).text)
     fields = shown["cases"][0]["models"][0]["fields"]
     assert np.allclose(unpacked(fields["slip"]), slip.T, rtol=0, atol=1e-4 * slip.max())

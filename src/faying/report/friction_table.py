@@ -5,13 +5,13 @@ import numpy as np
 from faying.report.quantities import number, percent, place, quantity
 from faying.report.slip import most_slip
 from faying.report.tables import Table, table
-from faying.study.comparison import increments
+from faying.study.comparison import rubbed
 from faying.study.results import CaseResult, Results
 from faying.units import units_of
 
 
 def friction_table(results: Results) -> Table:
-    """Return what friction does in each load case that goes in increments."""
+    """Return what friction does in each load case."""
     units = units_of(results.units)
     columns = (
         "load case", "max traction", "energy taken by friction", "most slip at once",
@@ -19,7 +19,7 @@ def friction_table(results: Results) -> Table:
     )  # fmt: skip
     rows = []
     for name, case in results.cases.items():
-        found = increments(case.reference)
+        found = rubbed(case.reference)
         if not found or not any(face.friction for face in results.interfaces.values()):
             continue
         energy = quantity(float(found[-1].dissipation.sum()), units.of("force·length"))

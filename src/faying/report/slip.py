@@ -1,13 +1,16 @@
 """What slips in the load cases of a run."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Indices, Vector
 from faying.assessment.slip import SLIP, STICK
-from faying.report.quantities import number, percent
-from faying.study.comparison import increments
-from faying.study.path_record import PathRecord
+from faying.report.quantities import number, percent, quantity
+from faying.study.comparison import increments, rubbed
 from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.slip_record import SlipRecord
+from faying.units import Units
 
 
 def slipping(record: InterfaceRecord, status: Indices) -> float:
@@ -16,21 +19,43 @@ def slipping(record: InterfaceRecord, status: Indices) -> float:
     return slips / closed if closed > 0 else 0.0
 
 
-def shown_increment(case: CaseResult) -> tuple[PathRecord, int, str] | None:
-    """Return the increment that stands for a case: path, number, and when that is, in words.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShownSlip:
+    """The increment or instant that stands for a load case with friction.
 
-    A static load at its full value, of paths and cycles where most slips.
+    Attributes
+    ----------
+    record, at
+        What friction does, and the number of the increment.
+    pressure : (n_point,)
+        Of that increment.
+    when
+        When that is, in words.
     """
-    found = increments(case.reference)
+
+    record: SlipRecord
+    at: int
+    pressure: Vector
+    when: str
+
+
+def shown_slip(case: CaseResult, units: Units) -> ShownSlip | None:
+    """Return what stands for a case: a static load at its full value, else where most slips."""
+    found, motion = increments(case.reference), case.reference.friction
+    if motion is not None and case.times is not None:
+        at, pressure = motion.most_slip, case.reference.pressure
+        when = f"at {quantity(float(case.times[at]), units.time)}, where most slips"
+        return ShownSlip(record=motion, at=at, pressure=pressure[at], when=when)
     if not found:
         return None
     path, last = found[-1], len(found[-1].factors)
+    at, when = path.most_slip, f"in increment {path.most_slip + 1} of {last}, where most slips"
     if case.kind == "static":
-        return path, last - 1, "under the full load"
-    if case.kind == "cycle":
-        factor = number(float(path.factors[path.most_slip, 0]))
-        return path, path.most_slip, f"at {factor} × the load, where most slips in a cycle"
-    return path, path.most_slip, f"in increment {path.most_slip + 1} of {last}, where most slips"
+        at, when = last - 1, "under the full load"
+    elif case.kind == "cycle":
+        factor = number(float(path.factors[at, 0]))
+        when = f"at {factor} × the load, where most slips in a cycle"
+    return ShownSlip(record=path, at=at, pressure=path.pressure[at], when=when)
 
 
 def slip_sentence(results: Results) -> str:
@@ -40,7 +65,7 @@ def slip_sentence(results: Results) -> str:
     most: dict[str, float] = {}
     gross: list[str] = []
     for name, case in results.cases.items():
-        found = increments(case.reference)
+        found = rubbed(case.reference)
         most[name] = max((most_slip(one) for one in found), default=0.0)
         if any(bool(one.macroslip.any()) for one in found):
             gross.append(name)
@@ -53,7 +78,7 @@ def slip_sentence(results: Results) -> str:
     return f"{text}."
 
 
-def most_slip(path: PathRecord) -> float:
+def most_slip(path: SlipRecord) -> float:
     """Return the largest slipping share of the area in contact."""
     closed = path.stick_share + path.slip_share
     return float((path.slip_share / np.where(closed > 0, closed, 1.0)).max(initial=0.0))

@@ -10,6 +10,7 @@ from faying.assessment.accuracy import Accuracy, measure
 from faying.joint.model import Model
 from faying.study.path_record import PathRecord
 from faying.study.results import Response
+from faying.study.slip_record import SlipRecord
 
 
 def accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
@@ -33,6 +34,11 @@ def increments(response: Response) -> list[PathRecord]:
     return [one.increments for one in response.cycles.values()]
 
 
+def rubbed(response: Response) -> Sequence[SlipRecord]:
+    """Return what friction did in a response: in its increments, or at its instants."""
+    return increments(response) if response.friction is None else [response.friction]
+
+
 def _displacements(response: Response, boundary: str) -> Matrix:
     found = increments(response)
     if not found:
@@ -42,12 +48,12 @@ def _displacements(response: Response, boundary: str) -> Matrix:
 
 @dataclass(frozen=True, kw_only=True)
 class SlipErrors:
-    """Errors that only paths with friction have, as fractions; None where nothing rubs or slips.
+    """Errors that only friction has, as fractions; None where nothing rubs or slips.
 
     Attributes
     ----------
     traction
-        Largest difference of tractions over points and increments, over the largest traction.
+        Largest difference of tractions over points and increments or instants, over the largest.
     dissipation
         Difference of the energies that friction took, over that of the full model.
     """
@@ -57,8 +63,8 @@ class SlipErrors:
 
 
 def slip_errors(response: Response, reference: Response) -> SlipErrors:
-    """Compare tractions and energies of two responses to the same path."""
-    mine, exact = increments(response), increments(reference)
+    """Compare tractions and energies of two responses to the same path or load over time."""
+    mine, exact = rubbed(response), rubbed(reference)
     largest = max((one.max_traction for one in exact), default=0.0)
     energy = _energy(exact)
     apart = max(
@@ -74,7 +80,7 @@ def slip_errors(response: Response, reference: Response) -> SlipErrors:
     )
 
 
-def _energy(path: Sequence[PathRecord]) -> float:
+def _energy(path: Sequence[SlipRecord]) -> float:
     return float(sum(one.dissipation.sum() for one in path))
 
 

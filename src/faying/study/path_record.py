@@ -6,16 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, Vector
-from faying.assessment.slip import slip_history, slip_states
+from faying._typing import Indices, Matrix, Vector
+from faying.assessment.slip import slip_history
 from faying.joint.system import Joint
 from faying.simulation.cycles import Cycles, load_work, loop_area
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
+from faying.study.slip_record import SlipRecord, slip_fields
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PathRecord:
+class PathRecord(SlipRecord):
     """A path of loads, increment by increment.
 
     Attributes
@@ -26,22 +27,6 @@ class PathRecord:
         Load factors.
     pressure : (n_increment, n_point) [force/length²]
         Contact pressure, compression positive.
-    traction : (n_increment, n_point, 3) [force/length²]
-        Tangential traction on the plus side.
-    slip : (n_increment, n_point, 3) [length]
-        Slip of the plus side since the joint was unstressed.
-    status : (n_increment, n_point) [1]
-        0 open, 1 stick, 2 slip.
-    open_share : (n_increment,) [1]
-        Open area over that of all interfaces with friction.
-    stick_share : (n_increment,) [1]
-        Sticking area over the same.
-    slip_share : (n_increment,) [1]
-        Slipping area over the same.
-    macroslip : (n_increment,) [1]
-        Whether all that is closed slips, on some interface.
-    dissipation : (n_increment,) [force·length]
-        Energy that friction took.
     load_work : (n_increment,) [force·length]
         Load at factor one times the displacement it does work on.
     iterations : (n_increment,) [1]
@@ -55,28 +40,10 @@ class PathRecord:
     loads: tuple[str, ...]
     factors: Matrix
     pressure: Matrix
-    traction: Matrix
-    slip: Matrix
-    status: Indices
-    open_share: Vector
-    stick_share: Vector
-    slip_share: Vector
-    macroslip: Mask
-    dissipation: Vector
     load_work: Vector
     iterations: Indices
     displacements: Mapping[str, Matrix] = field(default_factory=dict)
     bolt_forces: Mapping[str, Vector] = field(default_factory=dict)
-
-    @property
-    def most_slip(self) -> int:
-        """The increment in which most of the area slips; the last of several."""
-        return len(self.slip_share) - 1 - int(self.slip_share[::-1].argmax())
-
-    @property
-    def max_traction(self) -> float:
-        """Largest traction over points and increments."""
-        return float(np.linalg.norm(self.traction, axis=-1).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -135,19 +102,12 @@ def path_record(
     names, factors
         Columns of load factors and their values (n_increment, n_load).
     """
-    states, joint = slip_states(path, before), path.system
+    joint = path.system
     return PathRecord(
+        **slip_fields(path, before),
         loads=tuple(names),
         factors=np.asarray(factors, dtype=float),
         pressure=path.pressure,
-        traction=path.traction,
-        slip=path.slip,
-        status=states.status,
-        open_share=states.open_share,
-        stick_share=states.stick_share,
-        slip_share=states.slip_share,
-        macroslip=states.macroslip,
-        dissipation=np.broadcast_to(path.dissipation, len(factors)),
         load_work=load_work(path, load),
         iterations=path.iterations,
         displacements={name: path.displacement(name) for name in joint.boundaries},
@@ -193,7 +153,7 @@ def _slip_work(path: Solution, before: Solution, joint: Joint) -> Vector:
     return work
 
 
-def packed_record(record: PathRecord | CycleRecord, prefix: str) -> dict[str, Matrix]:
+def packed_record(record: SlipRecord | CycleRecord, prefix: str) -> dict[str, Matrix]:
     """Flatten a record to named arrays."""
     arrays: dict[str, Matrix] = {}
     for one in fields(record):

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from faying.study.path_record import (
     unpacked_path,
 )
 from faying.study.results import Response
+from faying.study.slip_record import SlipRecord, slip_fields
 
 
 def respond(
@@ -64,9 +66,9 @@ def respond(
             model.dofs.nodal(_displacement(model, solution))[:, :3] if static else None
         ),
         motion=nodal_motion(model, solution) if moves and not static else motion,
-        slip=None
+        friction=None
         if static or solution.shear_slip is None
-        else np.hypot.reduce(solution.shear_slip, axis=-2),
+        else SlipRecord(**slip_fields(solution, None)),
         path=path,
         cycles=cycles or {},
         backbones=backbones or {},
@@ -92,7 +94,6 @@ ARRAYS = (
     "iterations",
     "seconds",
     "nodal_displacement",
-    "slip",
     "recovered_pressure",
     "energy_gain",
     "substeps",
@@ -101,8 +102,9 @@ ARRAYS = (
 
 
 PATH, CYCLES, BACKBONES = "path", "cycles", "backbones"
-ESTIMATE, MOTION = "estimate", "motion"
-"""Prefixes of the arrays of a path, of cycles, of backbones, of an estimated error, of a motion."""
+ESTIMATE, MOTION, FRICTION = "estimate", "motion", "friction"
+"""Prefixes of the arrays of a path, of cycles, of backbones, of an estimated error, of a motion, of
+friction in a motion."""
 
 FAILED = "failed"
 """Name of the sentences about extras that failed, beside the arrays of a response."""
@@ -125,6 +127,8 @@ def packed(response: Response) -> dict[str, Matrix]:
             f"{MOTION}/{one.name}": np.asarray(getattr(response.motion, one.name))
             for one in fields(NodalMotion)
         }
+    if response.friction is not None:
+        arrays |= packed_record(response.friction, FRICTION)
     if response.path is not None:
         arrays |= packed_record(response.path, PATH)
     for name, one in response.cycles.items():
@@ -157,7 +161,7 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         seconds=float(arrays["seconds"]),
         nodal_displacement=arrays.get("nodal_displacement"),
         motion=_unpacked_motion(arrays),
-        slip=arrays.get("slip"),
+        friction=_unpacked_friction(arrays),
         recovered_pressure=arrays.get("recovered_pressure"),
         energy_gain=float(arrays["energy_gain"]),
         substeps=arrays["substeps"].astype(np.int64) if "substeps" in arrays else None,
@@ -176,6 +180,16 @@ def _unpacked_estimate(arrays: Mapping[str, Matrix]) -> Accuracy | None:
     return Accuracy(
         **{one.name: float(arrays[f"{ESTIMATE}/{one.name}"]) for one in fields(Accuracy)}
     )
+
+
+def _unpacked_friction(arrays: Mapping[str, Matrix]) -> SlipRecord | None:
+    """Return what friction does at each instant; None where there is none."""
+    if f"{FRICTION}/traction" not in arrays:
+        return None
+    members: dict[str, Any] = {
+        one.name: arrays[f"{FRICTION}/{one.name}"] for one in fields(SlipRecord)
+    }
+    return SlipRecord(**members)
 
 
 def _unpacked_motion(arrays: Mapping[str, Matrix]) -> NodalMotion | None:

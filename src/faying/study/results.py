@@ -17,6 +17,7 @@ from faying.study.jumps import Jump
 from faying.study.nodal_motion import NodalMotion
 from faying.study.path_record import CycleRecord, PathRecord
 from faying.study.remedy import Remedy
+from faying.study.slip_record import SlipRecord
 from faying.study.validation_record import ValidationRecord
 
 FULL_MODEL = "full model"
@@ -49,8 +50,8 @@ class Response:
         Displacement of the nodes, of static cases.
     motion
         Displacements in some instants or increments, of the reference.
-    slip : (n_time, n_point) [length]
-        Distance slipped since the joint was unstressed, of transients with friction.
+    friction
+        What friction does at each instant, of transients with friction.
     recovered_pressure : (n_time, n_point) [force/length²]
         Pressure recovered from the motion, of transients of reduced models.
     energy_gain : [1]
@@ -87,7 +88,7 @@ class Response:
     seconds: float
     nodal_displacement: Matrix | None = None
     motion: NodalMotion | None = None
-    slip: Matrix | None = None
+    friction: SlipRecord | None = None
     recovered_pressure: Matrix | None = None
     energy_gain: float = 0.0
     substeps: Indices | None = None

@@ -58,6 +58,9 @@ def _check(value: Any, known: Mapping[str, int], place: str, *, timed: bool) -> 
         if isinstance(value, CaseResult) and name == "half_step":
             own = 0 if value.half_step_times is None else len(value.half_step_times)
             _check_field(field, meaning, axes | {"n_time": own}, here, timed=timed)
+        elif isinstance(value, Response) and name == "friction":
+            own = axes.get("n_time", 0)
+            _check_field(field, meaning, axes | {"n_increment": own}, here, timed=timed)
         else:
             _check_field(field, meaning, axes, here, timed=timed)
     _check_record(value, axes, place)

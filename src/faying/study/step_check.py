@@ -1,14 +1,15 @@
 """Whether the time step of a load case resolves its pressures: the same model at half of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.assessment.accuracy import Accuracy, measure
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.study.results import CaseResult
+from faying.study.comparison import SlipErrors, slip_errors
+from faying.study.results import CaseResult, Response
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -29,6 +30,8 @@ class StepCheck:
         Largest change of pressure over the contact points at each of them.
     change
         Of pressures and boundary translations, over the largest of the study's step.
+    slip
+        Of tractions and of the energy that friction took, over the same; None without friction.
     """
 
     step: float
@@ -37,6 +40,7 @@ class StepCheck:
     times: Vector
     moved: Vector
     change: Accuracy
+    slip: SlipErrors | None = None
 
     def __post_init__(self) -> None:
         for name in ("times", "moved"):
@@ -75,7 +79,24 @@ def step_check(case: CaseResult) -> StepCheck | None:
         times=times[:count],
         moved=np.abs(refined[:count] - reference).max(axis=-1),
         change=measure(refined[:count], reference, _displacements(case, half.displacements, count)),
+        slip=_slip_changes(half, case.reference, count),
     )
+
+
+def _slip_changes(half: Response, reference: Response, count: int) -> SlipErrors | None:
+    """Compare tractions and energies of both runs up to their last common instant."""
+    fine, coarse = half.friction, reference.friction
+    if fine is None or coarse is None:
+        return None
+    fine = replace(
+        fine,
+        traction=fine.traction[::2][:count],
+        dissipation=fine.dissipation[: 2 * count - 1],
+    )
+    coarse = replace(
+        coarse, traction=coarse.traction[:count], dissipation=coarse.dissipation[:count]
+    )
+    return slip_errors(replace(half, friction=fine), replace(reference, friction=coarse))
 
 
 def _displacements(

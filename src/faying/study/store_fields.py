@@ -29,6 +29,7 @@ from faying.study.results import (
     Response,
     Results,
 )
+from faying.study.slip_record import SlipRecord
 from faying.study.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,
@@ -61,6 +62,7 @@ STORED = (
     Accuracy,
     Response,
     NodalMotion,
+    SlipRecord,
     PathRecord,
     CycleRecord,
     Backbone,

@@ -10,7 +10,7 @@ import numpy as np
 from faying import __version__
 from faying.assessment.backbone import Backbone
 from faying.reduction.methods import METHODS
-from faying.study.comparison import increments
+from faying.study.comparison import increments, rubbed
 from faying.study.declared import missing_contacts
 from faying.study.opening import opening
 from faying.study.path_record import CycleRecord
@@ -206,12 +206,15 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             "p999_relative_change": check.change.p999_relative_error,
             "displacement_change": check.change.displacement_error,
         }
+        if check.slip is not None:
+            summary["half_step"]["max_traction_change"] = check.slip.traction
+            summary["half_step"]["dissipation_change"] = check.slip.dissipation
     return summary
 
 
 def _slip(case: CaseResult) -> dict[str, Any]:
-    """Return what friction does in a load case that goes in increments; nothing in others."""
-    found = increments(case.reference)
+    """Return what friction does in a load case; nothing where there is none."""
+    found = rubbed(case.reference)
     if case.reference.backbones:
         return {
             "backbones": {mode: _backbone(one) for mode, one in case.reference.backbones.items()}

@@ -15,7 +15,7 @@ from faying.report.figures.gap import gap_figure
 from faying.report.figures.load_space import load_space_figure
 from faying.report.figures.loops import fretting_figure, loop_figure
 from faying.report.figures.model import model_figure
-from faying.report.figures.path import path_figure
+from faying.report.figures.path import motion_slip_figure, path_figure
 from faying.report.figures.penalty import penalty_figure
 from faying.report.figures.preload import preload_figure
 from faying.report.figures.pressure import pressure_figure
@@ -116,7 +116,13 @@ def _drawings(results: Results) -> Iterator[Draw]:
                 error_figure,
             )
             if case.times is None
-            else (response_figure, gap_figure, time_step_figure)
+            else (
+                response_figure,
+                motion_slip_figure,
+                slip_figure,
+                gap_figure,
+                time_step_figure,
+            )
         ):
             yield _of_case(draw_case, results, case)
 

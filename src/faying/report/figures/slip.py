@@ -12,7 +12,7 @@ from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import plot_pressure
 from faying.report.figures.surface_map import Scale, draw_points, panel_size, prepare
 from faying.report.quantities import percent, quantity
-from faying.report.slip import shown_increment, slipping
+from faying.report.slip import shown_slip, slipping
 from faying.report.style import OPEN_COLOUR, new_figure
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
@@ -80,29 +80,30 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     Returns
     -------
     Drawn or None
-        Of the increment in which most slips, of a static load at its full value; None without
-        friction.
+        Of the increment or instant in which most slips, of a static load at its full value; None
+        without friction.
     """
     records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
-    found = shown_increment(case)
-    if found is None or not records:
-        return None
-    path, at, when = found
     units = units_of(results.units)
+    shown = shown_slip(case, units)
+    if shown is None or not records:
+        return None
+    tractions, status = shown.record.traction[shown.at], shown.record.status[shown.at]
+    solved_by = case.reference_model
     sizes = [panel_size(record, best_plane(record), 5.4) for record in records.values()]
     figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 1.0)
     rows = figure.subplots(
         len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
     )
-    largest = float(path.pressure[at].max(initial=0.0))
+    largest = float(shown.pressure.max(initial=0.0))
     notes = []
     for (left, right), (name, record) in zip(rows, records.items(), strict=True):
         own = slice(*record.slice)
-        traction = path.traction[at, own]
-        plot_traction(record, path.pressure[at, own], traction, left, units, largest=largest)
-        plot_slip_states(record, path.status[at, own], right, units)
+        traction = tractions[own]
+        plot_traction(record, shown.pressure[own], traction, left, units, largest=largest)
+        plot_slip_states(record, status[own], right, units)
         top = float(np.linalg.norm(traction, axis=1).max(initial=0.0))
-        slips = percent(slipping(record, path.status[at, own]))
+        slips = percent(slipping(record, status[own]))
         left.set_title(plain(f"{name}: max traction {quantity(top, units.pressure)}"), loc="left")
         right.set_title(plain(f"{name}: {slips} of the area in contact slip"), loc="left")
         notes.append(
@@ -114,15 +115,15 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         loc="outside lower center",
         ncols=len(STATES),
     )
-    figure.suptitle(heading(f"{case.name}: traction and slip, full model, {when}"))
+    figure.suptitle(heading(f"{case.name}: traction and slip, {solved_by}, {shown.when}"))
     return Drawn(
         figure=figure,
         stem="slip",
         title=f"{case.name}: traction and slip",
         caption=(
-            f"The full model {when}. Left: traction on the plus side as nodal averages, arrows "
-            "over the contact pressure. Right: contact points, each over the area nearest to it, "
-            f"that are open, stick, or slip in this increment. {'. '.join(notes)}."
+            f"{solved_by.capitalize()}, {shown.when}. Left: traction on the plus side as nodal "
+            "averages, arrows over the contact pressure. Right: contact points, each over the area "
+            f"nearest to it, that are open, stick, or slip there. {'. '.join(notes)}."
         ),
         section=case.name,
     )

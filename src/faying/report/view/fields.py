@@ -108,8 +108,8 @@ def fields_of_response(
         )
         yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressure))
         yield field(name="gap", at=everywhere, values=lambda: averages(results, gap))
-        if response.slip is not None:
-            slipped = response.slip[chosen]
+        if response.friction is not None:
+            slipped = np.linalg.norm(response.friction.slip[chosen], axis=-1)
             yield field(name="slip", at=everywhere, values=lambda: averages(results, slipped))
     motion, moved = response.motion, response.nodal_displacement
     if motion is not None:
