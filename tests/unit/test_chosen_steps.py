@@ -64,6 +64,7 @@ def test_they_are_chosen_by_the_reference_and_told(tmp_path, reference):
     np.testing.assert_array_equal(method.substeps, kept.reference.substeps)
     assert kept.half_step is None
     assert "half_step" not in case
+    assert case["step_check"] == "divided steps"
     assert case["methods"]["compliance"]["0"]["max_relative_error"] < 0.1
 
 
@@ -77,6 +78,7 @@ def test_console_and_report_name_them(tmp_path):
         line = " ".join(said.split())
         assert "push: time steps were chosen, " in line
         assert "within the tolerance of 5.00%" in line
+        assert "The half-step check is replaced by this estimate" in line
     assert "no time-step check was run" not in (out / "report.html").read_text()
 
 

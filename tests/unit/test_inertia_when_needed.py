@@ -130,6 +130,21 @@ def test_a_study_may_say_no(tmp_path):
     assert "attachment modes" not in summary["timings"]["stages"]
 
 
+def test_the_mark_is_the_stated_tolerance(tmp_path):
+    """That of the study, unless a load case has its own."""
+    jump = 'name = "jump"\nkind = "step"'
+    content = text(line="transient_tolerance = 0.001", reference="none")
+    assert jump in content
+    study = parse_study(content.replace(jump, f"{jump}\ntolerance = 0.5"), tmp_path / "joint.toml")
+    assert run(study, tmp_path / "out").converged
+    cases = json.loads((tmp_path / "out" / "summary.json").read_text())["load_cases"]
+    assert (cases["jump"]["tolerance"], cases["push"]["tolerance"]) == (0.5, 0.001)
+    assert 0.03 < cases["jump"]["methods"]["compliance"]["0"]["estimated_max_relative_error"] < 0.5
+    assert cases["jump"]["remedy"] is None
+    assert cases["push"]["remedy"]["first"]["estimate"] < 0.03
+    assert cases["push"]["remedy"]["tolerance"] == 0.001
+
+
 def test_a_reduced_reference_that_is_off_gives_way(tmp_path):
     """What the methods are compared with is then the model with inertia."""
     summary, results = outcome(tmp_path, modes=0, reference="none")

@@ -12,6 +12,7 @@ from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
 from faying.simulation.transient import solve_transient
 from faying.study import (
+    case_solution,
     cases,
     comparison,
     full_transients,
@@ -215,6 +216,7 @@ def test_the_time_step_check_compares_fields_of_the_full_model(study, finished):
     said = json.loads((finished / "summary.json").read_text())["load_cases"]["jump"]
     assert said["half_step"]["max_relative_change"] == pytest.approx(moved, rel=1e-6)
     assert said["half_step_max_pressure"] == pytest.approx(fine.pressure.max(), rel=1e-9)
+    assert said["step_check"] == "half step"
 
 
 def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
@@ -228,6 +230,8 @@ def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
     jump = read_results(tmp_path / "out" / "results.h5").cases["jump"]
     assert jump.half_step is None
     assert jump.half_step_times is None
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["load_cases"]["jump"]["step_check"] is None
 
 
 def test_a_time_step_check_that_fails_costs_no_result(study, tmp_path, monkeypatch):
@@ -335,7 +339,7 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
 
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
     solved = []
-    original, together = cases.solve_transient, full_transients.step_responses
+    original, together = case_solution.solve_transient, full_transients.step_responses
 
     def full(solver, loads, **options):
         solved.extend(load.name for load in loads)
@@ -349,7 +353,7 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
         solved.append(load.name)
         return original(system, load, **options)
 
-    monkeypatch.setattr(cases, "solve_transient", interrupted)
+    monkeypatch.setattr(case_solution, "solve_transient", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)
     assert not (tmp_path / "results.h5").exists()
@@ -358,7 +362,7 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
         solved.append(load.name)
         return original(system, load, **options)
 
-    monkeypatch.setattr(cases, "solve_transient", counted)
+    monkeypatch.setattr(case_solution, "solve_transient", counted)
     assert run(study, tmp_path, resume=True).converged
     # Full, craig-bampton, 2 × jim-a, 2 × jim-b, compliance and the half step, each once.
     assert len(solved) == 8
@@ -383,7 +387,7 @@ def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monk
 
 
 def test_resuming_another_study_is_refused(study, tmp_path, monkeypatch):
-    monkeypatch.setattr(cases, "solve_static", _raise(KeyboardInterrupt()))
+    monkeypatch.setattr(case_solution, "solve_static", _raise(KeyboardInterrupt()))
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)
     other = tmp_path / "other.toml"
@@ -395,7 +399,7 @@ def test_resuming_another_study_is_refused(study, tmp_path, monkeypatch):
 def test_a_method_that_does_not_converge_is_recorded_and_the_rest_kept(
     study, tmp_path, monkeypatch
 ):
-    original = cases.solve_static
+    original = case_solution.solve_static
 
     def fragile(system, load):
         if system.K.shape[0] == 6 + 4 + 1 + 2:  # jim-a and jim-b with two joint modes
@@ -403,7 +407,7 @@ def test_a_method_that_does_not_converge_is_recorded_and_the_rest_kept(
             raise ConvergenceError(message)
         return original(system, load)
 
-    monkeypatch.setattr(cases, "solve_static", fragile)
+    monkeypatch.setattr(case_solution, "solve_static", fragile)
     outcome = run(study, tmp_path)
     assert not outcome.converged
     assert len(outcome.summary["not_converged"]) == 2

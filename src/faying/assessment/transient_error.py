@@ -42,7 +42,7 @@ OBSERVED_ON = (
 )
 
 LARGE = 0.03
-"""Estimated error from which a remedy is named."""
+"""Estimated error from which a remedy is named, unless a tolerance is stated."""
 
 REMEDY = "compliance+inertia"
 """Method that has the inertia whose lack is estimated."""
@@ -71,9 +71,10 @@ def remedy_hint(errors: Mapping[str, float]) -> str:
     Parameters
     ----------
     errors
-        Methods that were compared, and the largest pressure error that each is estimated to have.
+        Methods that were compared, and the largest pressure error that each is estimated to have,
+        over what is tolerated.
     """
-    large = [name for name, error in errors.items() if error > LARGE]
+    large = [name for name, error in errors.items() if error > 1.0]
     if any(METHODS[name].compliance for name in large):
         return "" if REMEDY in errors else HINT
     if not large or any(METHODS[name].compliance or name == REMEDY for name in errors):

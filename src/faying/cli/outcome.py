@@ -7,7 +7,14 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from faying.assessment.transient_error import EXACT, OBSERVED, OBSERVED_ON, REMEDY, remedy_hint
+from faying.assessment.transient_error import (
+    EXACT,
+    LARGE,
+    OBSERVED,
+    OBSERVED_ON,
+    REMEDY,
+    remedy_hint,
+)
 from faying.study.jumps import Jump, jump_sentence
 from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results import FULL_MODEL
@@ -116,7 +123,11 @@ def _estimates(cases: Mapping[str, Any]) -> list[str]:
             errors[EXACT] = max(own, errors.get(EXACT, 0.0))
         if case.get("remedy") is not None:
             errors.setdefault(REMEDY, 0.0)
-        worst |= {method: max(error, worst.get(method, 0.0)) for method, error in errors.items()}
+        tolerated = case.get("tolerance") or LARGE
+        worst |= {
+            method: max(error / tolerated, worst.get(method, 0.0))
+            for method, error in errors.items()
+        }
     if said:
         low, high = OBSERVED
         said.append(f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}.)")

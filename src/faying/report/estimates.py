@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from faying.assessment.transient_error import EXACT, OBSERVED, OBSERVED_ON, REMEDY, remedy_hint
+from faying.assessment.transient_error import (
+    EXACT,
+    LARGE,
+    OBSERVED,
+    OBSERVED_ON,
+    REMEDY,
+    remedy_hint,
+)
 from faying.report.quantities import number, percent
 from faying.report.verdict import GOOD
 from faying.study.remedy import remedy_sentence, shapes_seconds
@@ -44,7 +51,7 @@ def estimate_note(results: Results) -> str:
 
 
 def _worst(results: Results) -> dict[str, float]:
-    """Return the largest estimated error of every method; 0 of those without an estimate."""
+    """Return the largest estimated error of every method over the tolerance; 0 without estimate."""
     worst: dict[str, float] = {}
     for case in results.cases.values():
         found = [
@@ -58,6 +65,7 @@ def _worst(results: Results) -> dict[str, float]:
             found.append((REMEDY, None))
         for name, estimate in found:
             error = 0.0 if estimate is None else estimate.max_relative_error
+            error /= case.tolerance or LARGE
             worst[name] = max(error, worst.get(name, 0.0))
     return worst
 

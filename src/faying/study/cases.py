@@ -1,7 +1,6 @@
 """Load cases of a run: solved by the full model and by every reduced one, and compared."""
 
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,11 +17,9 @@ from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.divided_steps import divided_steps
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static
-from faying.simulation.transient import solve_transient
+from faying.study.case_solution import solve_case
 from faying.study.checkpoint import Checkpoint
 from faying.study.comparison import accuracy, recovered_error, slip_errors
 from faying.study.extras import Extras
@@ -67,6 +64,7 @@ class CaseRunner:
     groups: Sequence[Mapping[str, FullTransient]]
     reference: Reference
     inertia: InertiaWhenNeeded
+    tolerance: float
     half_step: bool = True
 
     def solve(
@@ -122,7 +120,7 @@ class CaseRunner:
             reserve=reserve,
             reference_model=found.name,
             remedy=remedy,
-            tolerance=case.tolerance,
+            tolerance=self._tolerance(case) if case.transient else None,
             jumps=self._jumps(case),
             mesh_errors=self._mesh_errors(case, reference),
         )
@@ -175,19 +173,24 @@ class CaseRunner:
     ) -> Remedy | None:
         """Compare with inertia at the interface too, where the estimate asks for it."""
         first = methods.get(CURED, {}).get(0)
-        if first is None or not self.inertia.wanted(first.response):
+        if first is None or not self.inertia.wanted(first.response, self._tolerance(case)):
             return None
         result = self._compared(case, self.inertia.system, REMEDY, 0, reference, failures)
         if result is None:
             return None
         methods[REMEDY] = {0: result}
-        return remedy_of((CURED, first.response), (REMEDY, result.response))
+        taken = (REMEDY, result.response)
+        return remedy_of((CURED, first.response), taken, self._tolerance(case))
 
     def _jumps(self, case: LoadCaseSection) -> tuple[Jump, ...]:
         if not case.transient:
             return ()
         period = self.joint.period
         return tuple(load_jumps(case, step=time_step(case, period), period=period))
+
+    def _tolerance(self, case: LoadCaseSection) -> float:
+        """Return the largest estimated pressure error of a transient that is left as it is."""
+        return self.tolerance if case.tolerance is None else case.tolerance
 
     def _times(self, case: LoadCaseSection, refinement: int = 1) -> Matrix | None:
         if not case.transient:
@@ -260,12 +263,13 @@ class CaseRunner:
             self.reference.system,
             self.reference.name,
         )
-        if not self.inertia.wanted(first.response):
+        tolerance = self._tolerance(case)
+        if not self.inertia.wanted(first.response, tolerance):
             return first
         with self.extras.attempt(f"{case.name}, {REMEDY}"):
             system, label = self.inertia.system, f"{REMEDY}/0"
             response = self._response(case, system, label)
-            remedy = remedy_of((first.name, first.response), (REMEDY, response))
+            remedy = remedy_of((first.name, first.response), (REMEDY, response), tolerance)
             if remedy.helped:
                 return Solved(response, system, REMEDY, label, remedy)
             return replace(first, remedy=remedy)
@@ -339,43 +343,6 @@ class CaseRunner:
             arrays = self.checkpoint.bundle(response_key(case, label, refinement), compute)
         self.extras.repeat(arrays.get(FAILED, ()))
         return unpacked(arrays)
-
-
-def solve_case(
-    joint: PreparedJoint,
-    case: LoadCaseSection,
-    system: System,
-    progress: Callable[[int], object] | None = None,
-    refinement: int = 1,
-    initial: Solution | None = None,
-    like: Response | None = None,
-) -> tuple[Solution, float]:
-    """Solve a load case with one model; return how many seconds that took as well.
-
-    Transients start from ``initial``, where it is given: what has slipped before. Where steps are
-    chosen, they are those of ``like``, so that errors against it are not of the steps.
-    """
-    start, load = time.perf_counter(), case_load(case)
-    if case.kind == "static":
-        return solve_static(system, load), time.perf_counter() - start
-    step, duration = (of(case, joint.period) for of in (time_step, time_span))
-    scheme = integrator_of(case)
-    if case.tolerance is not None:
-        steps = None if like is None else like.substeps
-        solution = divided_steps(
-            system, step=step, tolerance=case.tolerance, integrator=scheme
-        ).solve(load, duration=duration, initial=initial, substeps=steps, progress=progress)
-    else:
-        solution = solve_transient(
-            system,
-            load,
-            step=step / refinement,
-            duration=duration,
-            integrator=scheme,
-            initial=initial,
-            progress=progress,
-        )
-    return solution, time.perf_counter() - start
 
 
 def _gained(what: str, response: Response) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from faying.assessment.transient_error import LARGE, REMEDY
+from faying.assessment.transient_error import REMEDY
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.attachment import attachment_modes
@@ -72,10 +72,10 @@ class InertiaWhenNeeded:
         """
         return self.models[REMEDY][0] if self.named else self._own
 
-    def wanted(self, response: Response) -> bool:
+    def wanted(self, response: Response, tolerance: float) -> bool:
         """Say whether the estimated error of a transient is too large to be left as it is."""
         estimate = response.estimate
-        return self.allowed and estimate is not None and estimate.max_relative_error > LARGE
+        return self.allowed and estimate is not None and estimate.max_relative_error > tolerance
 
     @cached_property
     def _own(self) -> ReducedModel:
@@ -85,9 +85,9 @@ class InertiaWhenNeeded:
             return projected(self.model, basis)
 
 
-def remedy_of(first: tuple[str, Response], taken: tuple[str, Response]) -> Remedy:
+def remedy_of(first: tuple[str, Response], taken: tuple[str, Response], tolerance: float) -> Remedy:
     """Return the record of a transient that was solved by one model and then by another."""
-    return Remedy(first=_tried(*first), taken=_tried(*taken), tolerance=LARGE)
+    return Remedy(first=_tried(*first), taken=_tried(*taken), tolerance=tolerance)
 
 
 def _tried(method: str, response: Response) -> Tried:

@@ -78,9 +78,10 @@ def remedy_sentence(case: str, remedy: Remedy, shapes: float = 0.0) -> str:
         if taken.estimate > remedy.tolerance:
             judged += ", still more than that" if remedy.helped else ", which is no better"
     once = f", and {shapes:.2g} s once for the shapes of the interface" if shapes else ""
+    mark = f"{100 * remedy.tolerance:.3g}%"
     return (
         f"{case}: the pressure error of {first.method} is estimated at {first.estimate:.2%} of the "
-        f"peak, more than {remedy.tolerance:.0%}; the case was solved again by {taken.method}, "
+        f"peak, more than {mark}; the case was solved again by {taken.method}, "
         f"whose error {judged}. That took {taken.seconds:.2g} s after {first.seconds:.2g} s{once}; "
         "[reduction] inertia = false leaves it out."
     )

@@ -174,7 +174,8 @@ class CaseResult:
     remedy
         Of transients: what was solved again with inertia at the interface, unasked.
     tolerance : [1]
-        Largest pressure error of time steps that the run chose.
+        Of transients: largest estimated pressure error of a method, and of time steps that the run
+        chose, that is left as it is.
     """
 
     name: str

@@ -192,12 +192,15 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
         },
     }
     if case.times is not None:
+        summary["tolerance"] = case.tolerance
         summary["jumps"] = [asdict(jump) for jump in case.jumps]
         choice = step_choice(case)
         summary["steps"] = None if choice is None else {**asdict(choice), "met": choice.met}
         summary["remedy"] = None if case.remedy is None else asdict(case.remedy)
     summary |= _slip(case)
     check = step_check(case)
+    if case.times is not None:
+        summary["step_check"] = _step_check(summary["steps"] is not None, check is not None)
     if check is not None:
         summary["half_step_max_pressure"] = check.half_peak
         summary["half_step"] = {
@@ -210,6 +213,13 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             summary["half_step"]["max_traction_change"] = check.slip.traction
             summary["half_step"]["dissipation_change"] = check.slip.dissipation
     return summary
+
+
+def _step_check(divided: bool, halved: bool) -> str | None:
+    """Name what tells whether time steps are fine enough; None where nothing does."""
+    if divided:
+        return "divided steps"
+    return "half step" if halved else None
 
 
 def _slip(case: CaseResult) -> dict[str, Any]:

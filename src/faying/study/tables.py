@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
+from faying.assessment.transient_error import LARGE
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
 from faying.study.errors import StudySource, refusal, shown
@@ -155,8 +156,11 @@ class ReductionSection(Section):
     joint_modes
         Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
         meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
+    transient_tolerance
+        Largest estimated pressure error of reduced transients over the peak that is left as it is,
+        of load cases without a tolerance of their own.
     inertia
-        Whether transients that ``compliance`` is estimated to get wrong are solved again by
+        Whether transients that ``compliance`` is estimated to get wrong by more are solved again by
         ``compliance+inertia``, which the study does not name.
     """
 
@@ -164,6 +168,7 @@ class ReductionSection(Section):
     joint_modes: JointModes = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
+    transient_tolerance: Positive = LARGE
     inertia: Switch = True
     training: TrainingSection = TrainingSection()
 
@@ -188,9 +193,6 @@ class ForceSection(Loading):
     value: Number | None = None
     file: ExistingFile | None = None
 
-
-DEFAULT_TOLERANCE = 0.03
-"""Pressure error over the peak that time steps chosen by a run may make."""
 
 DEFAULT_INSTANTS = 100
 """Instants of a longest period where a run chooses the time steps between them."""
@@ -239,8 +241,9 @@ class LoadCaseSection(Timed):
     step : [time]
         As of :class:`Timed`; ``"auto"`` in a file is kept as the tolerance.
     tolerance
-        Largest pressure error of the time steps over the peak, within which they are divided;
-        ``step`` and ``steps_per_period`` are then the distance of instants. None divides none.
+        Largest pressure error of the time steps over the peak, within which they are divided, and
+        of the reduction; ``step`` and ``steps_per_period`` are then the distance of instants. None
+        divides none.
     """
 
     name: Name
@@ -267,7 +270,7 @@ class LoadCaseSection(Timed):
         if not motion or data.get("step") != "auto":
             return data
         rest = {name: value for name, value in data.items() if name != "step"}
-        return {"tolerance": DEFAULT_TOLERANCE, "steps_per_period": DEFAULT_INSTANTS, **rest}
+        return {"tolerance": LARGE, "steps_per_period": DEFAULT_INSTANTS, **rest}
 
     @property
     def transient(self) -> bool:

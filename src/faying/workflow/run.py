@@ -112,6 +112,7 @@ def _computed(
             models=models,
             allowed=study.reduction.inertia,
         ),
+        tolerance=study.reduction.transient_tolerance,
         half_step=study.validation.half_step,
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
