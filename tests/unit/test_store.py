@@ -168,7 +168,7 @@ def test_format_of_another_version(tmp_path):
     write_results(RESULTS, tmp_path / "results.h5")
     with h5py.File(tmp_path / "results.h5", "r+") as file:
         file.attrs["format_version"] = 99
-    with pytest.raises(FormatError, match=r"format 99.*reads 1"):
+    with pytest.raises(FormatError, match=r"format 99.*reads 2; run the study again"):
         read_results(tmp_path / "results.h5")
 
 

@@ -125,7 +125,8 @@ def _check_header(file: h5py.File, kind: Format, path: Path) -> None:
     if version != kind.version:
         message = (
             f"{path} has {kind.name} format {str(version)[:60]}, this faying reads {kind.version}; "
-            f"use faying {file.attrs.get('faying', '')} or {kind.remedy}"
+            f"{kind.remedy}, or read it with the faying that wrote it "
+            f"({str(file.attrs.get('faying', 'version not said'))[:60]})"
         )
         raise FormatError(message)
 
