@@ -260,7 +260,7 @@ class _Systems:
                 N=self.space.N[:, pairs], S=self.space.S.principal(pairs), D=self.space.D
             )
             last = self.few["pairs"] = (touched, few)
-        return last[1].closing(-right, active)[0]
+        return last[1].closing(-right, active)
 
     def _conjugate_gradients(self, right: Vector, active: Mask, allowed: float) -> Vector:
         """Solve H_AA x = b to ‖r‖_∞ ≤ allowed; x vanishes off the active points."""

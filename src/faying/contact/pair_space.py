@@ -11,7 +11,7 @@ active point carry force: four Gauss points a facet make the matrix four times s
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, final
+from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -20,13 +20,17 @@ import scipy.sparse.linalg as spla
 from scipy.linalg import lapack
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.active_set import ROUND_OFF
+from faying.contact.active_set import ROUND_OFF, largest
+from faying.contact.padded_rows import PaddedRows
 
 SINGULAR_SPRINGS = 1e-12
 """Added to the diagonal of B, relative: it is singular where a facet has one active point."""
 
 ROW_BLOCK = 1024
 """Contact points whose rows of H exist at once."""
+
+DOUBT = 1e-11
+"""Gaps of the wrong sign beyond this fraction of the largest |g_free| are no round-off of S r."""
 
 
 @final
@@ -68,24 +72,33 @@ class PairSpace:
         return PairSpace(N=self.N, S=self.S, D=self.D + delta)
 
     def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
-        """Return the forces that close the active gaps, and the slack of all points."""
+        """Return the forces that close the active gaps, and the slack of all points.
+
+        Where some sign is wrong beyond doubt these forces are not the last, and come from y = S r.
+        """
         if not active.any():
             return np.zeros_like(g_free), g_free.copy()
         if not (self.D[active] > 0).all():
             message = "hard contact: the pair space needs a penalty"
             raise la.LinAlgError(message)
-        forces, pairs = self.closing(g_free, active)
+        springs = self._springs(active)
+        pressed = -(self._transposed @ (springs.stiffness * g_free))
+        pairs = springs.pair_forces(self.S, pressed)
         slack = self.N @ (self.S @ pairs) + g_free
+        doubt = DOUBT * largest(g_free)
+        if np.where(active, slack > doubt, slack < -doubt).any():
+            forces = -springs.stiffness * slack
+        else:
+            moved = springs.displacements(pressed - pairs)
+            forces = -springs.stiffness * (self.N @ moved + g_free)
         slack[active] = 0.0
         return forces, slack
 
-    def closing(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
-        """Return the forces at the points and at the pairs that close the active gaps."""
-        pressed = np.where(active, g_free, 0.0)[active, None]
-        points, pairs = self._closed(pressed, active)
+    def closing(self, g_free: Vector, active: Mask) -> Vector:
+        """Return the forces at all points that close the active gaps."""
         forces = np.zeros_like(g_free)
-        forces[active] = points[:, 0]
-        return forces, pairs[:, 0]
+        forces[active] = self._closed(g_free[active, None], active)[:, 0]
+        return forces
 
     def solve_active(self, right: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""
@@ -93,65 +106,80 @@ class PairSpace:
             rows = self.N[np.flatnonzero(active)]
             block = rows @ (rows @ self.S).T + np.diag(self.D[active])
             return np.asarray(la.lstsq(block, right)[0])
-        return self._closed(-right, active)[0]
+        return self._closed(-right, active)
 
-    def _closed(self, gaps: Matrix, active: Mask) -> tuple[Matrix, Matrix]:
-        """Return forces (n_active, k) and pair forces (n_pair, k) that close gaps (n_active, k).
+    def _closed(self, gaps: Matrix, active: Mask) -> Matrix:
+        """Return the forces (n_active, k) that close gaps (n_active, k)."""
+        springs, rows = self._springs(active), self.N[np.flatnonzero(active)]
+        own = springs.stiffness[active][:, None]
+        pressed = -(rows.T @ (gaps * own))
+        moved = springs.displacements(pressed - springs.pair_forces(self.S, pressed))
+        forces: Matrix = -own * (gaps + rows @ moved)
+        return forces
 
-        Displacements y of the pairs come from B y = b − r rather than y = S r, which loses as many
-        digits as the structure is softer than the penalty.
-        """
-        springs = _assemble(self, active)
-        touched, D = springs.touched, self.D[active][:, None]
-        pressed = -(springs.rows.T @ (gaps / D))
-        pairs = np.zeros_like(pressed)
-        pairs[touched] = _solved(springs, self.S, pressed[touched])
-        moved = springs.solve(pressed - pairs)
-        forces: Matrix = -(gaps + springs.rows @ moved) / D
-        return forces, pairs
+    @cached_property
+    def _transposed(self) -> SparseMatrix:
+        return self.N.T.tocsr()
+
+    @cached_property
+    def _spring_pattern(self) -> tuple[Indices, Indices, SparseMatrix]:
+        """Rows and columns of the entries of NᵀN, and the entries per point (n_entry, n_point)."""
+        rows = PaddedRows.of(self.N)
+        products = rows.values[:, :, None] * rows.values[:, None, :]
+        places = rows.columns[:, :, None] * rows.n_column + rows.columns[:, None, :]
+        points, first, second = products.nonzero()
+        filled, entry = np.unique(places[points, first, second], return_inverse=True)
+        shape = (len(filled), len(self.D))
+        each = sp.csr_array((products[points, first, second], (entry, points)), shape=shape)
+        return filled // rows.n_column, filled % rows.n_column, each
+
+    def _springs(self, active: Mask) -> "_Springs":
+        """Assemble the springs of the active points."""
+        rows, columns, each = self._spring_pattern
+        stiffness = np.divide(active, self.D, out=np.zeros_like(self.D), where=active)
+        n = self.N.shape[1]
+        starts = np.searchsorted(rows, np.arange(n + 1))
+        B = sp.csr_array((each @ stiffness, columns, starts), shape=(n, n))
+        return _Springs(stiffness=stiffness, B=B, touched=np.flatnonzero(B.diagonal()))
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Springs:
-    """Rows N_A and B of the active points, and the factors of B at the pairs they touch."""
+    """Springs of the active points: D⁻¹, zero elsewhere, B, and the pairs they touch."""
 
-    rows: SparseMatrix
-    touched: Indices
+    stiffness: Vector
     B: SparseMatrix
-    factor: Any
+    touched: Indices
 
-    def solve(self, right: Matrix) -> Matrix:
-        """Return a y with B y = b; what of y no active point feels is arbitrary."""
+    def pair_forces(self, S: Matrix, pressed: Matrix) -> Matrix:
+        """Solve (I + B S) r = b; forces of pairs that no spring touches vanish."""
+        at = self.touched
+        matrix = self.B[at] @ S.take(at, axis=1)
+        matrix.flat[:: len(at) + 1] += 1.0
+        # LAPACK works in column order: it factorizes the transpose in place.
+        lu, pivots, failed = lapack.dgetrf(matrix.T, overwrite_a=1)
+        if failed:
+            message = "singular active block"
+            raise la.LinAlgError(message)
+        forces = np.zeros_like(pressed)
+        forces[at] = lapack.dgetrs(lu, pivots, pressed[at], trans=1)[0]
+        return forces
+
+    def displacements(self, right: Matrix) -> Matrix:
+        """Return a y with B y = b; what of y no active point feels is arbitrary.
+
+        It keeps the digits that y = S r loses, as many as the structure is softer than the penalty.
+        """
+        at = self.touched
+        own = self.B[at][:, at]
+        factor = spla.splu(
+            sp.csc_array(own + SINGULAR_SPRINGS * sp.diags_array(own.diagonal())),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
         result = np.zeros_like(right)
         for _ in range(2):
-            result[self.touched] += self.factor.solve((right - self.B @ result)[self.touched])
+            result[at] += factor.solve((right - self.B @ result)[at])
         return result
-
-
-def _assemble(space: PairSpace, active: Mask) -> _Springs:
-    rows = space.N[np.flatnonzero(active)]
-    touched = np.unique(rows.indices)
-    B = (rows.T @ (rows / space.D[active][:, None])).tocsr()
-    own = B[touched][:, touched]
-    regular = own + SINGULAR_SPRINGS * sp.diags_array(own.diagonal())
-    factor = spla.splu(
-        sp.csc_array(regular),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    return _Springs(rows=rows, touched=touched, B=B, factor=factor)
-
-
-def _solved(springs: _Springs, S: Matrix, right: Matrix) -> Matrix:
-    """Solve (I + B S) r = b at the touched pairs."""
-    at = springs.touched
-    matrix = springs.B[at][:, at] @ S[np.ix_(at, at)]
-    matrix[np.diag_indices_from(matrix)] += 1.0
-    # LAPACK works in column order: it factorizes the transpose in place.
-    lu, pivots, failed = lapack.dgetrf(matrix.T, overwrite_a=1)
-    if failed:
-        message = "singular active block"
-        raise la.LinAlgError(message)
-    return np.asarray(lapack.dgetrs(lu, pivots, right, trans=1)[0])
