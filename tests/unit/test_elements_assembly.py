@@ -187,6 +187,28 @@ def test_massless_structure_has_zero_mass():
     assert not found.inertia.any()
 
 
+@pytest.mark.parametrize("kind", list(SOLIDS))
+def test_mass_properties_are_those_of_the_mass_matrix(kind):
+    rng = np.random.default_rng(1)
+    mesh = one_cell(kind, lambda nodes: 3 + nodes + rng.uniform(-0.05, 0.05, nodes.shape))
+    beam = Beam(
+        id=3,
+        nodes=(0, 1),
+        property=1,
+        material=STEEL,
+        section=BeamSection(area=2.0, inertia_y=0.1, inertia_z=0.3, torsion=0.4),
+        orientation=(0.3, 0.5, 1.0),
+    )
+    masses = (PointMass(id=1, node=1, mass=2e-9),)
+    assembly = assembly_of(mesh, beams=(beam,), masses=masses)
+    found = mass_properties(assembly)
+    expected = rigid_body_mass(assemble_matrices(assembly).M, mesh.nodes)
+    # Sums of some dozens of numbers in another order.
+    assert found.mass == pytest.approx(expected.mass, rel=1e-14)
+    np.testing.assert_allclose(found.centre, expected.centre, rtol=1e-14)
+    np.testing.assert_allclose(found.inertia, expected.inertia, atol=1e-13 * expected.inertia.max())
+
+
 def test_inertia_far_from_the_origin_keeps_its_digits():
     near, far = (one_cell("hex8", lambda n, s=s: n + s) for s in (0.0, 1e4))
     inertia = [

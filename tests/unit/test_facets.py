@@ -14,6 +14,7 @@ from faying.interface.facets import (
     shape_gradients,
     surface,
 )
+from faying.model.surface import unique_rows
 
 KINDS = ("tri3", "tri6", "quad4", "quad8")
 AREA = {"tri3": 0.5, "tri6": 0.5, "quad4": 1.0, "quad8": 1.0}
@@ -163,3 +164,16 @@ def test_the_area_of_a_curved_facet_is_that_of_the_interpolated_surface(kind):
     # straight facets lose 1e-2.
     assert own == pytest.approx(finest, rel=2e-7)
     assert abs(chords - finest) > 5e-3
+
+
+@pytest.mark.parametrize("span", [2, 10**3, 10**6, 2**62], ids=["2", "1e3", "1e6", "2**62"])
+def test_rows_are_grouped_in_their_order_whatever_their_range(span):
+    rng = np.random.default_rng(0)
+    rows = rng.integers(-span // 2, span // 2, (60, 4))[rng.integers(0, 60, 200)]
+    rows[::3, 3] = -1
+    found = unique_rows(rows)
+    expected = np.unique(rows, axis=0, return_index=True, return_inverse=True, return_counts=True)
+    for one, other in zip(found, expected[1:], strict=True):
+        np.testing.assert_array_equal(one, other.ravel())
+    for nothing in unique_rows(np.zeros((0, 4), dtype=np.int64)):
+        assert not len(nothing)

@@ -1,11 +1,13 @@
 """Bodies: the parts of a mesh that share no node."""
 
+from functools import lru_cache
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices
-from faying.model.mesh import Mesh
+from faying.model.mesh import CellBlock, Mesh
 
 
 def bodies(mesh: Mesh) -> Indices:
@@ -23,23 +25,32 @@ def bodies(mesh: Mesh) -> Indices:
 
     Notes
     -----
-    Linear in the number of cells.
+    Linear in the number of cells, once for meshes of the same cells.
     """
-    n_node = len(mesh.nodes)
-    first = [np.repeat(b.nodes[:, 0], b.nodes.shape[1]) for b in mesh.blocks]
-    other = [b.nodes.ravel() for b in mesh.blocks]
-    labels = np.full(n_node, -1, dtype=np.int64)
-    if not other:
+    return labelled(mesh.blocks, len(mesh.nodes))
+
+
+@lru_cache(maxsize=1)
+def labelled(blocks: tuple[CellBlock, ...], n_node: int) -> Indices:
+    """Label the nodes (n_node,) of cells as :func:`bodies`."""
+    labels: Indices = np.full(n_node, -1, dtype=np.int64)
+    if not blocks:
+        labels.setflags(write=False)
         return labels
+    first = [np.repeat(b.nodes[:, 0], b.nodes.shape[1] - 1) for b in blocks]
+    other = [b.nodes[:, 1:].ravel() for b in blocks]
     rows, columns = np.concatenate(first), np.concatenate(other)
     ones = np.ones(len(rows), dtype=np.int8)
     graph = sp.csr_array((ones, (rows, columns)), shape=(n_node, n_node))
     _, component = connected_components(graph, directed=False)
-    solid = np.unique(columns)
+    solid = np.zeros(n_node, dtype=bool)
+    for block in blocks:
+        solid[block.nodes] = True
     _, lowest, inverse = np.unique(component[solid], return_index=True, return_inverse=True)
     rank = np.empty(len(lowest), dtype=np.int64)
     rank[np.argsort(lowest)] = np.arange(len(lowest))
     labels[solid] = rank[inverse]
+    labels.setflags(write=False)
     return labels
 
 
@@ -47,9 +58,14 @@ def body_names(mesh: Mesh) -> list[str]:
     """Name each body by the last element set that is the whole of it, else ``"body 0"``, …."""
     labels = bodies(mesh)
     names = [f"body {number}" for number in range(int(labels.max(initial=-1)) + 1)]
-    for name, ids in mesh.element_sets.items():
-        nodes = mesh.element_nodes(ids)
-        inside = np.unique(labels[nodes])
-        if len(inside) == 1 and np.count_nonzero(labels == inside[0]) == len(nodes):
+    ids = mesh.element_ids
+    order = np.argsort(ids, kind="stable")
+    owner = np.concatenate([labels[:0], *(labels[block.nodes[:, 0]] for block in mesh.blocks)])
+    for name, members in mesh.element_sets.items():
+        place = order[np.minimum(np.searchsorted(ids, members, sorter=order), len(ids) - 1)]
+        inside = owner[place[ids[place] == members]]
+        if not len(inside) or inside.min() != inside.max():
+            continue
+        if np.count_nonzero(labels == inside[0]) == len(mesh.element_nodes(members)):
             names[int(inside[0])] = name
     return names

@@ -10,7 +10,7 @@ from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, 
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material, MatrixBlock
 from faying.model.elastic_law import isotropic_law, tensor
-from faying.model.elements import SolidElement, block_element
+from faying.model.elements import block_element
 from faying.model.elements.beam import beam_matrices
 from faying.model.elements.bush import bush_matrices
 from faying.model.elements.geometry import check_shapes
@@ -19,6 +19,7 @@ from faying.model.elements.stiffness import stiffness_blocks
 from faying.model.mesh import CellBlock
 from faying.model.node_pairs import NodePairs
 from faying.model.shell_matrices import shell_matrices
+from faying.model.solid_cells import check_nodes, mass_moments, materials_of
 
 # Numbers in one temporary array of a batch: small enough for the processor's cache.
 _BATCH_NUMBERS = 2**18
@@ -112,8 +113,8 @@ def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
         forces = forces + (placed @ motion.ravel()).reshape(-1, 6)
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
-        _check_nodes(block, element, len(motion))
-        materials, which = _materials(assembly, block)
+        check_nodes(block, element, len(motion))
+        materials, which = materials_of(assembly, block)
         density = np.array([m.density for m in materials])[which]
         for part in _batches(len(block.ids), 3 * element.n_nodes):
             cells = block.nodes[part]
@@ -149,14 +150,29 @@ def used_components(assembly: Assembly) -> Mask:
 
 
 def mass_properties(assembly: Assembly) -> MassProperties:
-    """Return mass, centre of mass and inertia of an assembly, from its mass matrix by rᵀ M r.
+    """Return mass, centre of mass and inertia of an assembly: rᵀ M r, without the mass matrix.
 
     Raises
     ------
     ModelError
-        As :func:`assemble_matrices`.
+        As :func:`assemble_matrices`, shapes of elements excepted.
     """
-    return rigid_body_mass(assemble_matrices(assembly).M, assembly.mesh.nodes)
+    nodes = assembly.mesh.nodes
+    origin = _middle(nodes)
+    total, first, second = mass_moments(assembly, origin)
+    rigid = np.zeros((6, 6))
+    rigid[:3, :3] = total * np.eye(3)
+    x, y, z = first
+    rigid[3:, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
+    rigid[:3, 3:] = rigid[3:, :3].T
+    rigid[3:, 3:] = np.trace(second) * np.eye(3) - second
+    other = _discrete_matrices(assembly)[0]
+    if assembly.matrices is not None:
+        other = other + _placed(assembly.matrices, assembly.matrices.M, "M", len(nodes))
+    if other.nnz:
+        motion = rigid_body_motions(nodes, origin)
+        rigid += motion.T @ (other @ motion)
+    return _mass_properties(rigid, origin)
 
 
 def rigid_body_mass(M: SparseMatrix, nodes: Matrix) -> MassProperties:
@@ -167,11 +183,21 @@ def rigid_body_mass(M: SparseMatrix, nodes: Matrix) -> MassProperties:
     M : (6 n_node, 6 n_node) sparse
     nodes : (n_node, 3) [length]
     """
-    # About the mean of the nodes, because far from the origin the centre's share m r² would bury
-    # the inertia in rounding.
-    origin = nodes.mean(axis=0) if len(nodes) else np.zeros(3)
+    origin = _middle(nodes)
     motion = rigid_body_motions(nodes, origin)
-    rigid = np.asarray(motion.T @ (M @ motion))
+    return _mass_properties(np.asarray(motion.T @ (M @ motion)), origin)
+
+
+def _middle(nodes: Matrix) -> Vector:
+    """Return the mean of the nodes.
+
+    Far from the origin the centre's share m r² would bury the inertia in rounding.
+    """
+    return np.asarray(nodes.mean(axis=0)) if len(nodes) else np.zeros(3)
+
+
+def _mass_properties(rigid: Matrix, origin: Vector) -> MassProperties:
+    """Return the mass about its centre, given rᵀ M r (6, 6) of the motions about an origin."""
     rigid = 0.5 * (rigid + rigid.T)
     mass = float(np.trace(rigid[:3, :3])) / 3
     if mass <= 0:
@@ -197,8 +223,8 @@ def rigid_body_motions(nodes: Matrix, origin: Vector) -> Matrix:
 def _solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, SparseMatrix]:
     element = block_element(block, assembly.element)
     n_node = len(assembly.mesh.nodes)
-    _check_nodes(block, element, n_node)
-    materials, which = _materials(assembly, block)
+    check_nodes(block, element, n_node)
+    materials, which = materials_of(assembly, block)
     youngs = np.array([m.youngs_modulus for m in materials])[which]
     poisson = np.array([m.poissons_ratio for m in materials])[which]
     density = np.array([m.density for m in materials])[which]
@@ -233,37 +259,6 @@ def _tensors(materials: Sequence[Material]) -> Matrix | None:
 def _batches(n_cell: int, n_dof: int) -> Iterator[slice]:
     size = max(1, _BATCH_NUMBERS // n_dof**2)
     return (slice(start, min(start + size, n_cell)) for start in range(0, n_cell, size))
-
-
-def _check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
-    if block.nodes.ndim != 2 or block.nodes.shape[1] != element.n_nodes:
-        message = (
-            f"a block of {block.kind} elements has nodes of shape {block.nodes.shape}; "
-            f"each element needs {element.n_nodes} nodes"
-        )
-        raise ModelError(message)
-    outside = (block.nodes < 0) | (block.nodes >= n_node)
-    if outside.any():
-        cell, position = np.argwhere(outside)[0]
-        message = (
-            f"element {block.ids[cell]} ({block.kind}) uses node index "
-            f"{block.nodes[cell, position]}; the mesh has {n_node} nodes, counted from 0"
-        )
-        raise ModelError(message)
-
-
-def _materials(assembly: Assembly, block: CellBlock) -> tuple[list[Material], Indices]:
-    """Return the materials of a block and which of them each element has."""
-    properties, which = np.unique(block.properties, return_inverse=True)
-    for position, number in enumerate(properties.tolist()):
-        if number not in assembly.materials:
-            culprit = block.ids[int(np.argmax(which == position))]
-            message = (
-                f"property {number} (of element {culprit}, {block.kind}) has no material; give "
-                "E, nu and rho in the deck or in a [material] table of the study"
-            )
-            raise ModelError(message)
-    return [assembly.materials[number] for number in properties.tolist()], which
 
 
 def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:

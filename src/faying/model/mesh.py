@@ -95,8 +95,10 @@ class Mesh:
 
     def element_nodes(self, element_ids: Indices) -> Indices:
         """Return the indices of the nodes of solid elements given by id, each once, sorted."""
-        parts = [b.nodes[np.isin(b.ids, element_ids)].ravel() for b in self.blocks]
-        return np.unique(_joined(parts))
+        used = np.zeros(len(self.nodes), dtype=bool)
+        for block in self.blocks:
+            used[block.nodes[np.isin(block.ids, element_ids)]] = True
+        return np.flatnonzero(used)
 
     def node_index(self, node_ids: Indices) -> Indices:
         """Return the indices of nodes given by id.

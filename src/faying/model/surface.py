@@ -1,15 +1,16 @@
 """The surface of the solids: facets that belong to one element only, and whose they are."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, frozen
 from faying.exceptions import ModelError
 from faying.model.assembly import FaceSet
-from faying.model.bodies import bodies
+from faying.model.bodies import labelled
 from faying.model.elements import SOLIDS
-from faying.model.mesh import Mesh
+from faying.model.mesh import CellBlock, Mesh
 
 N_NODES = {"tri3": 3, "quad4": 4, "tri6": 6, "quad8": 8}
 """Nodes of each facet kind; the numbers differ, so they also tell the kind."""
@@ -129,30 +130,40 @@ def exterior_facets(mesh: Mesh) -> Facets:
 
     Notes
     -----
-    One sort of all facets of the mesh.
+    One sort of all facets of the mesh, once for meshes of the same cells.
     """
-    tables, elements, properties = [], [], []
-    for block in mesh.blocks:
+    return _exterior(mesh.blocks, len(mesh.nodes))
+
+
+@lru_cache(maxsize=1)
+def _exterior(blocks: tuple[CellBlock, ...], n_node: int) -> Facets:
+    keys, kinds = [np.empty((0, 4), dtype=np.int64)], []
+    for block in blocks:
         if block.kind not in SOLIDS:
             message = f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
             raise ModelError(message)
         for _, local in SOLIDS[block.kind].faces:
-            tables.append(padded(block.nodes[:, list(local)]))
-            elements.append(block.ids)
-            properties.append(block.properties)
-    if not tables:
-        nothing = np.empty(0, dtype=np.int64)
-        empty = np.empty((0, WIDTH), dtype=np.int64)
-        return Facets(nodes=empty, elements=nothing, properties=nothing, bodies=nothing)
+            corners = list(local[: 4 if len(local) in (4, 8) else 3])
+            key = np.full((len(block.ids), 4), -1, dtype=np.int64)
+            key[:, : len(corners)] = block.nodes[:, corners]
+            key.sort(axis=1)
+            keys.append(key)
+            kinds.append((block, list(local)))
+    _, inverse, counts = unique_rows(np.concatenate(keys))
+    alone = np.split(counts[inverse] == 1, np.cumsum([len(key) for key in keys])[1:-1])
+    tables, elements, properties = [np.empty((0, WIDTH), dtype=np.int64)], [], []
+    for (block, columns), chosen in zip(kinds, alone, strict=True) if kinds else ():
+        tables.append(padded(block.nodes[chosen][:, columns]))
+        elements.append(block.ids[chosen])
+        properties.append(block.properties[chosen])
     nodes = np.concatenate(tables)
-    facets = Facets(
+    nothing = np.empty(0, dtype=np.int64)
+    return Facets(
         nodes=nodes,
-        elements=np.concatenate(elements),
-        properties=np.concatenate(properties),
-        bodies=bodies(mesh)[nodes[:, 0]],
+        elements=np.concatenate([nothing, *elements]),
+        properties=np.concatenate([nothing, *properties]),
+        bodies=labelled(blocks, n_node)[nodes[:, 0]],
     )
-    _, inverse, counts = unique_rows(facets.corner_keys)
-    return facets.taken(counts[inverse] == 1)
 
 
 def exterior_faces(mesh: Mesh) -> tuple[FaceSet, ...]:
@@ -164,11 +175,36 @@ def exterior_faces(mesh: Mesh) -> tuple[FaceSet, ...]:
 
 
 def unique_rows(rows: Indices) -> tuple[Indices, Indices, Indices]:
-    """Return the first position of each distinct row, each row's group, and the group sizes."""
-    _, first, inverse, counts = np.unique(
-        rows, axis=0, return_index=True, return_inverse=True, return_counts=True
-    )
-    return first, inverse.ravel(), counts
+    """Return the first position of each distinct row, each row's group, and the group sizes.
+
+    Groups are in the order of their rows, the first column first.
+    """
+    keys = _packed(rows)
+    order = np.lexsort(keys[::-1])
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = np.any([np.diff(key[order]) != 0 for key in keys], axis=0)
+    inverse = np.empty(len(rows), dtype=np.int64)
+    inverse[order] = np.cumsum(new) - 1
+    start = np.flatnonzero(new)
+    return order[start], inverse, np.diff(start, append=len(rows))
+
+
+def _packed(rows: Indices) -> list[Indices]:
+    """Return as few whole numbers for each row as order the rows as their columns do."""
+    if not rows.size:
+        return [np.zeros(len(rows), dtype=np.int64)]
+    keys: list[Indices] = []
+    room = 0
+    for column in rows.T:
+        low, high = int(column.min()), int(column.max())
+        span = high - low + 1
+        if span <= room:
+            keys[-1] = keys[-1] * span + (column - low)
+            room //= span
+        else:
+            keys.append(column - low)
+            room = np.iinfo(np.int64).max // span
+    return keys
 
 
 def facet_centres(nodes: Matrix, facets: Facets) -> Matrix:

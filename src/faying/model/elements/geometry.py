@@ -49,6 +49,26 @@ def determinants(jacobian: Matrix, cofactor: Matrix) -> Matrix:
     return result
 
 
+def volume_factors(gradients: Matrix, coordinates: Matrix) -> Matrix:
+    """Return det(J) (n_quad, n_cell) alone, a third of the work of :func:`cofactors`.
+
+    Parameters
+    ----------
+    gradients : (n_quad, 3, n_node)
+    coordinates : (n_cell, n_node, 3)
+    """
+    n_quad, _, n_node = gradients.shape
+    flat = gradients.reshape(3 * n_quad, n_node)
+    x, y, z = (
+        np.moveaxis((flat @ coordinates[:, :, axis].T).reshape(n_quad, 3, -1), 1, 0)
+        for axis in range(3)
+    )
+    result: Matrix = x[0] * (y[1] * z[2] - z[1] * y[2])
+    result += y[0] * (z[1] * x[2] - x[1] * z[2])
+    result += z[0] * (x[1] * y[2] - y[1] * x[2])
+    return result
+
+
 def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> None:
     """Refuse elements whose mapping is singular or inverted.
 
@@ -72,10 +92,9 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
     }
     extent = np.ptp(coordinates, axis=1).max(axis=1)
     for place, gradients in places.items():
-        jacobian = jacobians(gradients, coordinates)
-        determinant = determinants(jacobian, cofactors(jacobian))
-        least = np.maximum(COLLAPSED * np.abs(determinant).max(axis=1), FLAT * extent**3)
-        _check_above(least, determinant.min(axis=1), element, ids, place)
+        determinant = volume_factors(gradients, coordinates)
+        least = np.maximum(COLLAPSED * np.abs(determinant).max(axis=0), FLAT * extent**3)
+        _check_above(least, determinant.min(axis=0), element, ids, place)
 
 
 def _check_above(

@@ -4,7 +4,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
 from faying.model.elements import SOLIDS
-from faying.model.elements.geometry import cofactors, determinants, jacobians
+from faying.model.elements.geometry import volume_factors
 from faying.model.elements.solid_element import SolidElement, corner_gradients
 
 
@@ -26,9 +26,8 @@ def right_side_out(kind: str, nodes: Indices, coordinates: Matrix) -> tuple[Indi
     """
     element = SOLIDS[kind]
     with np.errstate(over="ignore", invalid="ignore"):
-        jacobian = jacobians(corner_gradients(element), coordinates)
-        determinant = determinants(jacobian, cofactors(jacobian))
-    turned: Mask = np.asarray((determinant < 0).all(axis=1))
+        determinant = volume_factors(corner_gradients(element), coordinates)
+    turned: Mask = np.asarray((determinant < 0).all(axis=0))
     if not turned.any():
         return nodes, turned
     return np.where(turned[:, None], nodes[:, _mirrored(element)], nodes), turned

@@ -1,0 +1,93 @@
+"""Cells of solids without their matrices: what is checked of them, and their rigid-body mass."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Material
+from faying.model.elements import SolidElement, block_element
+from faying.model.elements.geometry import volume_factors
+from faying.model.elements.solid_element import mass_tables
+from faying.model.mesh import CellBlock
+
+# Cells of a batch whose few numbers at a point fill the processor's cache.
+_CELLS = 2048
+
+
+def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], Indices]:
+    """Return the materials of a block and which of them each element has.
+
+    Raises
+    ------
+    ModelError
+        If a property has none.
+    """
+    properties, which = np.unique(block.properties, return_inverse=True)
+    for position, number in enumerate(properties.tolist()):
+        if number not in assembly.materials:
+            culprit = block.ids[int(np.argmax(which == position))]
+            message = (
+                f"property {number} (of element {culprit}, {block.kind}) has no material; give "
+                "E, nu and rho in the deck or in a [material] table of the study"
+            )
+            raise ModelError(message)
+    return [assembly.materials[number] for number in properties.tolist()], which
+
+
+def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
+    """Refuse cells that have not the nodes of their element.
+
+    Raises
+    ------
+    ModelError
+        Naming one of them.
+    """
+    if block.nodes.ndim != 2 or block.nodes.shape[1] != element.n_nodes:
+        message = (
+            f"a block of {block.kind} elements has nodes of shape {block.nodes.shape}; "
+            f"each element needs {element.n_nodes} nodes"
+        )
+        raise ModelError(message)
+    if block.nodes.min(initial=0) < 0 or block.nodes.max(initial=-1) >= n_node:
+        outside = (block.nodes < 0) | (block.nodes >= n_node)
+        cell, position = np.argwhere(outside)[0]
+        message = (
+            f"element {block.ids[cell]} ({block.kind}) uses node index "
+            f"{block.nodes[cell, position]}; the mesh has {n_node} nodes, counted from 0"
+        )
+        raise ModelError(message)
+
+
+def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Matrix]:
+    """Return ∫ρ dV, ∫ρ x dV (3,) and ∫ρ x xᵀ dV (3, 3) of all solids, x from an origin.
+
+    Integrated as the mass matrix is, so it is that matrix's share at rigid motions.
+
+    Raises
+    ------
+    ModelError
+        As :func:`faying.model.matrices.assemble_matrices`, shapes of elements excepted.
+    """
+    moments = np.zeros((4, 4))
+    for block in assembly.mesh.blocks:
+        element = block_element(block, assembly.element)
+        check_nodes(block, element, len(assembly.mesh.nodes))
+        materials, which = materials_of(assembly, block)
+        density = np.array([m.density for m in materials])[which]
+        values, gradients = mass_tables(element)
+        weights = element.mass_quadrature().weights
+        for part in _batches(len(block.ids)):
+            coordinates = assembly.mesh.nodes[block.nodes[part]] - origin
+            masses = weights[:, None] * volume_factors(gradients, coordinates) * density[part]
+            points = np.ones((4, *masses.shape))
+            for axis in range(3):
+                points[1 + axis] = values @ coordinates[:, :, axis].T
+            flat = points.reshape(4, -1)
+            moments += (flat * masses.ravel()) @ flat.T
+    return float(moments[0, 0]), moments[0, 1:], moments[1:, 1:]
+
+
+def _batches(n_cell: int) -> Iterator[slice]:
+    return (slice(start, start + _CELLS) for start in range(0, n_cell, _CELLS))
