@@ -253,6 +253,60 @@ def test_table_over_time_is_a_history(rom, tmp_path):
     assert read_loads(folder / "one.csv", rom).transients[0].step == pytest.approx(1e-4)
 
 
+@pytest.mark.parametrize(
+    ("times", "step"),
+    [
+        (np.linspace(0, 1, 100_001)[1:], 1e-5),  # begins after the first interval
+        (np.round(np.arange(0, 501) * (1 / 30), 6), 1 / 30),  # of few digits
+        (np.array([0.0, 1.0, 2.5, 4.0]), 1.0),
+        (np.array([0.0, 1.0, 2.5]), 2.5 / 3),  # whole steps end with the table
+    ],
+)
+def test_steps_are_the_intervals_of_a_table(rom, tmp_path, times, step):
+    rows = [f"{time!r},{time!r}" for time in times.tolist()]
+    (tmp_path / "ride.csv").write_text("\n".join(["time,tip.Fz", *rows]))
+    one = read_loads(tmp_path / "ride.csv", rom).transients[0]
+    assert one.step == pytest.approx(step, rel=1e-6)  # six digits are written
+    assert one.duration / one.step == pytest.approx(round(one.duration / one.step), rel=1e-12)
+
+
+@pytest.mark.parametrize("stopped", ["transient jump 2", "transient jump stand", "fields"])
+def test_interrupted_transient_goes_on_in_its_middle(rom, tmp_path, monkeypatch, stopped):
+    """Stopped before a piece is kept, between it and where the motion stands, and at the end."""
+    monkeypatch.setattr(solve_cases, "MOST", 3)
+    (tmp_path / "jump.toml").write_text(LOADS)
+    every = read_loads(tmp_path / "jump.toml", rom)
+    loads = replace(every, names=(), inputs=every.inputs[:0])
+    solve_loads(rom, loads, tmp_path / "whole")
+    put, seen, kept = Checkpoint.put, [], []
+
+    def stopping(self, key, arrays):
+        seen.append(key)
+        if stopped == key and seen.count(key) == (2 if key.endswith("stand") else 1):
+            raise KeyboardInterrupt
+        put(self, key, arrays)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Checkpoint, "put", stopping)
+        if stopped == "fields":
+            patch.setattr("faying.workflow.solve.write_solved", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            solve_loads(rom, loads, tmp_path / "part")
+    monkeypatch.setattr(
+        Checkpoint, "put", lambda self, key, arrays: (kept.append(key), put(self, key, arrays))
+    )
+    solve_loads(rom, loads, tmp_path / "part", resume=True)
+    again = [key for key in kept if not key.endswith(("stand", "end"))]
+    first = {"transient jump 2": 2, "transient jump stand": 1, "fields": 4}[stopped]
+    assert again == [f"transient jump {number}" for number in range(first, 4)]
+    texts = [(tmp_path / name / "history_jump.csv").read_text() for name in ("part", "whole")]
+    assert texts[0] == texts[1]  # to the bit
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
+
+
 def test_long_transients_are_solved_in_pieces(rom, tmp_path, monkeypatch):
     (tmp_path / "jump.toml").write_text(LOADS)
     loads = replace(read_loads(tmp_path / "jump.toml", rom), names=())

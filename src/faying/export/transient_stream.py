@@ -1,7 +1,6 @@
 """Long transients, written to HDF5 as they are computed: memory is that of one piece."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, fields
 from os import PathLike
 from pathlib import Path
 
@@ -9,16 +8,14 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix
-from faying.contact.state import ContactState
 from faying.exceptions import FormatError, ModelError
 from faying.files.described import member_name
 from faying.files.reserve import growing, reserve
 from faying.joint.system import System
 from faying.simulation.divided_steps import DividedSteps, divided_steps
-from faying.simulation.energy_guard import EnergyLedger
-from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
+from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
-from faying.simulation.restart import Restart
+from faying.simulation.restart import Restart, kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import TransientSolver, check_times, transient_solver
 
@@ -177,27 +174,16 @@ def _mark(file: h5py.File, end: Restart) -> None:
     places = file.require_group("restart")
     slot = 1 - int(places.attrs.get("slot", 1))
     place = places.require_group(str(slot))
-    contact = end.contact
-    supported = contact.active if contact.supported is None else contact.supported
-    arrays = vars(end.motion) | {
-        "active": contact.active,
-        "supported": supported,
-        "trend": end.trend,
-    }
-    if contact.slip is not None and contact.forces is not None:
-        arrays |= {"slip": contact.slip, "forces": contact.forces}
-    reserve(file, sum(np.asarray(values).nbytes for values in arrays.values()))
-    for name, values in arrays.items():
+    kept = kept_restart(end)
+    reserve(file, sum(values.nbytes for values in kept.values()))
+    for name, values in kept.items():
+        if values.ndim == 0:
+            place.attrs[name] = values[()]
+            continue
         if name not in place:
             place.create_dataset(name, data=values)
         place[name][...] = values
-    place.attrs["done"] = end.done
-    place.attrs["level"] = end.level
-    place.attrs["peak"] = end.peak
-    place.attrs["steady"] = contact.steady
-    place.attrs["is_supported"] = contact.supported is not None
     if end.ledger is not None:
-        place.attrs.update(asdict(end.ledger))
         file.attrs["energy_gain"] = end.ledger.gain
     file.flush()
     places.attrs["slot"] = slot
@@ -226,28 +212,8 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     done = int(place.attrs["done"])
     for data in _datasets(file):
         data.resize(done + 1, axis=0)  # rows of a piece that was cut short
-    motion = Motion(**{field.name: place[field.name][()] for field in fields(Motion)})
     file.attrs["complete"] = False
-    supported = place["supported"][()] if place.attrs["is_supported"] else None
-    contact = ContactState(
-        active=place["active"][()],
-        supported=supported,
-        steady=bool(place.attrs["steady"]),
-        slip=place["slip"][()] if "slip" in place else None,
-        forces=place["forces"][()] if "forces" in place else None,
-    )
-    ledger = EnergyLedger(
-        **{field.name: float(place.attrs[field.name]) for field in fields(EnergyLedger)}
-    )
-    return Restart(
-        done=done,
-        motion=motion,
-        contact=contact,
-        trend=place["trend"][()],
-        ledger=ledger,
-        level=int(place.attrs.get("level", 0)),
-        peak=float(place.attrs.get("peak", 0.0)),
-    )
+    return restart_from({name: data[()] for name, data in place.items()} | dict(place.attrs))
 
 
 def _datasets(file: h5py.File) -> list[h5py.Dataset]:

@@ -1,7 +1,8 @@
 """Where transients stand, one by one and side by side."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -57,3 +58,49 @@ def each_of(
         Restart(done=done, motion=Motion(*parts), contact=state, trend=past)
         for parts, state, past in zip(columns, states, trend, strict=True)
     ]
+
+
+def kept_restart(restart: Restart) -> dict[str, Matrix]:
+    """Return arrays from which :func:`restart_from` makes the same restart; numbers are 0-d.
+
+    The compliance that contact was last solved with is not among them: it is formed again.
+    """
+    contact = restart.contact
+    supported = contact.active if contact.supported is None else contact.supported
+    arrays: dict[str, Any] = vars(restart.motion) | {
+        "active": contact.active,
+        "supported": supported,
+        "trend": restart.trend,
+        "done": restart.done,
+        "level": restart.level,
+        "peak": restart.peak,
+        "steady": contact.steady,
+        "is_supported": contact.supported is not None,
+    }
+    if contact.slip is not None and contact.forces is not None:
+        arrays |= {"slip": contact.slip, "forces": contact.forces}
+    if restart.ledger is not None:
+        arrays |= asdict(restart.ledger)
+    return {name: np.asarray(value) for name, value in arrays.items()}
+
+
+def restart_from(arrays: Mapping[str, Any]) -> Restart:
+    """Return the restart that :func:`kept_restart` kept, with an energy ledger."""
+    return Restart(
+        done=int(arrays["done"]),
+        motion=Motion(**{field.name: arrays[field.name] for field in fields(Motion)}),
+        contact=ContactState(
+            active=arrays["active"],
+            supported=arrays["supported"] if arrays["is_supported"] else None,
+            steady=bool(arrays["steady"]),
+            slip=arrays.get("slip"),
+            forces=arrays.get("forces"),
+        ),
+        trend=arrays["trend"],
+        ledger=EnergyLedger(
+            **{field.name: float(arrays[field.name]) for field in fields(EnergyLedger)}
+        ),
+        # Histories of earlier versions know of no divided steps.
+        level=int(arrays.get("level", 0)),
+        peak=float(arrays.get("peak", 0.0)),
+    )

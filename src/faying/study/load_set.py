@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 from faying.exceptions import StudyError
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
@@ -21,6 +21,10 @@ from faying.study.timing import time_span, time_step
 
 TABLES = (".csv", ".parquet")
 """Endings of files that are tables of loads."""
+
+
+EVEN = 1e-3
+"""Differences of intervals, over their mean, that come from the digits of a table."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,7 +81,8 @@ def read_loads(
         A TOML file with load cases; a csv or Parquet table with a row per static case, or per
         instant where it has a column ``time``; or a folder of tables over time.
     step : [time]
-        Of tables over time; by default their smallest interval.
+        Of tables over time; by default their interval, of uneven ones the smallest, or a little
+        less so that whole steps end with the table.
     integrator
         Of tables over time; :class:`ImplicitEuler` unless given.
 
@@ -176,13 +181,22 @@ def _of_histories(
         loads.append(
             TimedLoad(
                 load=Load(forces, name=table.path.stem),
-                step=float(np.diff(times).min()) if step is None else step,
+                step=_table_step(times) if step is None else step,
                 duration=float(times[-1]),
                 integrator=integrator or ImplicitEuler(),
             )
         )
     nothing = np.zeros((0, len(rom.port_compliance.input_rows)))
     return LoadSet(names=(), inputs=nothing, transients=_checked(rom, loads))
+
+
+def _table_step(times: Vector) -> float:
+    """Return the length of equal steps to the end of a table, as long as its intervals."""
+    intervals, end = np.diff(times), float(times[-1])
+    shortest, mean = float(intervals.min()), float(intervals.mean())
+    if np.ptp(intervals) <= EVEN * mean:
+        return end / max(round(end / mean), 1)
+    return end / float(np.ceil(end / shortest * (1 - EVEN)))
 
 
 def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:

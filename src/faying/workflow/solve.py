@@ -77,8 +77,8 @@ def solve_loads(
         Receives ``metrics.csv`` of the static cases, ``history_NAME.csv`` of each transient (or
         ``.parquet``), ``fields.h5`` and ``summary.json``.
     resume
-        Take over what an interrupted call with the same model, loads and options has finished: the
-        static cases piece by piece, transients as a whole.
+        Take over what an interrupted call with the same model, loads and options has finished,
+        static cases and transients piece by piece.
     executor
         Shares pieces of the static cases, and the transients, among its workers.
 

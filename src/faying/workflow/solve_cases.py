@@ -14,6 +14,7 @@ from faying.exceptions import ConvergenceError
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
+from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
 from faying.simulation.stepping import transient_solver
@@ -75,7 +76,7 @@ class CaseSolver:
         )
 
     def transient(self, one: TimedLoad) -> Pieces:
-        """Solve a transient, unless an interrupted call has done so to its end."""
+        """Solve a transient, from where an interrupted call has kept it."""
         known = self.checkpoint.bundle(end_key(one), partial(self.walked, one))
         return Pieces(
             checkpoint=self.checkpoint,
@@ -142,17 +143,30 @@ class CaseSolver:
         ]
 
     def walked(self, one: TimedLoad) -> Arrays:
-        """Keep the pieces of a transient; return their number, and what went wrong."""
-        name, first, count, gain = one.load.name, 0, 0, 0.0
+        """Keep the pieces of a transient; return their number, and what went wrong.
+
+        It goes on after the last piece that an interrupted call has kept.
+        """
+        name, count, restart, gain = one.load.name, 0, None, 0.0
+        if self.checkpoint.has(_stand_key(one)):
+            stand = self.checkpoint.get(_stand_key(one))
+            count, restart = int(stand["count"]), restart_from(stand)
+            gain = restart.ledger.gain if restart.ledger else 0.0
         metrics = self._metrics(certified=False)
         solver = transient_solver(self.rom, step=one.step, integrator=one.integrator)
         failed: list[str] = []
         with self.stages.stage(name, n_steps(one)) as advance:
+            first = 0 if restart is None else restart.done + 1
+            advance(max(first - 1, 0))
             pieces = solver.pieces(
-                one.load, duration=one.duration, length=self._length, progress=advance
+                one.load,
+                duration=one.duration,
+                length=self._length,
+                restart=restart,
+                progress=advance,
             )
             try:
-                for piece, _ in pieces:
+                for piece, end in pieces:
                     rows = range(first, first + len(piece.states))
                     own = np.arange(rows.start, rows.stop)
                     arrays = piece_of(
@@ -165,6 +179,8 @@ class CaseSolver:
                     )
                     self.checkpoint.put(_piece_key(one, count), arrays)
                     first, count, gain = rows.stop, count + 1, piece.energy_gain
+                    stand = kept_restart(end) | {"count": np.asarray(count)}
+                    self.checkpoint.put(_stand_key(one), stand)
             except ConvergenceError as error:
                 failed.append(f"{name}: {error}")
         if gain > MOST_GAIN:
@@ -184,3 +200,8 @@ def n_steps(one: TimedLoad) -> int:
 
 def _piece_key(one: TimedLoad, number: int) -> str:
     return f"transient {one.load.name} {number}"
+
+
+def _stand_key(one: TimedLoad) -> str:
+    """Return the key under which it is kept how far a transient has come."""
+    return f"transient {one.load.name} stand"
