@@ -16,6 +16,7 @@ from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
+from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.thread import ThreadStress
 from faying.files.described import SPARSE
@@ -73,6 +74,7 @@ GROUPS = {
     "/assessment/bolts/NAME/clamp_around/INTERFACE": ClampRange,
     "/assessment/bolts/NAME/thread": ThreadStress,
     "/assessment/interfaces/NAME": InterfaceAssessment,
+    "/assessment/interfaces/NAME/slip": SlipDemand,
     "/assessment/scatter/0": Spread,
     "/assessment/verdicts/0": Verdict,
     "/validation": ValidationRecord,

@@ -9,7 +9,7 @@ import faying as fy
 from faying.cli import app
 from faying.exceptions import StudyError
 from faying.report.html import write_report
-from faying.report.joint import joint_headline
+from faying.report.joint import joint_headline, requirement_table, slip_judgement
 from faying.study import assessing
 from faying.study.schema import parse_study
 from faying.study.store import read_results
@@ -116,6 +116,35 @@ def test_status_tells_whether_they_are_met(tmp_path, limit, status):
     done = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out")])
     assert done.exit_code == status, done.output
     assert ("NOT MET" in done.output) == (status == 3)
+
+
+def test_slip_without_friction_is_judged_by_sums(tmp_path):
+    wanted = "slip_friction = 0.15\nmin_slip_safety = 1.0"
+    study = STUDY.replace('component = "Fz", value = -150.0', 'component = "Fx", value = 900.0')
+    (tmp_path / "joint.toml").write_text(study.replace("REQUIREMENT", wanted))
+    done = CliRunner().invoke(
+        app, ["run", str(tmp_path / "joint.toml"), "--out", str(tmp_path / "out")]
+    )
+    assert done.exit_code == 3, done.output
+    results = read_results(tmp_path / "out" / "results.h5")
+    found = results.assessment.interfaces["joint"].slip
+    assert list(found.safety) == ["bend"]
+    clamp = float(results.cases["bend"].reference.contact_forces["joint"])
+    # The pull's line of action goes through the centre of pressure, by symmetry.
+    assert found.safety["bend"] == pytest.approx(0.15 * clamp / 900.0, rel=1e-6)
+    (verdict,) = results.assessment.verdicts
+    assert (verdict.met, verdict.value) == (False, found.safety["bend"])
+    around = results.assessment.bolts["bolt"].slip_around["joint"]
+    assert around.needed_friction == pytest.approx(found.needed_friction, rel=1e-9)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["assessment"]["interfaces"]["joint"]["slip"]["safety"] == found.safety
+    (row,) = slip_judgement(results).rows
+    name, needed, _, _, coefficient, safety = (cell.text for cell in row)
+    assert (name, float(coefficient)) == ("joint", 0.15)
+    assert needed.endswith(" (bend)")
+    assert float(safety) == pytest.approx(found.safety["bend"], rel=1e-2)  # as it is printed
+    (row,) = requirement_table(results).rows
+    assert (row[1].text, row[2].text) == ("at least 1.00", f"safety against slip {safety}")
 
 
 def test_load_factors_that_are_left_out_are_said(tmp_path, monkeypatch):

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.assessment.bolt_surroundings import surroundings
 from faying.assessment.certificate import certifier
 from faying.assessment.load_path import Walk
 from faying.exceptions import ModelError
+from faying.joint.bolt_surroundings import surroundings
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
 from faying.model.generate import brick_grid

@@ -7,7 +7,6 @@ import numpy as np
 
 from faying._typing import Mask
 from faying.assessment.bolt_bending import bending_of
-from faying.assessment.bolt_surroundings import nearest_bolts, surroundings
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
 from faying.assessment.clamp_range import ClampRange, certified_clamps, clamp_range
@@ -20,11 +19,14 @@ from faying.assessment.joint_record import (
 from faying.assessment.load_path import LoadPath, load_path
 from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
 from faying.assessment.requirements import Requirements
+from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.thread import Thread, thread_stress
 from faying.assessment.verdicts import verdicts
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
+from faying.joint.bolt_surroundings import nearest_bolts, surroundings
 from faying.joint.model import Model
+from faying.joint.tangential import tangential_rows
 from faying.model.bolt import Bolt
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
@@ -102,7 +104,17 @@ def assess(
         bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
     )
     followed = {load.name: load_path(full, load) for load in loads} if paths else {}
-    found = judged(surfaces, system.bolts, at_rest, states, requirements, followed)
+    wanted = requirements or Requirements()
+    demands = slip_demands(
+        system,
+        surfaces,
+        tangential_rows(system) if isinstance(system, Model) else system.tangential,
+        names,
+        cases.inputs,
+        cases.pressure,
+        slip_coefficients(wanted.slip_friction, list(surfaces)),
+    )
+    found = judged(surfaces, system.bolts, at_rest, states, wanted, followed, demands=demands)
     spreads = [
         spread
         for load in loads
@@ -161,6 +173,7 @@ def judged(
     requirements: Requirements | None = None,
     paths: Mapping[str, LoadPath] | None = None,
     slip: Mapping[str, float] | None = None,
+    demands: Mapping[tuple[str, str], SlipDemand] | None = None,
 ) -> Assessment:
     """Judge a joint whose load cases are solved already, static ones and those over time.
 
@@ -174,17 +187,27 @@ def judged(
         Of static load cases, where they were followed.
     slip
         Load case to the factor at which an interface slips as a whole; infinite if it does not.
+    demands
+        Interface and bolt, or no bolt, to the friction that static load cases need.
     """
     known, wanted = paths or {}, requirements or Requirements()
+    needed = demands or {}
     interfaces = {
-        name: _interface(name, surface, rest, cases, known) for name, surface in surfaces.items()
+        name: replace(_interface(name, surface, rest, cases, known), slip=needed.get((name, "")))
+        for name, surface in surfaces.items()
     }
     around = surroundings(surfaces, bolts)
     clamps: dict[str, dict[str, ClampRange]] = {name: {} for name in bolts}
     for (interface, bolt), points in around.items():
         clamps[bolt][interface] = _clamp_around((interface, bolt), points, surfaces, rest, cases)
     return Assessment(
-        bolts={name: _bolt(name, bolts, surfaces, rest, cases, clamps[name]) for name in bolts},
+        bolts={
+            name: replace(
+                _bolt(name, bolts, surfaces, rest, cases, clamps[name]),
+                slip_around={place: one for (place, bolt), one in needed.items() if bolt == name},
+            )
+            for name in bolts
+        },
         interfaces=interfaces,
         verdicts=tuple(verdicts(wanted, surfaces, bolts, rest, cases, interfaces, slip or {})),
     )
@@ -309,7 +332,7 @@ def _axial_load(
     found = [(0.0, 0.0)]
     for surface in surfaces.values():
         own = slice(*surface.slice)
-        around = nearest_bolts(surface, bolts) == list(bolts).index(name)
+        around = nearest_bolts(surface.points, bolts) == list(bolts).index(name)
         lost = (case.pressure[:, own] - rest.pressure[:, own]) @ (surface.weights * around)
         loads = gains - lost
         worst = int(np.abs(loads).argmax())

@@ -9,6 +9,7 @@ from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.clamp_range import CertifiedClamps, ClampRange
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
+from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.thread import ThreadStress
 
 
@@ -62,6 +63,8 @@ class BoltAssessment:
         How far the bolt is bent; None where it is not seen, as of springs.
     thread
         Stress in the thread, where that is known.
+    slip_around
+        Interface to the friction that its points nearest to this bolt need, of joints without.
     """
 
     preload: float
@@ -74,6 +77,7 @@ class BoltAssessment:
     clamp_around: Mapping[str, ClampRange]
     bending: BoltBending | None = None
     thread: ThreadStress | None = None
+    slip_around: Mapping[str, SlipDemand] = field(default_factory=dict)
 
 
 @final
@@ -115,6 +119,9 @@ class InterfaceAssessment:
         Load case to the factor at which a point opens that the preload presses.
     loss_of_clamp : [1]
         Load case to the factor from which nothing is pressed any more; infinite if never.
+    slip
+        Friction that static load cases need of it; None where it has friction of its own, or no
+        load case is static.
     """
 
     preload: float
@@ -133,6 +140,7 @@ class InterfaceAssessment:
     closed_area_case: str
     first_opening: Mapping[str, float]
     loss_of_clamp: Mapping[str, float]
+    slip: SlipDemand | None = None
 
 
 @final

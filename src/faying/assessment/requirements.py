@@ -40,7 +40,10 @@ class Requirements:
     min_opening_factor
         Least factor of a static load at which an interface carries no force any more.
     min_slip_safety
-        Least factor of a static load or cycle at which an interface slips as a whole.
+        Least factor of a static load or cycle at which an interface with friction slips as a whole;
+        of one without, least S_G = μ / μ_needed under static loads.
+    slip_friction
+        μ that interfaces without friction are judged with; or one for each interface named.
     closed_ring
         Rings around holes that must stay pressed.
     """
@@ -51,6 +54,7 @@ class Requirements:
     no_opening_within: float | None = None
     min_opening_factor: float | None = None
     min_slip_safety: float | None = None
+    slip_friction: float | Mapping[str, float] | None = None
     closed_ring: tuple[ClosedRing, ...] = ()
 
 

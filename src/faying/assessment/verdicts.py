@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from faying.assessment.bolt_surroundings import pressed_near
 from faying.assessment.joint_record import CaseState, InterfaceAssessment
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import ring_around, ring_pressure
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
+from faying.joint.bolt_surroundings import pressed_near
 from faying.model.bolt import Bolt
 
 
@@ -37,7 +37,7 @@ def verdicts(
     yield from pressure_verdict("max_nodal_pressure", wanted.max_nodal_pressure, means)
     yield from _opening_verdict(wanted.no_opening_within, surfaces, bolts, rest, cases)
     yield from _factor_verdict(wanted.min_opening_factor, interfaces)
-    yield from _slip_verdict(wanted.min_slip_safety, slip)
+    yield from _slip_verdict(wanted.min_slip_safety, slip, interfaces)
     for ring in wanted.closed_ring:
         yield _ring_verdict(ring, surfaces, cases)
 
@@ -169,22 +169,38 @@ def _factor_verdict(
     )
 
 
-def _slip_verdict(limit: float | None, slip: Mapping[str, float]) -> Iterator[Verdict]:
+def _slip_verdict(
+    limit: float | None, slip: Mapping[str, float], interfaces: Mapping[str, InterfaceAssessment]
+) -> Iterator[Verdict]:
+    """Judge the factors of gross slip, and S_G of interfaces that a coefficient is given for."""
     if limit is None:
         return
-    if not slip:
+    found = {("", case): factor for case, factor in slip.items()}
+    for name, one in interfaces.items():
+        if one.slip is None or one.slip.coefficient is None:
+            continue
+        if one.slip.unknown:
+            message = (
+                f"min_slip_safety: what is carried along interface '{name}' is not known: "
+                f"{one.slip.unknown}; give it friction or a sticking area, or leave it out of "
+                "slip_friction"
+            )
+            raise ModelError(message)
+        found |= {(name, case): safety for case, safety in one.slip.safety.items()}
+    if not found:
         message = (
-            "min_slip_safety is judged by static loads and cycles with friction, and there is "
-            "none; give an interface friction, or leave the requirement out"
+            "min_slip_safety is judged by static loads and cycles with friction, or by static "
+            "loads and slip_friction, the coefficient to judge interfaces without friction with, "
+            "and there is neither; give one, or leave the requirement out"
         )
         raise ModelError(message)
-    case = min(slip, key=slip.__getitem__)
+    place, case = min(found, key=found.__getitem__)
     yield Verdict(
         requirement="min_slip_safety",
-        met=slip[case] >= limit,
-        place="",
+        met=found[place, case] >= limit,
+        place=place,
         case=case,
-        value=slip[case],
+        value=found[place, case],
         limit=limit,
     )
 

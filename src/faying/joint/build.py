@@ -34,6 +34,7 @@ from faying.model.coupled_boundary import add_coupled_boundary
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
+from faying.model.shank import shank
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 
 
@@ -314,6 +315,9 @@ def _bolt(
         stiffness=stiffness,
         ends=assembly.mesh.nodes[_end_nodes(assembly, spec)],
         bending=moments,
+        shank=None
+        if spec.nodes is not None
+        else shank(assembly, spec).transformed(dofs.transformation),
     )
 
 

@@ -53,6 +53,8 @@ class Model(Shown):
         Label of the consistent unit set, carried into every output.
     stuck
         Interface name to the pairs (n_pair,) that stick in tangential direction.
+    stuck_stiffness : [force/length]
+        Stiffness of the springs of each of them; zero where nothing sticks, or it is not told.
     load_patterns
         Distributed loads that may be scaled; none unless asked for, as each costs a port.
     """
@@ -67,6 +69,7 @@ class Model(Shown):
     name: str = "model"
     units: str = "mm-t-s"
     stuck: Mapping[str, Mask] = field(default_factory=dict)
+    stuck_stiffness: float = 0.0
     load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
 
     @property
@@ -277,12 +280,25 @@ class Model(Shown):
         }
         return replace(self, load_patterns={**self.load_patterns, **made})
 
-    def with_stiffness(self, added: SparseMatrix, stuck: Mapping[str, Mask]) -> "Model":
-        """Return a copy with springs (n_dof, n_dof) added to K for the pairs that stick."""
+    def with_stiffness(
+        self, added: SparseMatrix, stuck: Mapping[str, Mask], stiffness: float = 0.0
+    ) -> "Model":
+        """Return a copy with springs (n_dof, n_dof) added to K for the pairs that stick.
+
+        Parameters
+        ----------
+        stiffness : [force/length]
+            That of each pair, if what the springs carry is to be known.
+        """
         K = read_only((self.K + added).tocsr())
         C = read_only((self.C + self.damping.beta * added).tocsr())
         structure = replace(self.structure, K=K, C=C)
-        return replace(self, structure=structure, stuck={**self.stuck, **stuck})
+        return replace(
+            self,
+            structure=structure,
+            stuck={**self.stuck, **stuck},
+            stuck_stiffness=stiffness or self.stuck_stiffness,
+        )
 
     def _interface(self, name: str) -> Interface:
         if name not in self.interfaces:

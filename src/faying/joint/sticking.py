@@ -64,6 +64,23 @@ def sticking_stiffness(interface: Interface, pairs: Mask, stiffness: float) -> S
     ModelError
         If the stiffness is not a positive number.
     """
+    difference = interface.motion_operator[np.repeat(pairs, 3)]
+    matrix = (difference.T @ sticking_forces(interface, pairs, stiffness)).tocsr()
+    matrix.eliminate_zeros()
+    return matrix
+
+
+def sticking_forces(interface: Interface, pairs: Mask, stiffness: float) -> SparseMatrix:
+    """Return the rows (3 n_stuck, n_dof) of forces in the springs of :func:`sticking_stiffness`.
+
+    They pull the plus side back to the minus side: of each pair three components, of what the plus
+    side does to the springs.
+
+    Raises
+    ------
+    ModelError
+        If the stiffness is not a positive number.
+    """
     if not 0 < stiffness < np.inf:
         message = (
             f"interface '{interface.name}': the sticking stiffness is {stiffness:g}; give a "
@@ -80,6 +97,4 @@ def sticking_stiffness(interface: Interface, pairs: Mask, stiffness: float) -> S
     springs = sp.bsr_array(
         (tangential, blocks, np.arange(len(normals) + 1)), shape=(3 * len(normals),) * 2
     )
-    matrix = (difference.T @ springs @ difference).tocsr()
-    matrix.eliminate_zeros()
-    return matrix
+    return (springs @ difference).tocsr()

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
+from faying.model.shank import Shank
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -29,6 +30,8 @@ class Bolt:
         the beams of the bolt begin, two where they end; None of a bolt without beams.
     residual_bending : (4, n_relative) or None [length]
         Moments per force between the contact pairs that the trial vectors of a reduced model lack.
+    shank
+        What it carries across its axis; None of bolts in given matrices, and in reduced models.
     """
 
     name: str
@@ -38,6 +41,7 @@ class Bolt:
     ends: Matrix | None = None
     bending: SparseMatrix | Matrix | None = None
     residual_bending: Matrix | None = None
+    shank: Shank | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "elongation", frozen(self.elongation))
@@ -56,8 +60,10 @@ class Bolt:
     def projected(self, vectors: Matrix) -> "Bolt":
         """Return the bolt as seen by coordinates q of u = vectors q."""
         bending = None if self.bending is None else np.asarray(self.bending @ vectors)
-        return replace(self, elongation=self.elongation @ vectors, bending=bending)
+        return replace(self, elongation=self.elongation @ vectors, bending=bending, shank=None)
 
     def at_ports(self) -> "Bolt":
         """Return what is known of the bolt without any coordinates."""
-        return replace(self, elongation=np.zeros(0), bending=None, residual_bending=None)
+        return replace(
+            self, elongation=np.zeros(0), bending=None, residual_bending=None, shank=None
+        )

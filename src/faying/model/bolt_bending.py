@@ -1,13 +1,11 @@
 """Bending moments in a bolt that is modelled by beams."""
 
-from collections.abc import Sequence
-
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, read_only
-from faying.model.assembly import Assembly, Beam, Spring
-from faying.model.deck_bolt import bolt_chain, end_nodes
+from faying.model.assembly import Assembly, Beam
+from faying.model.deck_bolt import bolt_chain, chain_ends
 from faying.model.elements.beam import beam_frames, beam_matrices
 from faying.model.specs import BoltSpec
 
@@ -28,7 +26,7 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
     """
     nodes = assembly.mesh.nodes
     values, columns = [], []
-    for element, node in _ends(bolt_chain(assembly, spec)):
+    for element, node in chain_ends(bolt_chain(assembly, spec)):
         if not isinstance(element, Beam) or not _is_bent(element):
             return None
         frames, _ = beam_frames([element], np.diff(nodes[list(element.nodes)], axis=0))
@@ -39,17 +37,6 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
         columns += [at, at]
     entries = (np.concatenate(values).ravel(), (np.repeat(np.arange(4), 12), np.ravel(columns)))
     return read_only(sp.csr_array(entries, shape=(4, 6 * len(nodes))))
-
-
-def _ends(chain: Sequence[Beam | Spring]) -> list[tuple[Beam | Spring, int]]:
-    """Return the first and the last element of a chain, each with the node that is an end."""
-    if len(chain) == 1:
-        first, last = end_nodes(chain[0])
-        return [(chain[0], first), (chain[0], last)]
-    return [
-        (one, next(node for node in end_nodes(one) if node not in end_nodes(other)))
-        for one, other in ((chain[0], chain[1]), (chain[-1], chain[-2]))
-    ]
 
 
 def _is_bent(beam: Beam) -> bool:

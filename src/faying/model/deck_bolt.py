@@ -1,6 +1,7 @@
 """Bolts of a deck: the one of their beams or springs that is tightened."""
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, Spring
@@ -93,3 +94,14 @@ def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]
 def end_nodes(element: Beam | Spring) -> tuple[int, ...]:
     """Return the indices of the nodes of a line element."""
     return element.nodes if isinstance(element, Beam) else tuple(node for node, _ in element.ends)
+
+
+def chain_ends(chain: Sequence[Beam | Spring]) -> list[tuple[Beam | Spring, int]]:
+    """Return the first and the last element of a chain, each with the node that is an end."""
+    if len(chain) == 1:
+        first, last = end_nodes(chain[0])
+        return [(chain[0], first), (chain[0], last)]
+    return [
+        (one, next(node for node in end_nodes(one) if node not in end_nodes(other)))
+        for one, other in ((chain[0], chain[1]), (chain[-1], chain[-2]))
+    ]

@@ -8,6 +8,7 @@ from faying.contact.contact import Contact
 from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.system import PortCompliance
+from faying.joint.tangential import TangentialRows
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.reduction.basis import Basis
@@ -49,6 +50,8 @@ class ModelData:
     invariants : (4 + 3 n_mode, 4 + 3 n_mode)
         ∫ρ a b dV of the fields 1, x, y, z and the components of the trial vectors, for floating
         frames.
+    tangential
+        What is carried along the interfaces per input and contact force of the full model.
     """
 
     M: Matrix
@@ -70,6 +73,7 @@ class ModelData:
     recovery_damping: Matrix | None = None
     recovery_frame: Matrix | None = None
     invariants: Matrix | None = None
+    tangential: tuple[TangentialRows, ...] = ()
 
     def __post_init__(self) -> None:
         names = ("M", "C", "K", "recovery_inertia", "recovery_damping", "recovery_frame")

@@ -4,6 +4,7 @@ from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.interface import FacePairs
 from faying.interface.surface import ContactSurface
+from faying.joint.tangential import TangentialRows
 from faying.model.boundary import Boundary
 from faying.model.mesh import CellBlock
 
@@ -71,6 +72,7 @@ TABLES: dict[type, Table] = {
     **GEOMETRY,
     ContactSurface: meanings(ContactSurface),
     Boundary: BOUNDARY,
+    TangentialRows: meanings(TangentialRows),
 }
 """Of all values in a file of one model."""
 
@@ -96,6 +98,9 @@ OWN_PORTS: Table = {
     "places": Meaning("where the relative displacements are", "length", "(n_relative, 3)"),
     "shear": Meaning("tangential displacements from relative ones (CSR); absent without friction"),
     "tangents": Meaning("directions of those", "1", "(2, n_point, 3)"),
+    "tangential": Meaning(
+        "what is carried along the interfaces per force at the ports, whole ones and around bolts"
+    ),
     "dense_budget": Meaning("memory that dense matrices between contact points may take", "1"),
 }
 """What such a file has beside :data:`PORTS`."""

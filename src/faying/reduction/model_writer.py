@@ -142,6 +142,7 @@ def _port_members(rom: ModelData) -> dict[str, Any]:
         "places": rom.contact.places,
         "shear": rom.contact.shear,
         "tangents": rom.contact.tangents,
+        "tangential": rom.tangential or None,
         "dense_budget": rom.contact.dense_budget,
     }
 

@@ -11,6 +11,7 @@ from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface, contact_surface
 from faying.joint.model import Model
 from faying.joint.system import PortCompliance
+from faying.joint.tangential import tangential_rows
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import SingularMatrixError
 from faying.model.bolt import Bolt
@@ -53,7 +54,13 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
     if ports is None:
         return rom
     known = supported_operator(model, basis)
-    return replace(rom, ports=ports, recovery_inertia=known.inertia, recovery_damping=known.damping)
+    return replace(
+        rom,
+        ports=ports,
+        recovery_inertia=known.inertia,
+        recovery_damping=known.damping,
+        tangential=tangential_rows(model),
+    )
 
 
 def projected(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:
@@ -142,6 +149,7 @@ def completed(
     ports = _ports(model)
     if ports is None:
         return list(models)
+    tangential = tangential_rows(model)
     # The shortest first, for shapes are kept as far as there is room.
     order = sorted(models, key=lambda rom: len(rom.basis))
     together, columns = _shared_vectors([rom.basis for rom in order])
@@ -163,6 +171,7 @@ def completed(
             recovery_damping=known.damping[:, at],
             recovery_frame=frame,
             invariants=invariants[np.ix_(fields, fields)] if fits else None,
+            tangential=tangential,
             mesh=replace(rom.mesh, vectors=rows if fits else None, columns=at, translations=None),
         )
     return [found[id(rom)] for rom in models]

@@ -21,6 +21,7 @@ from faying.report.joint import (
     joint_headline,
     requirement_table,
     scatter_table,
+    slip_judgement,
 )
 from faying.report.limits import limits
 from faying.report.meanings import meanings
@@ -110,6 +111,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
                 bolt_judgement,
                 clamp_judgement,
                 interface_judgement,
+                slip_judgement,
                 scatter_table,
             )
             if (one := of(results)).rows

@@ -9,6 +9,7 @@ from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import BoltAssessment, InterfaceAssessment
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
+from faying.assessment.slip_demand import SlipDemand
 from faying.report.quantities import number, place, quantity
 from faying.report.tables import Cell, Table, table
 from faying.study.results import Results
@@ -21,7 +22,7 @@ MEANINGS = {
     "max_nodal_pressure": ("largest average around a node", "at most", "force/length²"),
     "no_opening_within": ("smallest pressure around the bolt", "nothing open within", "length"),
     "min_opening_factor": ("nothing is pressed any more at", "at least", "1"),
-    "min_slip_safety": ("slips as a whole at", "at least", "1"),
+    "min_slip_safety": ("safety against slip", "at least", ""),
     "closed_ring": ("smallest pressure on the ring", "at least", "force/length²"),
 }
 """Requirement to what is judged, how it is limited, and the dimension of the limit."""
@@ -122,6 +123,43 @@ def clamp_judgement(results: Results) -> Table:
     return table(columns, rows)
 
 
+def slip_judgement(results: Results) -> Table:
+    """Return the friction that interfaces without any need, and their bolts' surroundings."""
+    force = units_of(results.units).force
+    bolts = {} if results.assessment is None else results.assessment.bolts
+    interfaces = {} if results.assessment is None else results.assessment.interfaces
+    columns = (
+        "slip of", "friction needed at most", "tangential force there", "clamp force there",
+        "judged with", "safety S_G",
+    )  # fmt: skip
+    rows: list[tuple[str, ...]] = []
+    for name, one in interfaces.items():
+        if one.slip is None:
+            continue
+        rows.append((name, *_slip(one.slip, force)))
+        near = {b: area.slip_around[name] for b, area in bolts.items() if name in area.slip_around}
+        if len(near) > 1 and not one.slip.unknown:
+            rows += [(f"{name} around {bolt}", *_slip(area, force)) for bolt, area in near.items()]
+    return table(columns, rows)
+
+
+def _slip(one: SlipDemand, unit: str) -> Iterator[str]:
+    if one.unknown:
+        yield f"not known: {one.unknown}"
+        yield from ("—", "—", "—" if one.coefficient is None else number(one.coefficient), "—")
+        return
+    case = max(one.needed_friction, key=one.needed_friction.__getitem__)
+    needed = one.needed_friction[case]
+    yield f"{number(needed) if np.isfinite(needed) else 'nothing is pressed'} ({case})"
+    yield quantity(one.tangential_force[case], unit, 5)
+    yield quantity(one.clamp_force[case], unit, 5)
+    if one.coefficient is None:
+        yield from ("—", "—")
+        return
+    yield number(one.coefficient)
+    yield number(one.safety[case]) if needed > 0 else "nothing to carry"
+
+
 def scatter_table(results: Results) -> Table:
     """Return what scatter of the preloads does to static load cases."""
     units = units_of(results.units)
@@ -155,6 +193,8 @@ def _verdict(one: Verdict, units: Units) -> tuple[str | Cell, ...]:
 def _measured(value: float, dimension: str, units: Units) -> str:
     if not np.isfinite(value):
         return "no factor"
+    if not dimension:
+        return number(value)
     if dimension == "1":
         return f"{number(value)} times the load"
     return quantity(value, units.of(dimension), 4)

@@ -185,7 +185,7 @@ def with_sticking(model: Model, sticking: Sticking) -> Model:
         interface = model.interfaces[name]
         stuck[name] = stuck_pairs(interface, pressure[points], sticking.threshold)
         added = added + sticking_stiffness(interface, stuck[name], sticking.stiffness)
-    return model.with_stiffness(added, stuck)
+    return model.with_stiffness(added, stuck, sticking.stiffness)
 
 
 def _check(forces: Mapping[str, float], names: list[str]) -> None:

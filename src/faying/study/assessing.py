@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying.assessment.bolt_surroundings import surroundings
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
@@ -14,9 +13,12 @@ from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.load_path import LoadPath, load_path
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.requirements import ClosedRing, Requirements
+from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.thread import Thread
 from faying.exceptions import ModelError
+from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
+from faying.joint.tangential import tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.extras import Extras
@@ -51,6 +53,7 @@ def assess_run(
     """
     model = joint.model
     with stages.stage("joint assessment"), extras.attempt("joint assessment"):
+        wanted = requirements_of(study.requirement)
         static = [case for case in study.load_cases if case.kind == "static"]
         smooth = [] if has_friction(model) else static
         intervals = _intervals(joint, smooth, cases, extras)
@@ -73,9 +76,10 @@ def assess_run(
                 },
             ),
             states,
-            requirements_of(study.requirement),
+            wanted,
             _paths(joint, smooth, extras),
             slip,
+            _demands(joint, static, cases, wanted),
         )
         threads = {
             bolt.name: Thread(**bolt.thread.model_dump())
@@ -142,6 +146,31 @@ def _intervals(
         found = judge.certify_inputs(inputs, pressure, areas)
         return {case.name: certified_clamps(found, row) for row, case in enumerate(static)}
     return {}
+
+
+def _demands(
+    joint: PreparedJoint,
+    static: list[LoadCaseSection],
+    cases: Mapping[str, CaseResult],
+    wanted: Requirements,
+) -> dict[tuple[str, str], SlipDemand]:
+    """Return the friction that static load cases need of interfaces without any."""
+    model = joint.model
+    smooth = [name for name, one in model.interfaces.items() if not one.law.friction > 0]
+    coefficients = slip_coefficients(wanted.slip_friction, smooth)
+    if not static or not smooth:
+        return {}
+    names, start = [case.name for case in static], np.zeros(1)
+    if has_friction(model):
+        unknown = "other interfaces of the joint have friction, and share what acts along it"
+        return {
+            (name, ""): SlipDemand(coefficient=coefficients.get(name), unknown=unknown)
+            for name in smooth
+        }
+    inputs = np.concatenate([case_load(case).inputs(model, start) for case in static])
+    pressure = np.array([cases[name].reference.pressure for name in names])
+    rows, surfaces = tangential_rows(model), contact_surfaces(model)
+    return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)
 
 
 def _paths(

@@ -46,7 +46,10 @@ class RequirementSection(Section):
     min_opening_factor
         Factor of a static load case at which an interface carries nothing any more.
     min_slip_safety
-        Factor of a static load case or cycle with friction at which an interface slips as a whole.
+        Factor of a static load case or cycle with friction at which an interface slips as a whole;
+        of interfaces without friction, S_G of static load cases.
+    slip_friction
+        Coefficient that interfaces without friction, or those named, are judged with.
     closed_ring
         Holes around which a closed ring stays pressed.
     """
@@ -57,4 +60,5 @@ class RequirementSection(Section):
     no_opening_within: Positive | None = None
     min_opening_factor: Positive | None = None
     min_slip_safety: Positive | None = None
+    slip_friction: Positive | Mapping[Name, Positive] | None = None
     closed_ring: tuple[RingSection, ...] = ()

@@ -11,6 +11,7 @@ from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
+from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.thread import ThreadStress
 from faying.files.meanings import Table, meanings
@@ -46,6 +47,7 @@ STORED = (
     BoltBending,
     ThreadStress,
     ClampRange,
+    SlipDemand,
     InterfaceAssessment,
     Spread,
     Verdict,

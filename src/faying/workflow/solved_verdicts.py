@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying.assessment.bolt_surroundings import pressed_near
 from faying.assessment.load_path import input_path
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
@@ -16,6 +15,7 @@ from faying.assessment.verdicts import (
     wanted_clamps,
 )
 from faying.exceptions import ModelError
+from faying.joint.bolt_surroundings import pressed_near
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.static import solve_static
 from faying.study.load_set import LoadSet

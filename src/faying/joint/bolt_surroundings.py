@@ -4,14 +4,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.surface import ContactSurface
 from faying.model.bolt import Bolt
 
 
-def nearest_bolts(surface: ContactSurface, bolts: Mapping[str, Bolt]) -> Indices:
+def nearest_bolts(points: Matrix, bolts: Mapping[str, Bolt]) -> Indices:
     """Return the number of the bolt whose axis is nearest to each point; bolt 0 where unknown."""
-    distances = np.array([axis_distances(surface, bolt) for bolt in bolts.values()])
+    distances = np.array([axis_distances(points, bolt) for bolt in bolts.values()])
     return np.where(np.isfinite(distances).any(axis=0), distances.argmin(axis=0), 0)
 
 
@@ -29,18 +29,18 @@ def surroundings(
     found: dict[tuple[str, str], Mask] = {}
     for interface, surface in surfaces.items() if bolts else ():
         nearest = np.full(n_point, -1)
-        nearest[slice(*surface.slice)] = nearest_bolts(surface, bolts)
+        nearest[slice(*surface.slice)] = nearest_bolts(surface.points, bolts)
         for number in np.unique(nearest[nearest >= 0]):
             found[interface, list(bolts)[number]] = nearest == number
     return found
 
 
-def axis_distances(surface: ContactSurface, bolt: Bolt) -> Vector:
+def axis_distances(points: Matrix, bolt: Bolt) -> Vector:
     """Return the distances (n_point,) of points from the axis of a bolt; infinite if unknown."""
     if bolt.ends is None:
-        return np.full(len(surface.points), np.inf)
+        return np.full(len(points), np.inf)
     start, end = bolt.ends
-    arms, along = surface.points - start, end - start
+    arms, along = points - start, end - start
     length = float(along @ along)
     if length > 0:
         arms = arms - np.outer(arms @ along / length, along)
@@ -53,5 +53,5 @@ def pressed_near(
     """Return the points within a radius of a bolt that pressures (n_point,) at rest press."""
     near = np.zeros(len(rest), dtype=bool)
     for surface in surfaces.values():
-        near[slice(*surface.slice)] = axis_distances(surface, bolt) <= radius
+        near[slice(*surface.slice)] = axis_distances(surface.points, bolt) <= radius
     return near & (rest > 0)

@@ -1,0 +1,236 @@
+"""Slip by sums: which friction an area needs to carry along it what springs and bolts carry.
+
+Without a friction law no point of an interface says how near it is to slipping. Its sums do, as in
+VDI 2230: the clamp force F_K, and what acts along the interface, a force F_Q and a moment M about
+the centre of pressure. With the mean arm of pressure r about the point where it is least,
+
+    μ_needed = F_Q / F_K + |M| / (F_K r),   S_G = μ / μ_needed.
+
+At S_G ≥ 1 tangential tractions of at most μ p carry the load; ``docs/theory/slip_by_sums.md``
+derives it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import ModelError
+from faying.interface.surface import ContactSurface
+from faying.joint.bolt_surroundings import surroundings
+from faying.joint.system import Joint
+from faying.joint.tangential import TangentialRows
+
+MOST_PASSES = 1000
+"""Passes after which the search for the point of the least mean arm ends."""
+
+SETTLED = 1e-15
+"""Change of the mean arm in a pass, over it, at which the search ends."""
+
+
+NEAR = 1e-6
+"""Distance over the size of an area from which on a place pulls no more: at zero for ever."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SlipDemand:
+    """What an area without friction would need of it, over static load cases.
+
+    Attributes
+    ----------
+    tangential_force : [force]
+        Load case to F_Q, what acts along the area.
+    moment : [force·length]
+        Load case to M, its moment about the normal through the centre of pressure.
+    clamp_force : [force]
+        Load case to F_K.
+    needed_friction : [1]
+        Load case to the coefficient that carries both; infinite where nothing is pressed.
+    coefficient : [1]
+        Coefficient the area is judged with; None where none is given.
+    safety : [1]
+        Load case to S_G, the coefficient over that needed; infinite where nothing acts.
+    unknown
+        Why none of this is known; empty where it is.
+    """
+
+    tangential_force: Mapping[str, float] = field(default_factory=dict)
+    moment: Mapping[str, float] = field(default_factory=dict)
+    clamp_force: Mapping[str, float] = field(default_factory=dict)
+    needed_friction: Mapping[str, float] = field(default_factory=dict)
+    coefficient: float | None = None
+    safety: Mapping[str, float] = field(default_factory=dict)
+    unknown: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AreaSums:
+    """Sums over an area, one entry per load case.
+
+    Attributes
+    ----------
+    clamp_force, tangential_force : (n_case,) [force]
+    moment : (n_case,) [force·length]
+    needed_friction : (n_case,) [1]
+    """
+
+    clamp_force: Vector
+    tangential_force: Vector
+    moment: Vector
+    needed_friction: Vector
+
+
+def area_sums(area: TangentialRows, points: Matrix, forces: Matrix, carried: Matrix) -> AreaSums:
+    """Sum pressure and what is carried along an area.
+
+    Parameters
+    ----------
+    points : (n_point, 3) [length]
+        Its contact points.
+    forces : (n_case, n_point) [force]
+        Contact forces there.
+    carried : (n_case, 3) [force], [force·length]
+        From :meth:`TangentialRows.carried`.
+    """
+    places = (points - area.origin) @ area.tangents.T
+    clamp = forces.sum(axis=1)
+    pressed = clamp > 0
+    shares = forces / np.where(pressed, clamp, 1.0)[:, None]
+    centre = shares @ places
+    tangential = np.hypot(*carried[:, :2].T)
+    moment = np.abs(carried[:, 2] - centre[:, 0] * carried[:, 1] + centre[:, 1] * carried[:, 0])
+    turned = clamp * least_mean_arm(places, shares)
+    needed = _over(tangential, clamp) + _over(moment, turned)
+    return AreaSums(
+        clamp_force=clamp, tangential_force=tangential, moment=moment, needed_friction=needed
+    )
+
+
+def _over(load: Vector, resistance: Vector) -> Vector:
+    """Return a quotient that is infinite where nothing resists a load, and zero without any."""
+    quotient = load / np.where(resistance > 0, resistance, 1.0)
+    return np.where(resistance > 0, quotient, np.where(load > 0, np.inf, 0.0))
+
+
+def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
+    """Return the least mean distance (n_case,) of places from any one point, weighted by shares.
+
+    Parameters
+    ----------
+    places : (n_point, 2) [length]
+    shares : (n_case, n_point)
+        Not negative; they add up to one, or are all zero.
+
+    Notes
+    -----
+    E. Weiszfeld, "Sur le point pour lequel la somme des distances de n points donnés est minimum",
+    Tohoku Math. J. 43 (1937) 355-386, from the centre. Distances change in the second order only.
+    """
+    point = shares @ places
+    near = NEAR * float(np.ptp(places, axis=0).max(initial=0.0))
+    arms = np.full(len(shares), np.inf)
+    for _ in range(MOST_PASSES):
+        distances = np.linalg.norm(places - point[:, None], axis=2)
+        before, arms = arms, np.minimum(arms, (shares * distances).sum(axis=1))
+        if (before - arms <= SETTLED * arms).all():
+            break
+        pulls = shares / np.maximum(distances, near)
+        total = pulls.sum(axis=1, keepdims=True)
+        point = np.where(total > 0, (pulls @ places) / np.where(total > 0, total, 1.0), point)
+    # Where a place itself is the point, the search ends beside it.
+    nearest = places[np.linalg.norm(places - point[:, None], axis=2).argmin(axis=1)]
+    at_place = (shares * np.linalg.norm(places - nearest[:, None], axis=2)).sum(axis=1)
+    least: Vector = np.minimum(arms, at_place)
+    return least
+
+
+def slip_coefficients(
+    given: float | Mapping[str, float] | None, frictionless: Sequence[str]
+) -> dict[str, float]:
+    """Return the coefficient that each interface is judged with, of those that have one.
+
+    Parameters
+    ----------
+    frictionless
+        Interfaces without a friction law.
+
+    Raises
+    ------
+    ModelError
+        If one is named that is not there, or has friction of its own.
+    """
+    if given is None:
+        return {}
+    coefficients = dict(given) if isinstance(given, Mapping) else dict.fromkeys(frictionless, given)
+    unknown = sorted(set(coefficients) - set(frictionless))
+    if unknown:
+        known = ", ".join(frictionless) or "none"
+        message = (
+            f"slip_friction: there is no interface '{unknown[0]}' without friction; there are "
+            f"{known}"
+        )
+        raise ModelError(message)
+    return coefficients
+
+
+def slip_demands(
+    joint: Joint,
+    surfaces: Mapping[str, ContactSurface],
+    rows: Sequence[TangentialRows],
+    cases: Sequence[str],
+    inputs: Matrix,
+    pressure: Matrix,
+    coefficients: Mapping[str, float],
+) -> dict[tuple[str, str], SlipDemand]:
+    """Return what every area needs, by interface and bolt; an empty bolt is the whole interface.
+
+    Parameters
+    ----------
+    surfaces
+        Geometry of the interfaces.
+    rows
+        Of the same model.
+    cases
+        Names of static load cases.
+    inputs : (n_case, n_input)
+    pressure : (n_case, n_point) [force/length²]
+    coefficients
+        Interface to the coefficient it is judged with.
+    """
+    forces = pressure * joint.contact.weights
+    pairs, around = joint.contact.at_pairs(forces).T, surroundings(surfaces, joint.bolts)
+    found = {}
+    for area in rows:
+        coefficient = coefficients.get(area.interface)
+        if area.unknown:
+            demand = SlipDemand(coefficient=coefficient, unknown=area.unknown)
+        else:
+            surface = surfaces[area.interface]
+            own = slice(*surface.slice)
+            points = around[area.interface, area.bolt][own] if area.bolt else slice(None)
+            sums = area_sums(
+                area, surface.points[points], forces[:, own][:, points], area.carried(inputs, pairs)
+            )
+            demand = _demand(sums, cases, coefficient)
+        found[area.interface, area.bolt] = demand
+    return found
+
+
+def _demand(sums: AreaSums, cases: Sequence[str], coefficient: float | None) -> SlipDemand:
+    def by_case(values: Vector) -> dict[str, float]:
+        return dict(zip(cases, values.tolist(), strict=True))
+
+    needed = sums.needed_friction
+    with np.errstate(divide="ignore"):
+        safety = {} if coefficient is None else by_case(coefficient / needed)
+    return SlipDemand(
+        tangential_force=by_case(sums.tangential_force),
+        moment=by_case(sums.moment),
+        clamp_force=by_case(sums.clamp_force),
+        needed_friction=by_case(needed),
+        coefficient=coefficient,
+        safety=safety,
+    )

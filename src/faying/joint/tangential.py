@@ -1,0 +1,241 @@
+"""What holds the two sides of an interface along it, where pressure cannot: resultants.
+
+Sticking springs and bolts that pass through an interface carry what is to be carried along it. What
+they carry together follows from balance alone where nothing else connects the two sides; where it
+does, sticking springs share with that, and without them nothing tells the share.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.interface.interface import Interface
+from faying.interface.relative import tangents_of
+from faying.joint.bolt_surroundings import nearest_bolts
+from faying.joint.model import Model
+from faying.joint.sticking import sticking_forces
+from faying.joint.system import elongations
+from faying.model.bolt import Bolt
+from faying.model.connections import connected_parts
+
+PIERCED = 1e-9
+"""Distance of an end of a bolt from an interface, over the length, that is on the other side."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TangentialRows:
+    """What acts on the plus side of an area along it, per unit of what loads the joint.
+
+    Rows are the forces along both tangents, and the moment about the normal through the origin.
+
+    Attributes
+    ----------
+    interface
+        Where it is.
+    bolt
+        Bolt whose surroundings are meant; empty of the whole interface.
+    unknown
+        Why nothing tells; empty where it is known.
+    origin : (3,) [length]
+        A point of the interface.
+    tangents : (2, 3) [1]
+        Two directions along it.
+    per_input : (3, n_input) [1]
+        Per boundary force, initial bolt force and amplitude of a load pattern.
+    per_pair : (3, n_relative) [1]
+        Per force between the contact pairs.
+    """
+
+    interface: str
+    bolt: str
+    unknown: str
+    origin: Vector
+    tangents: Matrix
+    per_input: Matrix
+    per_pair: Matrix
+
+    def __post_init__(self) -> None:
+        for name in ("origin", "tangents", "per_input", "per_pair"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def carried(self, inputs: Matrix, pairs: Matrix) -> Matrix:
+        """Return both forces and the moment (n_case, 3).
+
+        Parameters
+        ----------
+        inputs : (n_case, n_input)
+        pairs : (n_case, n_relative) [force]
+            Forces between the contact pairs.
+        """
+        carried: Matrix = inputs @ self.per_input.T + pairs @ self.per_pair.T
+        return carried
+
+
+def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:
+    """Return what is carried along every interface, and in the surroundings of its bolts.
+
+    Raises
+    ------
+    SingularMatrixError
+        If the structure is not held without its boundary.
+
+    Notes
+    -----
+    Three back-substitutions for each interface and each area around a bolt.
+    """
+    found = [one for name in model.interfaces for one in _of_interface(model, name)]
+    if not found:
+        return ()
+    rows = sp.vstack([one for _, one in found]).toarray()
+    moved = model.structure.solve(rows.T)
+    first = moved[model.structure.boundary]
+    loads = model.pattern_forces @ moved
+    bolts = -(elongations(model.bolts, model.structure.n_dof) @ moved)
+    inputs = np.vstack([first, bolts, loads]).T.reshape(len(found), 3, -1)
+    pairs = (model.contact.relative_operator @ moved).T.reshape(len(found), 3, -1)
+    return tuple(
+        one
+        if one.unknown
+        else TangentialRows(
+            interface=one.interface,
+            bolt=one.bolt,
+            unknown="",
+            origin=one.origin,
+            tangents=one.tangents,
+            per_input=inputs[number],
+            per_pair=pairs[number],
+        )
+        for number, (one, _) in enumerate(found)
+    )
+
+
+def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, SparseMatrix]]:
+    """Yield the areas of an interface, their rows yet empty, and the rows of displacements."""
+    interface = model.interfaces[name]
+    places = interface.pair_points(model.assembly.mesh.nodes)
+    normal = interface.normals.mean(axis=0)
+    origin, first = interface.points.mean(axis=0), tangents_of(normal[None])[0]
+    tangents = np.stack([first, np.cross(normal, first)])
+    pierced = _pierced(interface, tangents, origin, model.bolts)
+    unknown = _unknown(model, name, pierced)
+    springs, pairs = _springs(model, name)
+    areas = [("", np.ones(len(pairs), dtype=bool))]
+    placed = len(model.bolts) == 1 or all(bolt.ends is not None for bolt in model.bolts.values())
+    if model.bolts and placed:
+        nearest = nearest_bolts(places[pairs], model.bolts)
+        near = np.unique(nearest_bolts(interface.points, model.bolts)).tolist()
+        areas += [(list(model.bolts)[number], nearest == number) for number in near]
+    frame = np.vstack([tangents, normal])
+    for bolt, own in areas:
+        chosen = [one for one in pierced if bolt in ("", one)] if not unknown else []
+        wrench = sp.csr_array((6, model.structure.n_dof))
+        if own.any():
+            wrench = wrench + _resultant(places[pairs[own]]) @ springs[np.repeat(own, 3)]
+        for one in chosen:
+            shank = model.bolts[one].shank
+            if shank is not None:
+                # On the plus side acts what the bolt does to its end there.
+                wrench = wrench + pierced[one] * shank.across
+        force, moment = wrench[:3], wrench[3:]
+        about = moment - _cross(origin) @ force
+        rows = sp.vstack([sp.csr_array(tangents) @ force, sp.csr_array(frame[2:]) @ about])
+        yield (
+            TangentialRows(
+                interface=name,
+                bolt=bolt,
+                unknown=unknown,
+                origin=origin,
+                tangents=tangents,
+                per_input=np.zeros((3, 0)),
+                per_pair=np.zeros((3, 0)),
+            ),
+            rows.tocsr(),
+        )
+
+
+def _springs(model: Model, name: str) -> tuple[SparseMatrix, Indices]:
+    """Return what sticking springs do to the plus side, three rows a pair, and their pairs."""
+    stuck = model.stuck.get(name)
+    if stuck is None or not stuck.any() or not model.stuck_stiffness:
+        return sp.csr_array((0, model.structure.n_dof)), np.empty(0, dtype=np.int64)
+    rows = sticking_forces(model.interfaces[name], stuck, model.stuck_stiffness)
+    return -rows, np.flatnonzero(stuck)
+
+
+def _resultant(places: Matrix) -> SparseMatrix:
+    """Return force and moment about the origin (6, 3 n) of forces at places (n, 3)."""
+    forces = np.tile(np.eye(3), len(places))
+    moments = np.hstack([_cross(place) for place in places])
+    return sp.csr_array(np.vstack([forces, moments]))
+
+
+def _cross(arm: Vector) -> Matrix:
+    """Return the matrix (3, 3) of arm × …."""
+    x, y, z = arm
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _pierced(
+    interface: Interface, tangents: Matrix, origin: Vector, bolts: Mapping[str, Bolt]
+) -> dict[str, float]:
+    """Return the bolts that pass through an interface: 1 if they begin on its plus side, else −1.
+
+    An axis passes where contact points are on all sides of it.
+    """
+    normal, found = np.cross(*tangents), {}
+    points = (interface.points - origin) @ tangents.T
+    for name, bolt in bolts.items():
+        ends = bolt.ends if bolt.shank is None else bolt.shank.ends
+        if ends is None:
+            continue
+        heights = (ends - origin) @ normal
+        least = PIERCED * np.abs(np.diff(heights)[0])
+        if heights.min() > -least or heights.max() < least or least == 0:
+            continue
+        share = heights[0] / (heights[0] - heights[1])
+        place = (ends[0] + share * (ends[1] - ends[0]) - origin) @ tangents.T
+        angles = np.sort(np.arctan2(*(points - place).T))
+        if np.diff(angles, append=angles[:1] + 2 * np.pi).max() < np.pi:
+            found[name] = float(np.sign(heights[0]))
+    return found
+
+
+def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
+    """Say why nothing tells what is carried along an interface; empty where something does."""
+    interface = model.interfaces[name]
+    if not interface.flat:
+        return "it is curved, and forces along it have no resultant that could be compared"
+    stuck = model.stuck.get(name)
+    sticks = stuck is not None and bool(stuck.any())
+    if sticks and not model.stuck_stiffness:
+        return "how stiffly its pairs stick is not told"
+    contained = [bolt for bolt, one in model.bolts.items() if one.shank is None]
+    if contained:
+        return f"bolt '{contained[0]}' is part of given matrices, so that what it carries is unseen"
+    if not sticks and _held_elsewhere(model, name, pierced):
+        return (
+            "its sides are held together elsewhere too, by supports, ties or other interfaces, and "
+            "nothing sticks that would tell its share"
+        )
+    return ""
+
+
+def _held_elsewhere(model: Model, name: str, pierced: Mapping[str, float]) -> bool:
+    """Say whether the sides are connected without an interface and the bolts that pass it."""
+    shanks = {bolt: one.shank for bolt, one in model.bolts.items() if one.shank is not None}
+    cut = {element for one in shanks.values() for element in one.elements}
+    labels = connected_parts(model.assembly, cut)
+    links = [labels[model.interfaces[other].pairs] for other in model.interfaces if other != name]
+    links += [labels[one.nodes][None] for bolt, one in shanks.items() if bolt not in pierced]
+    links.append(np.empty((0, 2), dtype=np.int64))
+    rows, columns = np.concatenate(links).T
+    size = int(labels.max()) + 1
+    ones = np.ones(len(rows), dtype=np.int8)
+    graph = sp.csr_array((ones, (rows, columns)), shape=(size, size))
+    _, parts = connected_components(graph, directed=False)
+    minus, plus = parts[labels[model.interfaces[name].pairs]].T
+    return bool(np.isin(minus, plus).any())

@@ -1,0 +1,66 @@
+"""Which nodes hang together, and which on the ground."""
+
+from collections.abc import Collection
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+
+from faying._typing import Indices
+from faying.model.assembly import Assembly
+
+
+def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indices:
+    """Label what hangs together by elements, couplings, equations, matrices and supports.
+
+    Contact and sticking areas connect nothing.
+
+    Parameters
+    ----------
+    without
+        Ids of beams and springs that do not count.
+
+    Returns
+    -------
+    ndarray (n_node + 1,)
+        A label for each node, and for the ground last.
+
+    Notes
+    -----
+    Linear in the size of the assembly.
+    """
+    ground = len(assembly.mesh.nodes)
+    near, far = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+
+    def join(first: Indices | int, others: Indices) -> None:
+        others = np.asarray(others, dtype=np.int64).ravel()
+        near.append(np.broadcast_to(np.asarray(first, dtype=np.int64), others.shape))
+        far.append(others)
+
+    cells = [block.nodes for block in assembly.mesh.blocks]
+    for members in (*cells, *(block.nodes for block in assembly.shells)):
+        join(np.repeat(members[:, 0], members.shape[1]), members)
+    lines: list[tuple[int, ...]] = [beam.nodes for beam in assembly.beams if beam.id not in without]
+    lines += [
+        tuple(node for node, _ in spring.ends)
+        for spring in assembly.springs
+        if spring.id not in without
+    ]
+    lines += [bush.nodes for bush in assembly.bushes]
+    lines += [tuple(node for node, _, _ in one.terms) for one in assembly.equations]
+    for nodes in lines:
+        join(nodes[0], np.array(nodes[1:] if len(nodes) > 1 else [ground]))
+    for rigid in assembly.rigid_couplings:
+        join(rigid.reference, rigid.nodes)
+    for average in assembly.average_couplings:
+        join(average.reference, average.nodes)
+    for support in assembly.supports:
+        join(ground, support.nodes)
+    if assembly.matrices is not None:
+        entries = assembly.matrices.K.tocoo()
+        join(assembly.matrices.nodes[entries.row], assembly.matrices.nodes[entries.col])
+    rows, columns = np.concatenate(near), np.concatenate(far)
+    ones = np.ones(len(rows), dtype=np.int8)
+    graph = sp.csr_array((ones, (rows, columns)), shape=(ground + 1, ground + 1))
+    _, labels = connected_components(graph, directed=False)
+    return np.asarray(labels, dtype=np.int64)
