@@ -180,12 +180,12 @@ def test_scalar_points_springs_and_masses(read: Read) -> None:
 
 
 def test_damping_and_control_are_left_out_and_named(read: Read) -> None:
-    assembly = read("CDAMP1,1,2,1,1\nPDAMP,2,3.", "PBEND,5,9", "DVTREL1,1,A,2", "MATT1,9,5")
+    assembly = read("CDAMP1,1,2,1,1\nPDAMP,2,3.", "PGAP,5,1.", "DVTREL1,1,A,2", "MATT1,9,5")
     notes = " ".join(assembly.ignored)
     for text in (
         "1 CDAMP1",
         "give [damping]",
-        "1 PBEND that no element names",
+        "1 PGAP that no element names",
         "1 DVTREL1",
         "reference temp",
     ):

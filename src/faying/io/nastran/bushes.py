@@ -145,7 +145,7 @@ def _axes(card: Card, own: _Property, grids: Grids, start: int, line: Vector) ->
         text = "its nodes coincide or GB is blank; give the axes of the springs by CID"
         raise card.error(text, field)
     x = line / length
-    vector = _orientation(card, grids, start) if field == 7 else None
+    vector = orientation(card, grids, start) if field == 7 else None
     if vector is None:
         if any(own.stiffness[component] for component in (1, 2, 4, 5)):
             text = "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)"
@@ -160,7 +160,7 @@ def _axes(card: Card, own: _Property, grids: Grids, start: int, line: Vector) ->
     return np.array([x, np.cross(z, x), z])
 
 
-def _orientation(card: Card, grids: Grids, start: int) -> Vector | None:
+def orientation(card: Card, grids: Grids, start: int) -> Vector | None:
     """Vector in the x-y plane, in the basic frame; None if the card gives none."""
     if not any(card.text(field) for field in (4, 5, 6)):
         return None

@@ -1,4 +1,4 @@
-"""PSHELL, PSHEAR, PCOMP, PCOMPG as lists of what they name: materials, layers, where they are."""
+"""PSHELL, PSHEAR and laminates as lists of what they name: materials, layers, where they are."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,6 +7,9 @@ from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
 
 SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG", "PSHEAR")
+
+_NUMBERED = ("PCOMPG", "PCOMPS")
+"""Laminates whose layers have ids, each in a line of its own."""
 
 _PLATE_MATERIALS = (1, 3, 5, 10)
 """MID1 to MID4 of PSHELL."""
@@ -22,7 +25,7 @@ class Layer:
 
 
 def layers(card: Card) -> list[Layer]:
-    """Return the layers of PCOMP or PCOMPG from the bottom, mirrored where LAM = SYM.
+    """Return the layers of a laminate from the bottom, mirrored where LAM = SYM.
 
     Raises
     ------
@@ -33,7 +36,7 @@ def layers(card: Card) -> list[Layer]:
     for first in _places(card):
         if not any(card.text(first + j) for j in range(4)):
             continue
-        if card.cards.name == "PCOMPG":
+        if card.cards.name in _NUMBERED:
             card.integer(first - 1)  # the layer's own id, which names results
         before = found[-1] if found else None
         layer = Layer(
@@ -53,9 +56,19 @@ def layers(card: Card) -> list[Layer]:
 
 def _places(card: Card) -> list[int]:
     """First field, the material, of each layer."""
-    if card.cards.name == "PCOMPG":
+    if card.cards.name in _NUMBERED:
         return [row + 1 for row in range(8, len(card), 8)]
     return list(range(8, len(card), 4))
+
+
+def materials_of_layered_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Return the ids of the materials that PCOMPS name."""
+    found = (
+        numbers.integer(card.text(first))
+        for card in cards.get("PCOMPS", ())
+        for first in _places(card)
+    )
+    return frozenset(number for number in found if number is not None)
 
 
 def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:

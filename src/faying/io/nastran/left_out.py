@@ -68,9 +68,7 @@ _REMEDIES = {
 }
 
 USERS: Mapping[str, tuple[str, ...]] = {
-    "PBEND": ("CBEND",),
     "PLPLANE": ("CQUAD", "CQUAD4", "CQUAD8", "CQUADX", "CTRIA3", "CTRIA6", "CTRIAX"),
-    "PCOMPS": ("CHEXA", "CPENTA"),
     "PGAP": ("CGAP",),
 }
 """Properties that are not read, and the elements that may name them."""

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.layers import materials_of_shells
+from faying.io.nastran.layers import materials_of_layered_solids, materials_of_shells
 from faying.model.assembly import Material
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
 _CONTRADICTION = 0.01
 _INCOMPRESSIBLE = 0.5
 
-PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE")
+PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE", "PBEND")
 """Cards that name a material in their second field."""
 
 MATERIALS = frozenset(
@@ -142,7 +142,7 @@ def _contradict(card: Card) -> bool:
 def materials_of_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
     """Return the ids of the materials that solids name."""
     solids = (numbers.integer(card.text(1)) for card in cards.get("PSOLID", ()))
-    return frozenset(n for n in solids if n is not None)
+    return frozenset(n for n in solids if n is not None) | materials_of_layered_solids(cards)
 
 
 def _named_by_bodies(cards: Mapping[str, Cards]) -> frozenset[int]:
@@ -153,7 +153,7 @@ def _named_by_bodies(cards: Mapping[str, Cards]) -> frozenset[int]:
 def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:
     """Return the ids of the materials that properties of elements name."""
     fields = {**dict.fromkeys(PROPERTIES, 1), "CONROD": 3}
-    return materials_of_shells(cards) | frozenset(
+    return _named_by_bodies(cards) | frozenset(
         number
         for name, field in fields.items()
         for card in cards.get(name, ())

@@ -10,6 +10,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beams import read_beams
+from faying.io.nastran.bends import read_bends
 from faying.io.nastran.body_loads import BODY_LOADS
 from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.cards import Cards
@@ -56,7 +57,7 @@ from faying.model.mesh import Mesh
 ELEMENTS = (
     *SOLID_CARDS,
     *SHELL_CARDS,
-    *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CONM2"),
+    *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CBEND", "CONM2"),
     *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
 )
 RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT")
@@ -69,8 +70,19 @@ _READ = frozenset(
         *BODY_LOADS,
         *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
         *(*SHELL_PROPERTIES, *ANISOTROPIC, "MAT2", "MAT8"),
-        *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PMASS", "SPOINT"),
-        *("GRID", "GRDSET", "PSOLID", "MAT1", "PBAR", "PBARL", "PBEAM", "PBEAML", "PELAS"),
+        *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PBEND", "PMASS", "SPOINT"),
+        *(
+            "GRID",
+            "GRDSET",
+            "PSOLID",
+            "PCOMPS",
+            "MAT1",
+            "PBAR",
+            "PBARL",
+            "PBEAM",
+            "PBEAML",
+            "PELAS",
+        ),
         *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "FORCE", "MOMENT", "LOAD"),
         *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD4"),
         # contact and bolts, read behind the structure
@@ -166,7 +178,10 @@ def read_parts(
             shells=shells.blocks,
             shell_sections=shells.sections,
             springs=tuple(read_springs(cards, grids, ignored)),
-            bushes=tuple(read_bushes(cards, grids, factor, ignored)),
+            bushes=(
+                *read_bushes(cards, grids, factor, ignored),
+                *read_bends(cards, grids, materials, factors, factor, ignored),
+            ),
             masses=tuple(read_masses(cards, grids, factor)),
             scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
             rigid_couplings=tuple(rigid),

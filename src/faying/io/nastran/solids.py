@@ -1,4 +1,4 @@
-"""CHEXA, CPENTA, CTETRA and PSOLID: solid elements, their materials and formulation."""
+"""CHEXA, CPENTA, CPYRAM, CTETRA, PSOLID and PCOMPS: solids, their materials and formulation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.layers import layers
 from faying.io.nastran.solid_materials import along
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Material
@@ -17,6 +18,11 @@ from faying.model.elements.orientation import right_side_out
 from faying.model.generate import mid_side_ends
 from faying.model.mesh import CellBlock
 
+LAYERED = "PCOMPS"
+_OF_LAYERS = (
+    "PCOMPS: solids of layers are as with PSOLID, of the material of all their layers; Nastran's "
+    "have stresses across the layers of their own, which tells where few are over a thickness"
+)
 _FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
 
 
@@ -62,7 +68,7 @@ def read_solids(
     used: dict[int, Material] = {}
     for number, (users_cards, card) in users.items():
         if number not in properties:
-            text = f"property {number} is not a PSOLID of the deck; define it"
+            text = f"property {number} is not a PSOLID (or PCOMPS) of the deck; define it"
             raise users_cards.error(card, text, 1)
         used[number] = _material(properties[number], materials, grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
@@ -80,8 +86,10 @@ def _note_schemes(
     """Say where elements without a choice of formulation differ from what the deck asks for."""
     for block in blocks:
         note = SOLIDS[block.kind].elsewhere.nastran_lacks
-        used = np.unique(block.properties).tolist() if note else []
-        if any(properties[number].text(5) not in ("FULL", "1") for number in used):
+        used = np.unique(block.properties).tolist()
+        if any(properties[number].cards.name == LAYERED for number in used):
+            ignored.append(_OF_LAYERS)
+        if note and any(properties[number].text(5) not in ("FULL", "1") for number in used):
             ignored.append(note)
 
 
@@ -175,7 +183,7 @@ def _note_properties(cards: Cards, users: dict[int, tuple[Cards, int]]) -> None:
 
 def _properties(cards: Mapping[str, Cards]) -> dict[int, Card]:
     found: dict[int, Card] = {}
-    for card in cards.get("PSOLID", ()):
+    for card in (card for name in ("PSOLID", LAYERED) for card in cards.get(name, ())):
         number = card.integer(0)
         if number in found:
             text = f"property {number} is already defined at {found[number].where()}; renumber one"
@@ -185,10 +193,27 @@ def _properties(cards: Mapping[str, Cards]) -> dict[int, Card]:
 
 
 def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Material:
+    if card.cards.name == LAYERED:
+        return _of_layers(card, materials)
     if card.text(6) not in ("", "SMECH"):
         text = f"FCTN = {card.text(6)} is not supported; only structural solids (SMECH) are"
         raise card.error(text)
     return along(card, material_of(card, 1, materials), grids.systems)
+
+
+def _of_layers(card: Card, materials: Mapping[int, Material]) -> Material:
+    """Return the material of all layers, whose directions do not matter."""
+    card.integer(1, 0)
+    card.integer(2, 13)
+    named = {layer.material for layer in layers(card)}
+    (number, *others) = sorted(named)
+    if others or number not in materials or materials[number].law is not None:
+        text = (
+            f"layers of materials {', '.join(map(str, sorted(named)))}; solids of layers are "
+            "supported where all have one MAT1; mesh each layer with PSOLID of its own"
+        )
+        raise card.error(text, 9)
+    return materials[number]
 
 
 def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Material:
@@ -204,7 +229,8 @@ def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Ma
 def _formulation(properties: list[Card], ignored: list[str]) -> str:
     choices: dict[str, Card] = {}
     for card in properties:
-        network, scheme = card.text(3), card.text(5)
+        layered = card.cards.name == LAYERED
+        network, scheme = ("", "") if layered else (card.text(3), card.text(5))
         if network in ("", "0", "BUBBLE") and scheme in ("", "0", "REDUCED"):
             choices.setdefault("incompatible", card)
         elif scheme in ("FULL", "1") and network in _FULL_NETWORKS:
