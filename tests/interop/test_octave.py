@@ -1,14 +1,13 @@
 """The .mat hand-over in Octave: static cases, a transient, recovery and the jacobian."""
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.io
-from programs import MissingProgramError, or_skip
+from octave_runs import SAME, close, octave, run_octave
+from programs import or_skip
 
 import faying as fy
 from faying.export.formats import export
@@ -19,44 +18,14 @@ LOADS = np.array([[0.0, 0.0, -500.0, 0.0, 0.0, 0.0], [200.0, 50.0, 900.0, 2e3, -
 NAMES = tuple(f"tip.{name}" for name in ("Fx", "Fy", "Fz", "Mx", "My", "Mz"))
 STEP, COUNT = 2e-5, 40
 
-SAME = 1e-9
-"""Round-off: both programs take the same steps in double precision, with condition numbers of 1e5
-or so of the effective matrices."""
-
 HARD = 1e-7
 """For hard contact on Gauss points: their forces are not unique, and those of a very stiff law are
 picked through matrices of condition 1e7 (the proximal term)."""
 
 
-def octave() -> str:
-    found = shutil.which("octave-cli") or shutil.which("octave")
-    if found is None:
-        message = "Octave is not installed: there is no 'octave-cli' on the path"
-        raise MissingProgramError(message)
-    return found
-
-
 @pytest.fixture(scope="module")
 def program() -> str:
     return or_skip(octave)
-
-
-def run_octave(program: str, folder: Path, script: str) -> dict[str, np.ndarray]:
-    """Run a script that fills variables and return them."""
-    text = f"{script}\nclear joint state; save('-v7', 'out.mat');\n"
-    (folder / "script.m").write_text(text)
-    done = subprocess.run(
-        [program, "--no-init-file", "--quiet", "script.m"],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-        env={"OMP_NUM_THREADS": "1", "PATH": "/usr/bin:/bin", "HOME": str(folder)},
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "warning" not in done.stderr.lower(), done.stderr
-    return {k: v for k, v in scipy.io.loadmat(folder / "out.mat").items() if k[0] != "_"}
 
 
 def model_of(joint: fy.Model, kind: str) -> fy.ReducedModel:
@@ -75,12 +44,6 @@ def rom(request, joint) -> fy.ReducedModel:
 @pytest.fixture(scope="module")
 def given(rom) -> fy.ReducedModel:
     return rom
-
-
-def close(found: np.ndarray, wanted: np.ndarray, tolerance: float = SAME) -> None:
-    scale = np.abs(wanted).max()
-    assert scale > 0
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=tolerance * scale)
 
 
 SCRIPT = """
@@ -233,6 +196,6 @@ def test_every_variable_is_in_the_table(given: fy.ReducedModel, tmp_path: Path) 
     text = PAGE.read_text("utf-8")
     mat = {name for name in scipy.io.loadmat(tmp_path / "joint.mat") if name[0] != "_"}
     npz = set(np.load(tmp_path / "joint.npz").files)
-    assert mat - npz == {"N"}
+    assert mat - npz == {"N", "T"}
     for name in mat | npz:
         assert f"`{name}`" in text, name

@@ -7,17 +7,18 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations, initial_bolt_forces
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.static import solve_static
+from faying.simulation.start import at_rest, last_of
 
 
 def variables(rom: ReducedModel) -> dict[str, Any]:
-    """Return the variables of a reduced model but for N, the interpolation, which is sparse.
+    """Return the variables of a reduced model but for N and T, which are sparse.
 
     Numbers are float64, what points into other arrays from zero is int64, names are text.
 
@@ -31,7 +32,8 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
     G = N P is formed; everything else is taken as it is.
     """
     contact, bolts, n_mode = rom.contact, rom.bolts, len(rom.K)
-    rest, recovery = solve_static(rom), rom.recovery
+    rest, recovery = last_of(at_rest(rom)), rom.recovery
+    at_points = np.zeros((2, contact.n_points, 3)) if contact.tangents is None else contact.tangents
     return {
         "M": rom.M,
         "C": rom.C,
@@ -42,14 +44,20 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
         "g0": contact.initial_gap,
         "w": contact.weights,
         "cn": contact.penalty,
+        "ct": _tangential_penalty(rom),
+        "mu": _at_rubbing(rom, contact.friction, 0.0),
         "points": _stacked(rom, "points", 3),
         "normals": _stacked(rom, "normals", 3),
+        "tangents1": np.asarray(at_points[0]),
+        "tangents2": np.asarray(at_points[1]),
         "E": elongations(bolts, n_mode),
         "bolt_stiffness": np.array([bolt.stiffness for bolt in bolts.values()], dtype=float),
         "N0": initial_bolt_forces(rom),
         "L": pattern_forces(rom.load_patterns, n_mode),
         "q0": rest.states,
         "lambda0": rest.contact_forces,
+        "shear0": _tangential(rom, rest.shear_forces),
+        "slip0": _tangential(rom, rest.shear_slip),
         "recovery_inertia": recovery.inertia,
         "recovery_damping": recovery.damping,
         "recovery_compliance": recovery.joint.port_compliance.whole,
@@ -67,15 +75,52 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
     }
 
 
+def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:
+    """Return N and T, openings and tangential displacements at the points from the pairs.
+
+    T has a row for the first tangent of every point, then one for the second of every point; rows
+    of points without friction are empty.
+    """
+    contact = rom.contact
+    T = sp.coo_array((2 * contact.n_points, contact.interpolation.shape[1]))
+    if contact.shear is not None:
+        shear, half = contact.shear.tocoo(), len(contact.rubbing)
+        rows = contact.rubbing[shear.row % half] + contact.n_points * (shear.row // half)
+        T = sp.coo_array((shear.data, (rows, shear.col)), shape=T.shape)
+    return {"N": sp.csr_array(contact.interpolation), "T": T.tocsr()}
+
+
 def numpy_variables(rom: ReducedModel) -> dict[str, Any]:
-    """Return all variables as plain arrays, N as ``N_rows``, ``N_columns`` and ``N_values``."""
-    sparse = rom.contact.interpolation.tocoo()
-    return {
-        **variables(rom),
-        "N_rows": np.asarray(sparse.row, dtype=np.int64),
-        "N_columns": np.asarray(sparse.col, dtype=np.int64),
-        "N_values": np.asarray(sparse.data, dtype=np.float64),
-    }
+    """Return all variables as plain arrays, N as ``N_rows``, ``N_columns``, ``N_values``, T too."""
+    found = variables(rom)
+    for name, matrix in sparse_variables(rom).items():
+        entries = matrix.tocoo()
+        found |= {
+            f"{name}_rows": np.asarray(entries.row, dtype=np.int64),
+            f"{name}_columns": np.asarray(entries.col, dtype=np.int64),
+            f"{name}_values": np.asarray(entries.data, dtype=np.float64),
+        }
+    return found
+
+
+def _at_rubbing(rom: ReducedModel, values: Vector, elsewhere: float) -> Vector:
+    """Return values of the points with friction at all points (n_point,)."""
+    every = np.full(rom.contact.n_points, elsewhere)
+    every[rom.contact.rubbing] = values
+    return every
+
+
+def _tangential_penalty(rom: ReducedModel) -> Vector:
+    """Return c_t (n_point,); infinite where nothing gives that sticks, and without friction."""
+    rigid = rom.contact.tangential_flexibility == 0
+    given = rom.contact.weights[rom.contact.rubbing] * rom.contact.tangential_flexibility
+    return _at_rubbing(rom, np.where(rigid, np.inf, 1.0 / np.where(rigid, 1.0, given)), np.inf)
+
+
+def _tangential(rom: ReducedModel, components: Matrix | None) -> Matrix:
+    """Return tangential components (n_point, 2) of (2, n_point); zero without friction."""
+    nothing = np.zeros((rom.contact.n_points, 2))
+    return nothing if components is None else np.ascontiguousarray(components.T)
 
 
 def _texts(names: Any) -> Any:

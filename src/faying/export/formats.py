@@ -40,6 +40,9 @@ MEANINGS = {
 }
 """What each class of hand-over can do."""
 
+RUBS = "carried"
+STICKS = "every closed point sticks"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
@@ -55,24 +58,24 @@ class Format:
         Of the file it writes; empty where that is a folder.
     extra
         Extra of faying that installs what it needs; empty where it needs nothing.
-    sticks
-        Whether it takes joints with friction, every closed point stuck.
+    friction
+        What becomes of it: ``RUBS``, ``STICKS``, or empty where joints with friction are refused.
     """
 
     module: str
     kind: str
     suffix: str
     extra: str = ""
-    sticks: bool = False
+    friction: str = ""
 
 
 FORMATS = {
-    "nastran": Format(module="faying.export.nastran", kind=LINEAR, suffix=".op4", sticks=True),
-    "mat": Format(module="faying.export.matlab", kind=CONTACT, suffix=".mat"),
+    "nastran": Format(module="faying.export.nastran", kind=LINEAR, suffix=".op4", friction=STICKS),
+    "mat": Format(module="faying.export.matlab", kind=CONTACT, suffix=".mat", friction=RUBS),
     "fmu": Format(module="faying.export.fmu", kind=CONTACT, suffix=".fmu"),
     "exudyn": Format(module="faying.export.exudyn", kind=CONTACT, suffix=".py", extra="exudyn"),
     "vtk": Format(module="faying.export.vtk", kind=PICTURES, suffix=""),
-    "npz": Format(module="faying.export.numpy_archive", kind=CONTACT, suffix=".npz"),
+    "npz": Format(module="faying.export.numpy_archive", kind=CONTACT, suffix=".npz", friction=RUBS),
 }
 """Format name to format."""
 
@@ -180,12 +183,16 @@ def default_name(rom: ReducedModel, to: str) -> str:
 
 def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
     rubbing = [name for name, law in rom.contact.laws.items() if law.friction > 0]
-    if rubbing and not chosen.sticks:
-        others = ", ".join(name for name, one in FORMATS.items() if one.sticks)
+    if rubbing and not chosen.friction:
+        whole, linear = (
+            ", ".join(name for name, one in FORMATS.items() if one.friction == what)
+            for what in (RUBS, STICKS)
+        )
         message = (
             f"interface '{rubbing[0]}' has friction, which {to} does not carry; hand over the "
-            f"linear joint ({others}), in which every closed point sticks, or the joint without "
-            "friction (model.with_friction(0), or a study without 'friction')"
+            f"joint with it ({whole}), the linear joint ({linear}), in which every closed point "
+            "sticks, or the joint without friction (model.with_friction(0), or a study without "
+            "'friction')"
         )
         raise StudyError(message)
 

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import scipy.io
-import scipy.sparse as sp
 
 from faying.exceptions import FormatError
-from faying.export.arrays import variables
+from faying.export.arrays import sparse_variables, variables
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results import Results
 
@@ -19,6 +18,9 @@ FUNCTIONS = (
     "faying_step.m",
     "faying_recover.m",
     "faying_complementarity.m",
+    "faying_friction.m",
+    "faying_close.m",
+    "faying_unstressed.m",
     "faying_forces.m",
 )
 """Files of the folder ``octave``, copied beside the .mat file."""
@@ -30,7 +32,7 @@ MOST_BYTES = 2**31
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write the variables of :mod:`faying.export.arrays` (version 5) and the functions.
 
-    Vectors are columns, indices count from one, lists of names are cell arrays, N is sparse.
+    Vectors are columns, indices count from one, lists of names are cell arrays, N and T are sparse.
 
     Raises
     ------
@@ -46,7 +48,7 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
             )
             raise FormatError(message)
     content = {name: _as_matlab_has_it(array) for name, array in held.items()}
-    content["N"] = sp.csc_matrix(rom.contact.interpolation)
+    content |= {name: matrix.tocsc() for name, matrix in sparse_variables(rom).items()}
     scipy.io.savemat(path, content, format="5", do_compression=True, long_field_names=True)
     return (path, *(_copied(name, path.parent) for name in FUNCTIONS))
 

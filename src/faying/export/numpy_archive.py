@@ -12,7 +12,8 @@ from faying.study.results import Results
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write the variables of :mod:`faying.export.arrays` to a compressed archive.
 
-    N is kept as three arrays, ``N_rows``, ``N_columns`` and ``N_values``; nothing is pickled.
+    N and T are kept as three arrays each, such as ``N_rows``, ``N_columns`` and ``N_values``;
+    nothing is pickled.
     """
     with path.open("wb") as file:
         np.savez_compressed(file, **numpy_variables(rom))

@@ -2,12 +2,12 @@ function state = faying_step(joint, state, F, h, N0)
 % One step of implicit Euler with contact at its end.
 %
 %   joint  load('compliance.mat')
-%   state  of faying_static or of the step before
+%   state  of faying_static or of the step before; with friction what has slipped goes on from it
 %   F      loads at the end of the step, as for faying_static
 %   h      time step; the factorization is kept in state.step as long as h stays the same
 %   N0     initial forces of the bolts; joint.N0 unless given
 %
-%   (M/h^2 + C/h + K) q1 = f + G' lambda + M (q/h^2 + v/h) + C q/h
+%   (M/h^2 + C/h + K) q1 = f + P' pairs + M (q/h^2 + v/h) + C q/h
   if nargin < 5
     N0 = joint.N0;
   end
@@ -21,15 +21,10 @@ function state = faying_step(joint, state, F, h, N0)
   U = state.step.U;
   b = faying_forces(joint, F) - joint.E' * N0(:);
   b = b + joint.M * (state.q / h^2 + state.v / h) + joint.C * (state.q / h);
-  d = 1 ./ (joint.cn .* joint.w);
-  gfree = joint.g0 + joint.G * (U \ (U' \ b));
-  [lambda, slack, active] = faying_complementarity(state.step.S, joint.N, d, gfree, state.active);
-  q = U \ (U' \ (b + joint.G' * lambda));
+  [state, pairs] = faying_close(state.step.S, joint, joint.P * (U \ (U' \ b)), state);
+  q = U \ (U' \ (b + joint.P' * pairs));
   v = (q - state.q) / h;
   state.a = (v - state.v) / h;
   state.v = v;
   state.q = q;
-  state.lambda = lambda;
-  state.gap = slack - d .* lambda;
-  state.active = active;
 end
