@@ -13,6 +13,7 @@ import faying as fy
 from faying import cli
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import FormatError, ModelError, StudyError
+from faying.export.formats import export
 from faying.report.figures.slip import plot_slip_states
 from faying.report.friction_table import friction_table
 from faying.report.html import write_report
@@ -159,6 +160,25 @@ def test_increments_are_those_of_a_path_in_python(study, results):
     np.testing.assert_array_equal(results.cases["pull"].reference.pressure, record.pressure[-1])
     assert record.status.shape == record.pressure.shape
     assert set(np.unique(record.status)) <= {0, 1, 2}
+
+
+def test_reduced_models_of_results_know_friction(study, results, finished, tmp_path):
+    rom = results.reduced["compliance"][0]
+    tight = fy.solve_path(
+        rom, [fy.Load(bolt_forces={"bolt": float(f)}) for f in tightening(results)]
+    )
+    load = case_load(study.load_cases[0])
+    path = fy.solve_path(rom, [load.scaled(f) for f in (0.25, 0.5, 0.75, 1.0)], initial=tight)
+    record = results.cases["pull"].reference.path
+    for name in ("pressure", "traction", "slip"):
+        mine, exact = getattr(path, name), getattr(record, name)
+        # The residual compliance is formed anew from what the file keeps.
+        np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
+    with np.load(export(finished, "npz", out=tmp_path / "joint.npz")[0]) as joint:
+        assert set(joint["mu"]) == {0.2}
+        np.testing.assert_allclose(joint["ct"], 8e5, rtol=1e-12)
+        weight = joint["w"].sum()
+    assert weight == pytest.approx(results.interfaces["joint"].weights.sum())
 
 
 def tightening(results):

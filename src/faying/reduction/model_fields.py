@@ -25,6 +25,8 @@ PORTS: Table = {
         "(n_port, 12)",
     ),
     "load_patterns": Meaning("loads of the deck, in the order of their ports"),
+    "shear": Meaning("tangential displacements from relative ones (CSR); absent without friction"),
+    "tangents": Meaning("directions of those", "1", "(2, n_point, 3)"),
 }
 """Of the full model at its ports."""
 
@@ -96,8 +98,6 @@ OWN_ROOT: Table = {
 
 OWN_PORTS: Table = {
     "places": Meaning("where the relative displacements are", "length", "(n_relative, 3)"),
-    "shear": Meaning("tangential displacements from relative ones (CSR); absent without friction"),
-    "tangents": Meaning("directions of those", "1", "(2, n_point, 3)"),
     "tangential": Meaning(
         "what is carried along the interfaces per force at the ports, whole ones and around bolts"
     ),
