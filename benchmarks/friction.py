@@ -4,10 +4,11 @@
 
 SIZE is an element size in mm: 2.5 (default) is the default cantilever. Prints processor time, the
 least of several runs, because other work on the machine can only add to it: of a warm increment
-of a path, of cycles of 50 increments in three modes, of a search for the slip reserve, and of a
-step of the reduced model, with the Newton steps of each; and of the same static loads and steps
-without friction. Compiled steps need the extra ``compiled``. Joints of more than a thousand points
-leave cycles and slip reserve out, and are measured once.
+of a path, of cycles of 50 increments in three modes, of their backbones at 20 amplitudes, of a
+search for the slip reserve, and of a step of the reduced model, in Python and compiled (extra
+``compiled``), with the Newton steps of each; and of the same static loads and steps without
+friction. Joints of more than a thousand points leave cycles, backbones and slip reserve out, and
+are measured once.
 """
 
 import os
@@ -26,6 +27,9 @@ LOADS = {
 }
 AMPLITUDES = {1: 0.05, 2: 0.03, 3: 0.01}
 """Of the first three modes: a quarter to a half of the closed area slips [mm]."""
+
+BACKBONES = {1: (0.003, 0.5), 2: (0.001, 0.1), 3: (0.0005, 0.02)}
+"""Ranges of amplitudes, from where next to nothing slips to where most does [mm]."""
 
 RUNS, STEPS = 3, 100
 
@@ -60,14 +64,21 @@ def rows(model: fy.Model, smooth: fy.Model, runs: int, steps: int) -> list[tuple
         tight = fy.solve_path(joint, [fy.Load()])
         for name, load in LOADS.items():
             loads = [load.scaled(float(factor)) for factor in factors]
-            ms, path = least(
-                lambda loads=loads, joint=joint, tight=tight: fy.solve_path(
-                    joint, loads, initial=tight
-                ),
-                runs,
-            )
-            label = f"increment, {name}{which}"
-            found.append((label, ms / len(loads), f"{path.iterations.mean():.1f}"))
+            for compiled in (False,) if which else (False, True):
+
+                def walk(
+                    loads: list[fy.Load] = loads,
+                    joint: fy.Model = joint,
+                    tight: Any = tight,
+                    compiled: bool = compiled,
+                ) -> Any:
+                    return fy.solve_path(joint, loads, initial=tight, compiled=compiled)
+
+                if compiled:
+                    walk()
+                ms, path = least(walk, runs)
+                label = f"{'compiled ' if compiled else ''}increment, {name}{which}"
+                found.append((label, ms / len(loads), f"{path.iterations.mean():.1f}"))
         rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=20), compliance=True)
         start = fy.solve_path(rom, [fy.Load()])
         for compiled in (False, True):
@@ -93,18 +104,23 @@ def rows(model: fy.Model, smooth: fy.Model, runs: int, steps: int) -> list[tuple
 
 
 def cycles(model: fy.Model) -> list[tuple[str, float, str]]:
-    """Return what cycles and a search for the slip reserve cost, and the cycles."""
+    """Return what cycles, backbones and a search for the slip reserve cost, and the cycles."""
     tight, found = fy.solve_path(model, [fy.Load()]), []
+
+    def curve(mode: int, levels: Any, compiled: bool | None) -> Any:
+        return fy.backbone(model, mode, levels, initial=tight, compiled=compiled)
+
     for mode, amplitude in AMPLITUDES.items():
-        # What modes and the first loading take is taken off: a second amplitude does them once.
-        once, _ = least(lambda mode=mode: fy.backbone(model, mode, [1e-6], initial=tight))
-        ms, curve = least(
-            lambda mode=mode, amplitude=amplitude: fy.backbone(
-                model, mode, [1e-6, amplitude], initial=tight
-            )
-        )
-        walked = float(curve.cycles[1]) + 0.25
-        found.append((f"cycle of 50, mode {mode}", (ms - once) / walked, f"{walked:g} cycles"))
+        for compiled in (False, True):
+            # What modes and the first loading take is taken off: a second amplitude does them once.
+            once, _ = least(lambda m=mode, c=compiled: curve(m, [1e-6], c))
+            ms, swung = least(lambda m=mode, a=amplitude, c=compiled: curve(m, [1e-6, a], c))
+            walked = float(swung.cycles[1]) + 0.25
+            label = f"{'compiled ' if compiled else ''}cycle of 50, mode {mode}"
+            found.append((label, (ms - once) / walked, f"{walked:g} cycles"))
+    for mode, ends in BACKBONES.items():
+        ms, swung = least(lambda m=mode, e=ends: curve(m, np.geomspace(*e, 20), None), 1)
+        found.append((f"backbone of 20, mode {mode}", ms, f"{swung.cycles.sum()} cycles"))
     ms, _ = least(lambda: fy.slip_reserve(model, LOADS["pull"], tight), 1)
     found.append(("slip reserve, pull", ms, ""))
     return found

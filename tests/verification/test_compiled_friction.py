@@ -10,7 +10,10 @@ import pytest
 import faying as fy
 from faying.contact.compiled_frictional import CompiledFrictionalContact, compilable
 from faying.contact.frictional import SOLVED, FrictionalContact
+from faying.exceptions import ModelError
 from faying.export import transient_stream
+from faying.simulation import compiled as compiling
+from faying.simulation.path_solver import PAYING_INCREMENTS, path_solver
 
 STEP, STEPS = 2e-5, 60
 SHAKEN = fy.Load(
@@ -36,7 +39,9 @@ def rom(full):
 
 def test_what_is_not_solved_compiled_is_solved_in_python(full):
     plain = full.static_contact.frictional
-    nothing = SimpleNamespace(solve=lambda **_: (60.0, np.inf), ENOUGH=1e-11)
+    nothing = SimpleNamespace(
+        solve=lambda **_: (60.0, np.inf), unsupported=lambda n: np.zeros((3, n, 9)), ENOUGH=1e-11
+    )
     solver = CompiledFrictionalContact(plain)
     vars(solver)["_loop"] = nothing
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
@@ -53,6 +58,59 @@ def test_laws_without_compiled_code_are_left_to_python(full):
 
     contact = replace(full.contact, laws={"joint": Curve()})
     assert not compilable(FrictionalContact(contact=contact, S=full.static_contact.total))
+
+
+def test_paths_of_many_increments_are_compiled_unasked(full):
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    plain, forces = full.static_contact.frictional, np.ones((3, full.contact.n_points))
+    assert path_solver(full, PAYING_INCREMENTS - 1, forces) is plain
+    assert path_solver(full, PAYING_INCREMENTS, forces, compiled=False) is plain
+    many = path_solver(full, PAYING_INCREMENTS, forces)
+    assert isinstance(many, CompiledFrictionalContact)
+    assert many.about is forces
+    # An unstressed joint is no state that a path would stay near.
+    asked = path_solver(full, 1, 0 * forces, compiled=True)
+    assert isinstance(asked, CompiledFrictionalContact)
+    assert asked.about is None
+
+
+def test_compiled_paths_need_numba(full, monkeypatch):
+    monkeypatch.setattr(compiling, "find_spec", lambda name: None)
+    with pytest.raises(ModelError, match="need numba"):
+        fy.solve_path(full, [fy.Load()], compiled=True)
+
+
+def test_pairs_on_springs_yield_as_the_inverse_says(full):
+    """Against S (I + B S)⁻¹ written out, with springs of any kind at a third of the points."""
+    steps, rng = full.static_contact.frictional.steps, np.random.default_rng(1)
+    n = full.contact.n_points
+    K = rng.standard_normal((n, 3, 3)) * (rng.random(n) < 0.3)[:, None, None] * 1e3
+    G, S = steps.G.toarray(), steps.S
+    at = (np.arange(3)[:, None] * n + np.arange(n)).T
+    B = sum(G[rows].T @ own @ G[rows] for rows, own in zip(at, K, strict=True))
+    expected = S @ np.linalg.inv(np.eye(len(S)) + B @ S)
+    # The condition of I + B S, some 1e3, multiplies round-off.
+    np.testing.assert_allclose(steps.supported(K), expected, rtol=0, atol=1e-10 * abs(S).max())
+
+
+@pytest.mark.slow
+def test_compiled_paths_and_cycles_are_those_in_python(full):
+    """Small loads stay near where they begin, large ones do not: both compliances are used."""
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    tight = fy.solve_path(full, [fy.Load()])
+    for amplitude in (0.3, 3.0):
+        found, expected = (
+            fy.solve_cycles(full, fy.Load({"tip.Fx": 1e3}), amplitude, tight, compiled=compiled)
+            for compiled in (True, False)
+        )
+        assert len(found.energies) == len(expected.energies)
+        # Increments are solved to 1e-11 of the largest force, and their conditions multiply that.
+        for name in ("contact_forces", "shear_forces", "shear_slip", "states"):
+            mine, other = getattr(found.cycle, name), getattr(expected.cycle, name)
+            small = 1e-8 * np.abs(other).max()
+            np.testing.assert_allclose(mine, other, rtol=0, atol=small, err_msg=name)
+        again = fy.solve_cycles(full, fy.Load({"tip.Fx": 1e3}), amplitude, tight, compiled=True)
+        np.testing.assert_array_equal(again.cycle.states, found.cycle.states)
 
 
 @pytest.mark.slow  # compiles, half a minute once per installation

@@ -22,9 +22,10 @@ from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError, naming
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.simulation.cycles import MOST_CYCLES
+from faying.simulation.cycles import FEWEST_CYCLES, MOST_CYCLES
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
+from faying.simulation.path import path_start, solve_path
+from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
 from faying.units import units_of
 
@@ -214,6 +215,7 @@ def backbone(
     initial: Solution | None = None,
     increments: int = 50,
     masing: bool = False,
+    compiled: bool | None = None,
 ) -> Backbone:
     """Compute frequency and damping of a mode over its amplitude, by full cycles.
 
@@ -237,6 +239,8 @@ def backbone(
     masing
         Give the result of Masing's rule too. It follows from the first quarter, and is wrong
         wherever normal forces change during a cycle.
+    compiled
+        As in :func:`faying.solve_path`, two cycles of each amplitude counted.
 
     Raises
     ------
@@ -267,7 +271,10 @@ def backbone(
     rest = solve_path(system, [Load()]) if initial is None else initial
     found = stuck_mode(system, rest, mode)
     measure = measured(system, found, at)
-    swing = Swing.of(system, rest, found, measure)
+    start = path_start(system, rest)
+    whole = len(levels) * (FEWEST_CYCLES * increments + increments // 4)
+    solver = path_solver(system, whole, start.increment.forces, compiled)
+    swing = Swing.of(system, start, solver, found, measure)
     scale = (2 * np.pi * found.frequency) ** 2 / measure.unit
     rows = []
     for level in levels:

@@ -8,12 +8,12 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.stuck_modes import StuckMode
+from faying.contact.increment_solver import IncrementSolver
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
-from faying.simulation.path import PathStep, follow, path_start
-from faying.simulation.solution import Solution
+from faying.simulation.path import PathStep, follow
 
 AT_BOUND = 1e-6
 """Distance from the friction bound, over it, within which a point slips."""
@@ -117,6 +117,8 @@ class Swing:
     ----------
     start
         The preloaded joint.
+    solver
+        What solves its increments.
     moved : (n_relative,) [length]
         What M φ alone moves the pairs.
     own, own_at
@@ -127,13 +129,21 @@ class Swing:
 
     system: System
     start: PathStep
+    solver: IncrementSolver
     moved: Vector
     own: float
     own_at: float
     at: Vector
 
     @classmethod
-    def of(cls, system: System, rest: Solution, mode: StuckMode, measure: Measure) -> Self:
+    def of(
+        cls,
+        system: System,
+        start: PathStep,
+        solver: IncrementSolver,
+        mode: StuckMode,
+        measure: Measure,
+    ) -> Self:
         """Solve for the static response of the bare structure to the load."""
         force = np.asarray(system.M @ mode.shape)
         answer = system.factorize_static().solve(force)
@@ -142,7 +152,8 @@ class Swing:
         boundary = np.concatenate([answer[one.dofs] for one in system.boundaries.values()])
         return cls(
             system=system,
-            start=path_start(system, rest),
+            start=start,
+            solver=solver,
             moved=np.asarray(system.contact.relative_operator @ answer),
             own=float(force @ answer),
             own_at=float(measure.rows @ boundary),
@@ -153,11 +164,10 @@ class Swing:
         """Load once, then go to and fro until cycles repeat, each half in so many increments."""
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
-        solver = self.system.static_contact.frictional
 
         def walk(shares: Vector, here: PathStep) -> list[PathStep]:
             targets = self.start.relative + load * np.outer(shares, self.moved)
-            return list(follow(solver, targets, here))
+            return list(follow(self.solver, targets, here))
 
         steps = walk(rise, self.start)
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))

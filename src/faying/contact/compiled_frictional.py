@@ -2,16 +2,20 @@
 
 import logging
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
 from typing import Any, final
 
 import numpy as np
+from scipy.linalg import LinAlgError
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
+from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact, Increment
 from faying.contact.laws import Coulomb, Hard, Penalty
+from faying.contact.newton_steps import PROXIMAL
 
 _log = logging.getLogger("faying")
 
@@ -27,9 +31,23 @@ class CompiledFrictionalContact:
     ----------
     plain
         The solver in Python, which does what the compiled one leaves.
+    about : (3, n_point) or None [force]
+        Forces of a state that increments are near; with them, systems are made of the points that
+        are other than there.
     """
 
     plain: FrictionalContact
+    about: Matrix | None = None
+
+    @property
+    def contact(self) -> Contact:
+        """Gaps, tangential displacements and laws."""
+        return self.plain.contact
+
+    @property
+    def S(self) -> Matrix:
+        """Compliance between pairs (n_relative, n_relative) [length/force]."""
+        return self.plain.S
 
     def solve(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
         """Solve one increment; see :meth:`.FrictionalContact.solve`."""
@@ -38,11 +56,15 @@ class CompiledFrictionalContact:
         forces = np.ascontiguousarray(self.plain.laws.admissible(start, None))
         slack = np.empty(z_free.shape)
         steps, left = self._loop.solve(
-            **self._arrays, z_free=np.ascontiguousarray(z_free), x=forces, z=slack
+            **self._arrays, **self._state, z_free=np.ascontiguousarray(z_free), x=forces, z=slack
         )
         if not left <= self._loop.ENOUGH:
             return self.plain.solve(z_free, start)
         return Increment(forces=forces, slack=slack, iterations=int(steps), residual=left)
+
+    def gap(self, increment: Increment) -> Vector:
+        """Return the gap (n_point,) [length] after an increment."""
+        return self.plain.gap(increment)
 
     @cached_property
     def _loop(self) -> Any:
@@ -59,7 +81,7 @@ class CompiledFrictionalContact:
             "columns": rows.columns,
             "values": rows.values,
             "S": plain.S,
-            "own": plain.steps.own,
+            "yielding": np.maximum(plain.D, PROXIMAL * plain.steps.own),
             "closure": plain.D,
             "scale": plain.scale,
             "friction": plain.friction,
@@ -70,6 +92,19 @@ class CompiledFrictionalContact:
             "transposed": np.array([ord("T")], dtype=np.uint8),
             **{name: np.array(values, order="C") for name, values in arrays.items()},
         }
+
+    @cached_property
+    def _state(self) -> dict[str, Matrix]:
+        """U, J, K and A⁻¹ of the state about which increments are solved, if there is one."""
+        names, arrays = ("slope0", "stiff0", "inverse0"), self._arrays
+        if self.about is not None:
+            given = {name: arrays[name] for name in ("friction", "scale", "yielding")}
+            found = self._loop.linearized(np.array(self.about, order="C"), **given)
+            with suppress(LinAlgError):
+                supported = self.plain.steps.supported(found[1].reshape(-1, 3, 3))
+                return {"supported": supported, **dict(zip(names, found, strict=True))}
+        found = self._loop.unsupported(self.contact.n_points)
+        return {"supported": arrays["S"], **dict(zip(names, found, strict=True))}
 
 
 def compilable(solver: FrictionalContact) -> bool:

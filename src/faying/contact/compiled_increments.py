@@ -1,15 +1,14 @@
-"""Increments with friction, compiled: what :mod:`.frictional` solves, with fewer factorizations.
+"""Increments with friction, compiled: what :mod:`.frictional` solves, about a state beforehand.
 
-Steps are those of :mod:`.newton_steps`. Factors of one state serve the next ones: with V the rows
-of G at points where J is another by more than a little, U = S (I + B S)⁻¹ Vᵀ and ΔK what changed,
-S q is that of the factors less U m, (I + ΔK V U) m = ΔK V S q. At all other points J stays that of
-the factors, and steps are extrapolated from those before (Anderson 1965,
+Steps are those of :mod:`.newton_steps`, made on U = S (I + B₀ S)⁻¹, what pairs yield on the springs
+B₀ of a state that is given: with ΔB what points add to B₀ where J is another, S q = U (b − m) for a
+right-hand side b, and (I + ΔB U) m = ΔB U b is a system between the pairs of those points alone.
+Where most points are others, U is S and B₀ nothing. Systems serve as long as J does not differ by
+more than a little, and steps are extrapolated from those before (Anderson 1965,
 doi:10.1145/321296.321305). What this does not solve is left to the solver in Python.
 
 Importing this module compiles it, or reads what was compiled before.
 """
-
-from typing import Any
 
 import numba
 import numpy as np
@@ -26,7 +25,6 @@ from faying.contact.compiled_points import (
     substitute,
 )
 from faying.contact.frictional import AT_BOUND, FEW_BACK, MOST_HALVINGS, MOST_STEPS
-from faying.contact.newton_steps import PROXIMAL
 
 ENOUGH = 1e-11
 """Natural residual over the largest force at which an increment is solved."""
@@ -34,14 +32,15 @@ ENOUGH = 1e-11
 NEARLY = 1e-7
 """Residual from which displacements are those of the forces, no longer added up."""
 
-CHANGED = 0.1
-"""Difference of an entry of J from which a point counts as changed."""
+CHANGED, COUNTED = 0.1, 0.01
+"""Difference of an entry of J at a point from which a system is made anew, and that from which a
+point counts as another than it was beforehand."""
 
-MOST_CHANGED = 40
-"""Changed points that factors are kept for."""
+MOST_OTHERS = 0.8
+"""Pairs of other points, over those of closed ones, up to which U is taken in place of S."""
 
 SLOW = 0.5
-"""Residual over the one before from which a step with older factors is followed by new ones."""
+"""Residual over the one before from which the next step takes J as it is at every point."""
 
 MIXED = 5
 """Differences of steps that one is extrapolated from."""
@@ -52,32 +51,42 @@ SUMS = {"reassoc", "contract"}
 
 @numba.njit(cache=True, fastmath=SUMS)
 def assembled(
-    columns: Indices, values: Matrix, S: Matrix, K: Matrix, slope: Matrix, place: Indices, size: int
+    columns: Indices,
+    values: Matrix,
+    supported: Matrix,
+    more: Matrix,
+    changed: Indices,
+    pairs: Indices,
 ) -> Matrix:
-    """Return I + B S at the touched pairs (size, size); ``place`` tells where they are in it."""
-    n, result = len(K), np.zeros((size, size))
-    at = np.flatnonzero(place >= 0)
-    here = np.ascontiguousarray(S[at][:, at])
+    """Return I + ΔB U at the pairs of changed points (size, size); ``more`` is ΔK."""
+    n, size = len(more), len(pairs)
+    result, here = np.zeros((size, size)), np.empty((size, size))
+    place = np.empty(len(supported), dtype=np.int64)
+    for i in range(size):
+        place[pairs[i]] = i
+        row = supported[pairs[i]]
+        for j in range(size):
+            here[i, j] = row[pairs[j]]
     moved, forces = np.empty((3, size)), np.empty(size)
-    for p in range(n):
-        if slope[p, 0] == 0.0:
-            continue
+    for p in changed:
         for a in range(3):
             moved[a] = 0.0
             for j in range(columns.shape[1]):
-                share, row = values[a * n + p, j], place[columns[a * n + p, j]]
+                share = values[a * n + p, j]
                 if share != 0.0:
+                    row = here[place[columns[a * n + p, j]]]
                     for i in range(size):
-                        moved[a, i] += share * here[row, i]
+                        moved[a, i] += share * row[i]
         for a in range(3):
-            k0, k1, k2 = K[p, 3 * a], K[p, 3 * a + 1], K[p, 3 * a + 2]
+            k0, k1, k2 = more[p, 3 * a], more[p, 3 * a + 1], more[p, 3 * a + 2]
             for i in range(size):
                 forces[i] = k0 * moved[0, i] + k1 * moved[1, i] + k2 * moved[2, i]
             for j in range(columns.shape[1]):
-                share, row = values[a * n + p, j], place[columns[a * n + p, j]]
+                share = values[a * n + p, j]
                 if share != 0.0:
+                    row = result[place[columns[a * n + p, j]]]
                     for i in range(size):
-                        result[row, i] += share * forces[i]
+                        row[i] += share * forces[i]
     for i in range(size):
         result[i, i] += 1.0
     return result
@@ -106,47 +115,69 @@ def extrapolated(past: Matrix, count: int, step: Matrix) -> None:
 
 
 @numba.njit(cache=True)
-def moved_by(
-    getrs: int,
-    transposed: Matrix,
-    lu: Matrix,
-    pivots: Any,
-    touched: Indices,
-    here: Matrix,
-    S: Matrix,
-    columns: Indices,
-    values: Matrix,
-    K: Matrix,
-    pairs: Matrix,
-) -> Matrix:
-    """Return S (I + B S)⁻¹ b (m, n_relative) for forces between pairs b (m, n_relative)."""
-    m, n = len(pairs), len(K)
-    right = np.empty((m, len(touched)))
-    result = np.zeros((m, len(S)))
-    points, forces = np.empty((3, n)), np.empty((3, n))
-    moved = np.empty(len(S))
-    for i in range(m):
-        right[i] = pairs[i][touched]
-        beside = pairs[i].copy()
-        beside[touched] = 0.0
-        # Forces between pairs that no closed point touches are known, and move the others.
-        if beside.any():
-            for j in np.flatnonzero(beside):
-                result[i] += beside[j] * S[j]
-            interpolate(columns, values, result[i], points)
-            forces[:] = 0.0
-            blockwise(K, points, 1.0, forces)
-            share_out(columns, values, forces, moved)
-            right[i] -= moved[touched]
-    substitute(getrs, transposed, lu, pivots, right)
-    result += np.dot(right, here)
-    return result
+def touched(columns: Indices, values: Matrix, points: Indices, n_pair: int) -> Indices:
+    """Return the pairs that points touch."""
+    n = len(columns) // 3
+    met = np.zeros(n_pair, dtype=np.bool_)
+    for p in points:
+        for a in range(3):
+            for j in range(columns.shape[1]):
+                if values[a * n + p, j] != 0.0:
+                    met[columns[a * n + p, j]] = True
+    return np.flatnonzero(met)
+
+
+@numba.njit(cache=True)
+def differing(slope: Matrix, other: Matrix, least: float) -> Indices:
+    """Return the points where J (n_point, 9) differs from another by more than ``least``."""
+    found = np.zeros(len(slope), dtype=np.bool_)
+    for p in range(len(slope)):
+        for i in range(9):
+            if abs(slope[p, i] - other[p, i]) > least:
+                found[p] = True
+    return np.flatnonzero(found)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def springs_at(
+    p: int, slope: Matrix, scale: Matrix, yielding: Matrix, K: Matrix, inverse: Matrix
+) -> None:
+    """Write K and A⁻¹ of a point, zero and one where it is open."""
+    if slope[p, 0] == 0.0:
+        K[p], inverse[p] = 0.0, 0.0
+        inverse[p, 0] = inverse[p, 4] = inverse[p, 8] = 1.0
+    else:
+        local(slope[p], p, scale, yielding, inverse[p], K[p])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def linearized(
+    forces: Matrix, friction: Vector, scale: Matrix, yielding: Matrix
+) -> tuple[Matrix, Matrix, Matrix]:
+    """Return J, K and A⁻¹ (n_point, 9) each where forces act; points at their bound slip."""
+    n = forces.shape[1]
+    slope, K, inverse = np.zeros((n, 9)), np.zeros((n, 9)), np.zeros((n, 9))
+    trial = forces.copy()
+    trial[1:] *= 1.0 + AT_BOUND
+    slopes(trial, friction, slope)
+    for p in range(n):
+        springs_at(p, slope, scale, yielding, K, inverse)
+    return slope, K, inverse
+
+
+@numba.njit(cache=True)
+def unsupported(n: int) -> tuple[Matrix, Matrix, Matrix]:
+    """Return J, K and A⁻¹ (n, 9) each where all points are open."""
+    inverse = np.zeros((n, 9))
+    inverse[:, 0] = inverse[:, 4] = inverse[:, 8] = 1.0
+    return np.zeros((n, 9)), np.zeros((n, 9)), inverse
 
 
 SIGNATURE = (
     "UniTuple(float64, 2)(uint64, uint64, uint8[::1], int64[:,::1], float64[:,::1],"
     " float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[::1],"
-    " float64[:,::1], float64[:,::1], float64[:,::1])"
+    " float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
+    " float64[:,::1], float64[:,::1])"
 )
 
 
@@ -158,10 +189,14 @@ def solve(
     columns: Indices,
     values: Matrix,
     S: Matrix,
-    own: Matrix,
+    yielding: Matrix,
     closure: Matrix,
     scale: Matrix,
     friction: Vector,
+    supported: Matrix,
+    slope0: Matrix,
+    stiff0: Matrix,
+    inverse0: Matrix,
     z_free: Matrix,
     x: Matrix,
     z: Matrix,
@@ -174,10 +209,13 @@ def solve(
         Addresses of LAPACK's ``dgetrf`` and ``dgetrs``.
     columns, values : (3 n_point, n)
         G by rows.
-    S : (n_relative, n_relative)
-    own, closure, scale : (3, n_point)
-        Diagonal of G S Gᵀ, c′ and r.
+    S, supported : (n_relative, n_relative)
+        Compliance, and U.
+    yielding, closure, scale : (3, n_point)
+        c′ in A, c′ and r.
     friction : (n_point,)
+    slope0, stiff0, inverse0 : (n_point, 9)
+        J, K and A⁻¹ of the state of U.
     z_free : (3, n_point)
     x : (3, n_point)
         Forces of the increment before, admissible; those of this one.
@@ -185,28 +223,22 @@ def solve(
         Slack to be written.
     """
     n, n_pair = x.shape[1], len(S)
-    yielding = np.maximum(closure, PROXIMAL * own)
-    slope, K, inverse = np.zeros((n, 9)), np.zeros((n, 9)), np.zeros((n, 9))
-    slope0, stiff0, inverse0 = np.zeros((n, 9)), np.zeros((n, 9)), np.zeros((n, 9))
+    slope = np.zeros((n, 9))
+    taken, K, inverse, more = slope0.copy(), stiff0.copy(), inverse0.copy(), np.zeros((n, 9))
     y, wrong, alone = np.empty((3, n)), np.empty((3, n)), np.empty((3, n))
     trial, slack, tried = np.empty((3, n)), np.empty((3, n)), np.empty((3, n))
     dx, dy, moved = np.empty((3, n)), np.empty((3, n)), np.empty((3, n))
     lu, pivots = np.empty((0, 0)), np.empty(0, dtype=np.int32)
-    touched, here = np.empty(0, dtype=np.int64), np.empty((0, 0))
-    place = np.empty(n_pair, dtype=np.int64)
-    pairs, between = np.empty(n_pair), np.empty((1, n_pair))
-    known, n_known = np.full(n, -1), 0
-    answers, seen = np.empty((0, n_pair)), np.empty((0, 0))
-    met, changed = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    past = np.empty((MIXED + 1, 2, 6 * n))
-    step_of = np.empty(6 * n)
+    changed, at = np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    pairs, between, seen = np.empty(n_pair), np.empty(n_pair), np.empty(n_pair)
+    past, step_of = np.empty((MIXED + 1, 2, 6 * n)), np.empty(6 * n)
     stuck = np.zeros(n, dtype=np.bool_)
     share_out(columns, values, x, pairs)
     interpolate(columns, values, np.dot(S, pairs), y)
     z[:] = y + closure * x + z_free
-    start, count, n_past, last_changed = x.copy(), 0.0, 0, -1
+    start, count, n_past = x.copy(), 0.0, 0
     norm, left = np.inf, np.inf
-    renew, exact, predicting = True, False, 2
+    renew, exact, predicting, based = False, False, 2, True
     while count < MOST_STEPS:
         # The first two are no Newton steps: they say where forces go if no point changes sides.
         if predicting:
@@ -218,116 +250,45 @@ def solve(
             count += 1
             trial[:] = x - scale * z
         slopes(trial, friction, slope)
-        if not renew:
-            changed = np.flatnonzero(
-                np.array([np.abs(slope[p] - slope0[p]).max() > CHANGED for p in range(n)])
-            )
-            renew = len(changed) > MOST_CHANGED
-        fresh = renew
-        if renew:
+        if predicting == 2 and based:
+            others = touched(columns, values, differing(slope, slope0, COUNTED), n_pair)
+            closed = touched(columns, values, np.flatnonzero(slope[:, 0]), n_pair)
+            based = len(others) <= MOST_OTHERS * len(closed)
+            if not based:
+                supported, slope0, stiff0, inverse0 = S, *unsupported(n)
+                taken[:], K[:], inverse[:] = slope0, stiff0, inverse0
+        fresh = renew or len(differing(slope, taken, CHANGED)) > 0
+        whole = renew
+        if fresh:
             renew = False
-            changed, met, n_known = changed[:0], met[:0], 0
-            known[:] = -1
-            slope0[:] = slope
-            stiff0[:], inverse0[:] = 0.0, 0.0
-            place[:] = -1
-            for p in range(n):
-                if slope[p, 0] == 0.0:
-                    inverse0[p, 0] = inverse0[p, 4] = inverse0[p, 8] = 1.0
-                    continue
-                local(slope[p], p, scale, yielding, inverse0[p], stiff0[p])
-                for a in range(3):
-                    for j in range(columns.shape[1]):
-                        if values[a * n + p, j] != 0.0:
-                            place[columns[a * n + p, j]] = 0
-            touched = np.flatnonzero(place == 0)
-            for i in range(len(touched)):
-                place[touched[i]] = i
-            if not len(touched):
+            changed = differing(slope, slope0, 0.0 if whole else COUNTED)
+            taken[:], K[:], inverse[:], more[:] = slope0, stiff0, inverse0, 0.0
+            for other in changed:
+                taken[other] = slope[other]
+                springs_at(int(other), slope, scale, yielding, K, inverse)
+                more[other] = K[other] - stiff0[other]
+            at = touched(columns, values, changed, n_pair)
+            lu = assembled(columns, values, supported, more, changed, at)
+            pivots = np.empty(len(at), dtype=np.int32)
+            if len(at) and (not factorize(getrf, lu, pivots) or not np.isfinite(lu).all()):
                 return count, np.inf
-            here = S[touched]
-            lu = assembled(columns, values, S, stiff0, slope0, place, len(touched))
-            pivots = np.empty(len(touched), dtype=np.int32)
-            if not factorize(getrf, lu, pivots) or not np.isfinite(lu).all():
-                return count, np.inf
-        K[:], inverse[:] = stiff0, inverse0
-        for other in changed:
-            if slope[other, 0] == 0.0:
-                K[other], inverse[other] = 0.0, 0.0
-                inverse[other, 0] = inverse[other, 4] = inverse[other, 8] = 1.0
-            else:
-                local(slope[other], int(other), scale, yielding, inverse[other], K[other])
         alone[:] = 0.0
         if predicting:
             blockwise(K, z, -1.0, alone)
         else:
             blockwise(inverse, wrong, -1.0, alone)
-        share_out(columns, values, alone, between[0])
-        went = moved_by(
-            getrs, transposed, lu, pivots, touched, here, S, columns, values, stiff0, between
-        )[0]
-        if len(changed):
-            new = np.array([p for p in changed if known[p] < 0], dtype=np.int64)
-            if len(new):
-                right = np.zeros((3 * len(new), n_pair))
-                for i in range(len(new)):
-                    known[new[i]] = n_known
-                    n_known += 1
-                    for a in range(3):
-                        row = a * n + new[i]
-                        for j in range(columns.shape[1]):
-                            right[3 * i + a, columns[row, j]] += values[row, j]
-                more = moved_by(
-                    getrs,
-                    transposed,
-                    lu,
-                    pivots,
-                    touched,
-                    here,
-                    S,
-                    columns,
-                    values,
-                    stiff0,
-                    right,
-                )
-                answers = np.concatenate((answers[: 3 * len(met)], more))
-                met = np.concatenate((met, new))
-                seen = np.empty((3 * n_known, 3 * n_known))
-                for i in range(n_known):
-                    for a in range(3):
-                        row = a * n + met[i]
-                        for k in range(3 * n_known):
-                            total = 0.0
-                            for j in range(columns.shape[1]):
-                                total += values[row, j] * answers[k, columns[row, j]]
-                            seen[3 * i + a, k] = total
-            m = len(changed)
-            core, rest, view = np.zeros((3 * m, 3 * m)), np.zeros(3 * m), np.empty(3)
-            for i in range(m):
-                p = changed[i]
-                for a in range(3):
-                    row, view[a] = a * n + p, 0.0
-                    for j in range(columns.shape[1]):
-                        view[a] += values[row, j] * went[columns[row, j]]
-                for a in range(3):
-                    core[3 * i + a, 3 * i + a] = 1.0
-                    for b in range(3):
-                        more_stiff = K[p, 3 * a + b] - stiff0[p, 3 * a + b]
-                        rest[3 * i + a] += more_stiff * view[b]
-                        own_row = seen[3 * known[p] + b]
-                        for k in range(m):
-                            at = 3 * known[changed[k]]
-                            for c in range(3):
-                                core[3 * i + a, 3 * k + c] += more_stiff * own_row[at + c]
-            try:
-                shares = np.linalg.solve(core, rest)
-            except Exception:  # all that numba can tell
-                renew = True
-                continue
-            for i in range(m):
-                for a in range(3):
-                    went -= shares[3 * i + a] * answers[3 * known[changed[i]] + a]
-        interpolate(columns, values, went, dy)
+        share_out(columns, values, alone, between)
+        if len(at):
+            interpolate(columns, values, np.dot(supported, between), dy)
+            dx[:] = 0.0
+            blockwise(more, dy, 1.0, dx)
+            share_out(columns, values, dx, seen)
+            right = np.empty((1, len(at)))
+            right[0] = seen[at]
+            substitute(getrs, transposed, lu, pivots, right)
+            for i in range(len(at)):
+                between[at[i]] -= right[0, i]
+        interpolate(columns, values, np.dot(supported, between), dy)
         dx[:] = alone
         blockwise(K, dy, -1.0, dx)
         if predicting:
@@ -354,9 +315,8 @@ def solve(
             if left <= ENOUGH:
                 break
             continue
-        if fresh or len(changed) != last_changed:
+        if fresh:
             n_past = 0
-        last_changed = len(changed)
         if n_past == len(past):
             past[:MIXED] = past[1:].copy()
             n_past = MIXED
@@ -369,7 +329,7 @@ def solve(
             dx[:] = step_of[: 3 * n].reshape((3, n))
             dy[:] = step_of[3 * n :].reshape((3, n))
         fraction, found, size, largest = 1.0, False, norm, left
-        for _ in range(MOST_HALVINGS if fresh else 1):
+        for _ in range(MOST_HALVINGS if whole else 1):
             tried[:] = x + fraction * dx
             moved[:] = y + fraction * dy
             slack[:] = moved + closure * tried + z_free
@@ -378,9 +338,9 @@ def solve(
                 found = True
                 break
             fraction /= 2.0
-        renew = not fresh and size >= SLOW * norm
+        renew = not whole and size >= SLOW * norm
         if not found:
-            if fresh:
+            if whole:
                 break
             residual(x - scale * z, x, friction, wrong)
             continue

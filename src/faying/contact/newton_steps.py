@@ -157,6 +157,24 @@ class NewtonSteps:
         dx -= self._applied(K, self.S @ pairs)
         return dx, factors
 
+    def supported(self, K: Matrix) -> Matrix:
+        """Return S (I + B S)⁻¹ (n_relative, n_relative): what pairs yield on the springs of points.
+
+        Raises
+        ------
+        scipy.linalg.LinAlgError
+            If that is singular.
+        """
+        touched = self._touched(K)
+        rows = self.springs(K)[touched] @ self.S
+        lu, pivots = _factorized(rows[:, touched])
+        free = np.setdiff1d(np.arange(len(self.S)), touched)
+        solved = lapack.dgetrs(lu, pivots, np.asfortranarray(self.S[touched]))[0].T
+        result = np.empty(self.S.shape)
+        result[:, touched] = solved
+        result[:, free] = self.S[:, free] - solved @ rows[:, free]
+        return result
+
     def _applied(self, K: Matrix, displacements: Vector) -> Matrix:
         """Return K G u (3, n_point) of displacements u of the pairs."""
         moved = (self.G @ displacements).reshape(3, -1)
@@ -174,17 +192,10 @@ class NewtonSteps:
             found = self._refined(K, right, factors, tolerance)
             if found is not None:
                 return found, factors
-        touched = np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
+        touched = self._touched(K)
         B = self.springs(K)[touched][:, touched]
         S = self.S.take(touched, axis=0).take(touched, axis=1)
-        system = B @ S
-        system.flat[:: len(touched) + 1] += 1.0
-        # LAPACK works in column order: it factorizes the transpose in place.
-        lu, pivots, failed = lapack.dgetrf(system.T, overwrite_a=1)
-        if failed or not np.isfinite(lu).all():
-            message = "singular system of a Newton step"
-            raise LinAlgError(message)
-        factors = Factors(K, touched, lu, pivots)
+        factors = Factors(K, touched, *_factorized(B @ S))
         # Forces between pairs that no closed point touches are known, and move the others.
         beside = right.copy()
         beside[touched] = 0.0
@@ -225,6 +236,10 @@ class NewtonSteps:
             basis[k + 1] = u / max(rest, TINY)
         return None
 
+    def _touched(self, K: Matrix) -> Indices:
+        """Return the pairs that points with springs touch."""
+        return np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
+
     @cached_property
     def _touching(self) -> SparseMatrix:
         """Which pairs a point touches (n_relative, n_point)."""
@@ -254,3 +269,14 @@ class NewtonSteps:
         places = sp.csr_array((factors[used], (entry, source)), shape=(len(found), 9 * n))
         indptr = np.searchsorted(found, n_pair * np.arange(n_pair + 1))
         return places, found % n_pair, indptr
+
+
+def _factorized(product: Matrix) -> tuple[Matrix, Indices]:
+    """Factorize the transpose of I + B S, given B S, which is overwritten."""
+    product.flat[:: len(product) + 1] += 1.0
+    # LAPACK works in column order: it factorizes the transpose in place.
+    lu, pivots, failed = lapack.dgetrf(product.T, overwrite_a=1)
+    if failed or not np.isfinite(lu).all():
+        message = "singular system of a Newton step"
+        raise LinAlgError(message)
+    return lu, pivots

@@ -16,6 +16,7 @@ from faying.simulation.path import (
     path_start,
     solve_path,
 )
+from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
 
 STATIONARY = 1e-3
@@ -23,6 +24,9 @@ STATIONARY = 1e-3
 
 MOST_CYCLES = 30
 """Cycles after which one that still changes is given as it is; 2 to 5 are usual."""
+
+FEWEST_CYCLES = 2
+"""Cycles that show whether they repeat."""
 
 NO_LOSS = 1e-12
 """Energy per cycle over that which the load puts in and takes out, below which it is round-off."""
@@ -64,6 +68,7 @@ def solve_cycles(
     *,
     increments: int = 10,
     count: int | None = None,
+    compiled: bool | None = None,
 ) -> Cycles:
     """Let a load go to and fro about the preloaded joint until its cycles repeat.
 
@@ -84,6 +89,8 @@ def solve_cycles(
         Increments of a quarter of a cycle.
     count
         Cycles to solve whatever they do; by default until they repeat.
+    compiled
+        As in :func:`faying.solve_path`; two cycles are counted where they are to repeat.
 
     Raises
     ------
@@ -112,7 +119,7 @@ def solve_cycles(
         energies, stationary = np.zeros(count or 1), True
     else:
         start, cycle, energies, stationary = _repeated(
-            system, load, (amplitude * rise, factors), start, count
+            system, load, (amplitude * rise, factors), start, count, compiled
         )
     return Cycles(
         amplitude=amplitude,
@@ -130,14 +137,17 @@ def _repeated(
     factors: tuple[Vector, Vector],
     rest: Solution,
     count: int | None,
+    compiled: bool | None,
 ) -> tuple[Solution, Solution, Vector, bool]:
     """Return where the last cycle starts, the cycle, the energies of all, and whether they repeat.
 
     Displacements are computed of the last cycle alone, and where the others reverse.
     """
-    solver = system.static_contact.frictional
     rise, cycle = (path_inputs(system, scaled_loads(load, one)) for one in factors)
-    steps = list(follow(solver, moved_alone(system, rise), path_start(system, rest)))
+    here = path_start(system, rest)
+    whole = len(rise) + (count or FEWEST_CYCLES) * len(cycle)
+    solver = path_solver(system, whole, here.increment.forces, compiled)
+    steps = list(follow(solver, moved_alone(system, rise), here))
     relative = moved_alone(system, cycle)
     ends = cycle[[len(cycle) // 2 - 1, -1]]
     start, energies, stationary = steps[-1], list[float](), False

@@ -17,6 +17,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
 from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.increment_solver import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
@@ -49,7 +50,7 @@ class FrictionalEnd:
         return np.array(acting), ends, after
 
     @cached_property
-    def _solver(self) -> FrictionalContact | CompiledFrictionalContact:
+    def _solver(self) -> IncrementSolver:
         return _solver(self.condensed, self.compiled)
 
 
@@ -100,7 +101,7 @@ class FrictionalMean:
         return np.array(means), ends, after
 
     @cached_property
-    def _solver(self) -> FrictionalContact | CompiledFrictionalContact:
+    def _solver(self) -> IncrementSolver:
         return _solver(self.condensed, self.compiled)
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
@@ -166,8 +167,6 @@ def _contact_forces(found: Increment, dissipation: float, slip: Matrix) -> Conta
     )
 
 
-def _solver(
-    condensed: CondensedContact, compiled: bool
-) -> FrictionalContact | CompiledFrictionalContact:
+def _solver(condensed: CondensedContact, compiled: bool) -> IncrementSolver:
     plain = condensed.frictional
     return CompiledFrictionalContact(plain) if compiled and compilable(plain) else plain

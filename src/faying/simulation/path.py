@@ -7,11 +7,13 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.frictional import Increment
+from faying.contact.increment_solver import IncrementSolver
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System, input_forces
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
+from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
 from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
 
@@ -20,7 +22,12 @@ MOST_DIVISIONS = 6
 
 
 def solve_path(
-    system: System, loads: Sequence[Load], initial: Solution | None = None, name: str = "path"
+    system: System,
+    loads: Sequence[Load],
+    initial: Solution | None = None,
+    name: str = "path",
+    *,
+    compiled: bool | None = None,
 ) -> Solution:
     """Solve a sequence of loads, each from where the one before left the joint.
 
@@ -34,6 +41,9 @@ def solve_path(
     initial
         Solution of an earlier path to go on from, its last state; by default the joint is
         unstressed and nothing has slipped, so that the first increment tightens the bolts.
+    compiled
+        Whether increments are compiled (extra ``compiled``, up to a minute once per installation);
+        unless given, from 1000 increments on. The same results up to round-off.
 
     Returns
     -------
@@ -43,8 +53,8 @@ def solve_path(
     Raises
     ------
     ModelError
-        If there is no load, or one does not fit the system, ``initial`` is of another joint, or the
-        structure is not held.
+        If there is no load, or one does not fit the system, ``initial`` is of another joint, the
+        structure is not held, or compiled increments are asked for without numba.
     ConvergenceError
         If an increment is not solved even when it is divided; the message names it.
 
@@ -62,7 +72,8 @@ def solve_path(
         solved = solve_static_inputs(system, inputs, name)
         return replace(solved, dissipation=np.zeros(len(inputs)))
     start, relative = path_start(system, initial), moved_alone(system, inputs)
-    steps = list(follow(system.static_contact.frictional, relative, start))
+    solver = path_solver(system, len(inputs), start.increment.forces, compiled)
+    steps = list(follow(solver, relative, start))
     return assembled(system, inputs, steps, name)
 
 
@@ -161,7 +172,7 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     return PathStep(relative=relative, increment=replace(nothing, forces=forces), slip=slip)
 
 
-def follow(solver: FrictionalContact, relative: Matrix, here: PathStep) -> Iterator[PathStep]:
+def follow(solver: IncrementSolver, relative: Matrix, here: PathStep) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
 
     Raises
@@ -179,7 +190,7 @@ def follow(solver: FrictionalContact, relative: Matrix, here: PathStep) -> Itera
             yield here
 
 
-def _to(solver: FrictionalContact, here: PathStep, target: Vector, divisions: int) -> PathStep:
+def _to(solver: IncrementSolver, here: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
     z_free = solver.contact.free_slack(target, here.slip)
     pressed = here.increment.forces[0].any()
