@@ -5,6 +5,7 @@ import pytest
 
 from faying.linalg.clusters import geometric_clusters
 from faying.linalg.compressed import compress, cross_approximation, plus, smooth_compliance
+from faying.reduction.stored_compliance import stored_compliance
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +86,15 @@ def test_cross_approximation_finds_the_rank(rank):
     assert left.shape[1] == right.shape[1] == rank
     assert missed <= 1e-10
     np.testing.assert_allclose(left @ right.T, block, rtol=0, atol=1e-10)
+
+
+def test_what_files_keep_has_the_same_products_to_the_bit(compressed, places):
+    rng = np.random.default_rng(1)
+    smooth = rng.normal(size=(4, 900)).T
+    whole = compressed.plus(smooth, np.eye(4))
+    same = stored_compliance(whole).compliance(places, "compliance")
+    vectors = rng.normal(size=(900, 3))
+    assert len(whole.clusters) > 1
+    np.testing.assert_array_equal(same @ vectors, whole @ vectors)
+    np.testing.assert_array_equal(same.principal(np.arange(50)), whole.principal(np.arange(50)))
+    assert same.error == whole.error

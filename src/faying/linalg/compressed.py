@@ -53,6 +53,13 @@ class CompressedCompliance:
     places: Matrix
     error: float
 
+    def __post_init__(self) -> None:
+        # One order in memory, so that products have the same digits however the parts were made.
+        for name in ("diagonal", "factors"):
+            object.__setattr__(self, name, tuple(map(np.ascontiguousarray, getattr(self, name))))
+        for name in ("smooth", "core"):
+            object.__setattr__(self, name, np.ascontiguousarray(getattr(self, name)))
+
     @property
     def shape(self) -> tuple[int, int]:
         """Number of rows and columns."""

@@ -7,6 +7,7 @@ from faying.interface.surface import ContactSurface
 from faying.joint.tangential import TangentialRows
 from faying.model.boundary import Boundary
 from faying.model.mesh import CellBlock
+from faying.reduction.stored_compliance import StoredCompliance
 
 PORTS: Table = {
     "compliance": Meaning(
@@ -73,6 +74,7 @@ GEOMETRY: dict[type, Table] = {kind: meanings(kind) for kind in (CellBlock, Face
 TABLES: dict[type, Table] = {
     **GEOMETRY,
     ContactSurface: meanings(ContactSurface),
+    StoredCompliance: meanings(StoredCompliance),
     Boundary: BOUNDARY,
     TangentialRows: meanings(TangentialRows),
 }
@@ -97,6 +99,18 @@ OWN_ROOT: Table = {
 """Of a file of one reduced model."""
 
 OWN_PORTS: Table = {
+    "relative_compliance": Meaning(
+        "relative displacements per force between the pairs, compressed; in place of compliance "
+        "where interfaces are too large for a dense one"
+    ),
+    "contact_columns": Meaning(
+        "other ports per force between the pairs, beside it",
+        "length/force",
+        "(n_input, n_relative)",
+    ),
+    "input_rows": Meaning(
+        "displacements of the other ports per force at them", "length/force", "(n_input, n_input)"
+    ),
     "places": Meaning("where the relative displacements are", "length", "(n_relative, 3)"),
     "tangential": Meaning(
         "what is carried along the interfaces per force at the ports, whole ones and around bolts"
@@ -107,8 +121,8 @@ OWN_PORTS: Table = {
 
 OWN_COORDINATES: Table = {
     "residual_compliance": Meaning(
-        "displacement of the pairs per force between them that the trial vectors lack; absent "
-        "where the model does without",
+        "displacement of the pairs per force between them that the trial vectors lack, a group of "
+        "its parts where it is compressed; absent where the model does without",
         "length/force",
         "(n_relative, n_relative)",
     ),

@@ -24,10 +24,15 @@ from faying.files.described import (
 )
 from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern
-from faying.joint.system import boundary_dofs, boundary_slices, port_compliance_of
+from faying.joint.system import (
+    PortCompliance,
+    boundary_dofs,
+    boundary_slices,
+    port_compliance_of,
+)
 from faying.joint.tangential import TangentialRows
 from faying.linalg.budget import default_budget
-from faying.linalg.compressed import plus
+from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
@@ -43,6 +48,7 @@ from faying.reduction.model_check import (
 from faying.reduction.model_fields import LAWS, TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
+from faying.reduction.stored_compliance import StoredCompliance
 
 
 def load(path: Path | str) -> ReducedModel:
@@ -116,9 +122,7 @@ def read_ports(
     contact = _contact(group, interfaces)
     n_relative = int(contact.relative_operator.shape[0])
     n_port = n_relative + first + len(stiffness) + len(patterns)
-    ports = _optional(group, "compliance", (n_port, n_port))
-    if ports is not None:
-        check_definite(ports, f"{group.name}/compliance")
+    ports = _ports(group, contact, n_port, first, len(patterns))
     none = np.zeros((0, 0))
     return ReducedModel(
         M=none,
@@ -134,13 +138,47 @@ def read_ports(
         },
         basis=Basis(vectors=none, kinds=()),
         load_patterns={name: LoadPattern(name=name, forces=np.zeros(0)) for name in patterns},
-        ports=None
-        if ports is None
-        else port_compliance_of(ports, n_relative, first, len(patterns)),
+        ports=ports,
         recovery_frame=_optional(group, "frame_recovery", (n_port, 12)),
         interfaces=interfaces,
         mesh=mesh,
     )
+
+
+def _ports(
+    group: h5py.Group, contact: Contact, n_port: int, n_boundary: int, n_pattern: int
+) -> PortCompliance | None:
+    """Return the compliance of all ports, dense or with that of the pairs compressed."""
+    n_relative = int(contact.relative_operator.shape[0])
+    whole = _optional(group, "compliance", (n_port, n_port))
+    if whole is not None:
+        check_definite(whole, f"{group.name}/compliance")
+        return port_compliance_of(whole, n_relative, n_boundary, n_pattern)
+    relative = _compliance(group, "relative_compliance", contact)
+    if relative is None:
+        return None
+    n_input = n_port - n_relative
+    rows = numbers(group, "input_rows", (n_input, n_input))
+    check_definite(rows, f"{group.name}/input_rows")
+    return PortCompliance(
+        relative=relative,
+        contact_columns=numbers(group, "contact_columns", (n_input, n_relative)),
+        input_rows=rows,
+        n_boundary=n_boundary,
+        n_pattern=n_pattern,
+    )
+
+
+def _compliance(group: h5py.Group, name: str, contact: Contact) -> Compliance | None:
+    """Return a compliance between the pairs, dense or compressed; None where there is none."""
+    n_relative = int(contact.relative_operator.shape[0])
+    if not isinstance(group.get(name), h5py.Group):
+        return _optional(group, name, (n_relative, n_relative))
+    if contact.places is None:
+        message = f"'{group.name}/{name}' is compressed, but the file does not say where pairs are"
+        raise ValueError(message)
+    stored: StoredCompliance = read_member(group[name], StoredCompliance, TABLES)
+    return stored.compliance(contact.places, f"{group.name}/{name}")
 
 
 def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
@@ -159,14 +197,14 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
     check_definite(K, f"{group.name}/stiffness")
     check_distinct(at, n, f"{group.name}/boundary")
     loads = _optional(group, "pattern_forces", (len(joint.load_patterns), n))
-    residual = _optional(group, "residual_compliance", (n_relative, n_relative))
+    residual = _compliance(group, "residual_compliance", joint.contact)
     if (
         residual is None
         and read_member(member(group, "compliance"), bool, TABLES)
         and joint.ports is not None
     ):
         flexibility = factorize(K).solve(np.eye(n))
-        residual = np.asarray(plus(joint.ports.relative, seen, -flexibility))
+        residual = plus(joint.ports.relative, seen, -flexibility)
     n_port = n_relative + n_boundary + len(joint.bolts) + len(joint.load_patterns)
     return replace(
         joint,
@@ -176,7 +214,7 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
         contact=replace(
             joint.contact,
             relative_operator=frozen(seen),
-            residual_compliance=None if residual is None else frozen(residual),
+            residual_compliance=frozen(residual) if isinstance(residual, np.ndarray) else residual,
         ),
         boundaries={
             name: one.with_dofs(at[places[name]]) for name, one in joint.boundaries.items()

@@ -17,11 +17,11 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
-from faying.exceptions import FormatError
 from faying.files.described import Format, new_file, new_group, write_members
 from faying.files.meanings import Meaning
 from faying.joint.load_pattern import pattern_forces
-from faying.joint.system import boundary_dofs, elongations
+from faying.joint.system import PortCompliance, boundary_dofs, elongations
+from faying.linalg.compressed import Compliance, CompressedCompliance
 from faying.reduction.model_data import ModelData
 from faying.reduction.model_fields import (
     COORDINATES,
@@ -31,6 +31,7 @@ from faying.reduction.model_fields import (
     PORTS,
     TABLES,
 )
+from faying.reduction.stored_compliance import StoredCompliance, stored_compliance
 from faying.units import Units, units_of
 
 MODEL = Format(
@@ -57,15 +58,6 @@ _SHAPES = Meaning(
 
 def write_model(rom: ModelData, path: Path, *, shapes: bool, provenance: Mapping[str, str]) -> None:
     """Write one reduced model, as :meth:`ReducedModel.save`."""
-    residual = rom.contact.residual_compliance
-    relative = None if rom.ports is None else rom.ports.relative
-    if not all(one is None or isinstance(one, np.ndarray) for one in (residual, relative)):
-        message = (
-            f"the interfaces of '{rom.name}' are so large that their compliance is compressed, "
-            "which a file does not take; use a coarser interface, or raise the budget with "
-            "model.with_dense_budget before reducing"
-        )
-        raise FormatError(message)
     units = units_of(rom.units)
     root = {
         "name": rom.name,
@@ -94,7 +86,7 @@ def write_model(rom: ModelData, path: Path, *, shapes: bool, provenance: Mapping
         write_members(ports, _port_members(rom), {**PORTS, **OWN_PORTS}, units, TABLES)
         reduced = new_group(file, "reduced", _REDUCED)
         members = {**_members(rom, None), **_own_members(rom, shapes=shapes)}
-        write_members(reduced, members, {**COORDINATES, **OWN_COORDINATES}, units)
+        write_members(reduced, members, {**COORDINATES, **OWN_COORDINATES}, units, TABLES)
 
 
 def write_models(
@@ -131,9 +123,30 @@ def _law(law: Law) -> dict[str, Any]:
     return {"law": law.name, **own}
 
 
+def _compliance(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
+    if isinstance(compliance, CompressedCompliance):
+        return stored_compliance(compliance)
+    return compliance
+
+
+def _port_compliance(ports: PortCompliance | None) -> dict[str, Any]:
+    """Return the members of :data:`PORTS` and :data:`OWN_PORTS` that make up the compliance."""
+    none = dict.fromkeys(("compliance", "relative_compliance", "contact_columns", "input_rows"))
+    if ports is None:
+        return none
+    if isinstance(ports.relative, np.ndarray):
+        return {**none, "compliance": ports.whole}
+    return {
+        **none,
+        "relative_compliance": _compliance(ports.relative),
+        "contact_columns": ports.contact_columns,
+        "input_rows": ports.input_rows,
+    }
+
+
 def _port_members(rom: ModelData) -> dict[str, Any]:
     return {
-        "compliance": None if rom.ports is None else rom.ports.whole,
+        **_port_compliance(rom.ports),
         "interpolation": rom.contact.interpolation,
         "boundaries": rom.boundaries,
         "bolt_stiffness": {name: float(bolt.stiffness) for name, bolt in rom.bolts.items()},
@@ -169,7 +182,7 @@ def _members(rom: ModelData, shapes: Indices | None) -> dict[str, Any]:
 def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
     mesh, vectors = rom.mesh, rom.basis.vectors
     return {
-        "residual_compliance": rom.contact.residual_compliance,
+        "residual_compliance": _compliance(rom.contact.residual_compliance),
         "trial_vectors": vectors if shapes and len(vectors) else None,
         "translations": mesh.translations if shapes else None,
         "bending": _moments({name: one.bending for name, one in rom.bolts.items()}),
