@@ -181,9 +181,29 @@ def test_a_shank_of_solids_is_said_and_no_bolt_is_made(tmp_path):
     shank = washer([1.0, 5.2], [-8.0, 0.0, 8.0], (3.0, 1.0))
     study, tables = said(written(tmp_path, stacked(LOWER, UPPER, shank)))
     assert "bolt" not in tables
-    assert "a shank of solids in a hole, radius 5.5" in study.text
+    said_once = " ".join(study.text.replace("\n# ", " ").split())
+    assert "a shank of solids in a hole, radius 5.5, and nothing tightens it" in said_once
     assert study.problem  # the upper ring is held by nothing
     assert "it does not run yet" in " ".join(study.text.split())
+
+
+def test_no_bolt_is_made_beside_shanks_of_solids(tmp_path):
+    shank = washer([1.0, 5.2], [-8.0, 0.0, 8.0], (3.0, 1.0))
+    beside = [washer([7.0, 9.0, 14.0], heights, (43.0, 1.0)) for heights in ([-8, 0], [0, 8])]
+    study, tables = said(written(tmp_path, stacked(LOWER, UPPER, shank, *beside)))
+    assert "bolt" not in tables
+    assert "holes of several bodies in line, radius 7, not tightened" in study.text
+
+
+def test_bodies_that_touch_and_nearly_touch_elsewhere_are_one_interface():
+    """A head on a plate, its shank in the hole: where they touch the plate has the finer facets."""
+    grid, table = washer([1.0, 5.2, 9.0], np.arange(-8.0, 11.0), (3.0, 1.0))
+    centres = grid[table].mean(axis=1) - [3.0, 1.0, 0.0]
+    bolt = table[(np.linalg.norm(centres[:, :2], axis=1) < 5.2) | (centres[:, 2] > 8.0)]
+    mesh = stacked(washer([5.5, 9.0, 14.0], [-8.0, 8.0], (3.0, 1.0)), (grid, bolt))
+    (face,) = facing_bodies(Assembly(mesh=mesh, materials={1: STEEL, 2: STEEL}))
+    assert (face.minus, face.plus) == (0, 1)
+    assert face.gap == pytest.approx((0.0, 0.0), abs=1e-12)  # round-off of coordinates
 
 
 def test_parts_that_share_nodes_are_separated(tmp_path):

@@ -66,10 +66,11 @@ def facing_bodies(assembly: Assembly) -> list[Facing]:
     sizes = np.sqrt(np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1))
     touching = touching_tolerance(assembly.mesh.nodes, facets, InterfaceSpec(name="joint"))
     reach = max(ACROSS * float(np.median(sizes)), touching)
-    found = {(one.minus, one.plus): one for one in _within(assembly, facets, reach, touching)}
-    # Again and nearer: what lies beyond the tolerance is no part of an interface that touches.
-    near = {(one.minus, one.plus): one for one in _within(assembly, facets, touching, touching)}
-    return list((found | near).values())
+    # Again and nearer: what lies beyond the tolerance is no part of an interface that touches. The
+    # finer side of that may be the other one.
+    both = [*_within(assembly, facets, reach, touching)]
+    both += _within(assembly, facets, touching, touching)
+    return list({frozenset((one.minus, one.plus)): one for one in both}.values())
 
 
 def _within(assembly: Assembly, facets: Facets, distance: float, touching: float) -> list[Facing]:

@@ -142,7 +142,8 @@ def _bolts(
     holes = holes_in_line(cylinders(assembly.mesh))
     if specs:
         return entries, holes, [], _pointing(assembly, specs[0])
-    empty = pattern([one for one in holes if not one.filled])
+    # Where shanks are of solids, another hole is no place for a bolt but a bore.
+    empty = [] if any(one.filled for one in holes) else pattern(holes)
     for number, hole in enumerate(empty, start=1):
         area = np.pi * (DIAMETER * hole.radius) ** 2
         entries.append(

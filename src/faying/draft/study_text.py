@@ -250,10 +250,17 @@ def _bolts(found: Findings) -> Iterator[str]:
             yield f"preload = {_number(bolt.preload)}  # {MARK} {text}"
         yield ""
     for hole in found.holes:
-        what = "a shank of solids in a hole" if hole.filled else "holes of several bodies in line"
-        yield from _comment(
-            f"{MARK} {what}, radius {hole.radius:.4g}, not tightened; a bolt there would be"
+        said = (
+            f"holes of several bodies in line, radius {hole.radius:.4g}, not tightened; a bolt "
+            "there would be"
         )
+        if hole.filled:
+            said = (
+                f"a shank of solids in a hole, radius {hole.radius:.4g}, and nothing tightens it: "
+                "a pretension section of an Abaqus deck does, or leave the shank out of the mesh "
+                "and take"
+            )
+        yield from _comment(f"{MARK} {said}")
         for key, value in hole_keys(hole).items():
             yield f"#   {key} = {value}"
     if not (described.bolts or found.bolts or found.holes):

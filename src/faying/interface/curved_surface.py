@@ -96,7 +96,8 @@ def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normals, first)
     away = np.where(neighbours[..., None] >= 0, points[neighbours] - points[:, None], 0.0)
-    reach = np.linalg.norm(away, axis=2).max(axis=1)
+    # A node between facets that all stand at sharp angles has no neighbours, and no slope.
+    reach = np.maximum(np.linalg.norm(away, axis=2).max(axis=1), np.finfo(float).tiny)
     x, y, z = (
         np.einsum("nkd,nd->nk", away, axis) / reach[:, None] for axis in (first, second, normals)
     )

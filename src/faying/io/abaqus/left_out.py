@@ -57,7 +57,10 @@ _ON_REQUEST: Mapping[str, tuple[str, ...]] = {
 }
 
 _SHELLS = "give S3, S4, S6 or S8 with *SHELL SECTION of one layer, or solids"
-_PLANE = "model the body in three dimensions by solids; plane and axisymmetric ones are not read"
+_PLANE = (
+    "model the body in three dimensions by solids; plane and axisymmetric ones are not read. gmsh "
+    "writes groups of faces as such: give its .msh file instead, or take them out"
+)
 _MATRICES = 'give matrices instead (source = "matrices")'
 _GENERATED = "write nodes and elements out; preprocessors and CalculiX's cgx do"
 _PAIRS = "define *CONTACT PAIR; general contact is not supported"
