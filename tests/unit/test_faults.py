@@ -8,6 +8,7 @@ import sys
 import time
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
 from rich.console import Console
@@ -105,6 +106,47 @@ def test_two_runs_in_one_folder(study):
         assert "another run is writing" in ended.stderr
         assert not list(out.iterdir())
     assert call(study).returncode == 0
+
+
+WRITES = """
+import sys, time
+from pathlib import Path
+from faying.files.atomic import replacing
+with replacing(Path(sys.argv[1])) as temporary:
+    temporary.write_text("half of it")
+    print(temporary, flush=True)
+    time.sleep(600)
+"""
+
+
+def writing(path):
+    """Start a process that writes a file and does not end, and return its temporary file."""
+    command = [sys.executable, "-c", WRITES, str(path)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    return process, Path(process.stdout.readline().strip())
+
+
+def test_next_run_removes_what_killed_ones_left(study):
+    out = study.parent / "out"
+    (out / "figures").mkdir(parents=True)
+    own = [out / ".results.h5", out / ".notes.h5.of mine.h5"]
+    for file in own:
+        file.write_text("a user's own")
+    places = [out / "results.h5", out / "figures" / "gap.png", out / "summary.json"]
+    started = [writing(place) for place in places]
+    try:
+        for process, _ in started[:2]:
+            process.kill()
+            process.wait()
+        assert all(left.read_text() == "half of it" for _, left in started)
+        run(read_study(study), out)
+        assert [left.exists() for _, left in started] == [False, False, True]
+        assert all(file.exists() for file in own)
+        assert read_results(out / "results.h5").cases.keys() == {"bend"}
+    finally:
+        for process, _ in started:
+            process.kill()
+            process.communicate()
 
 
 def test_interrupted_run_says_how_to_go_on(study):

@@ -8,6 +8,7 @@ import pytest
 
 from fake_results import fake_results
 from faying.exceptions import FormatError
+from faying.files import hdf5_watch
 from faying.reduction.portable_joint import PortableJoint
 from faying.study.imported_history import read_imported_history
 from faying.study.store import read_results, write_results
@@ -50,6 +51,47 @@ def link(name, to):
         file[name] = to
 
     return change
+
+
+def with_an_endless_heap(data):
+    """Change one byte: the last text of a heap becomes longer, up to zeros that read as texts.
+
+    HDF5 2.0 goes on from a text without length to the same place, for ever.
+    """
+    damaged, place = bytearray(data), data.rindex(b"GCOL") + 16
+    while True:
+        size = int.from_bytes(data[place + 8 : place + 16], "little")
+        following = place + 16 + -(-size // 8) * 8
+        if not any(data[following : following + 2]):  # what is not used has no number
+            break
+        place = following
+    damaged[place + 8] += 24
+    assert not any(data[following + 16 : following + 64])
+    return bytes(damaged)
+
+
+def test_byte_on_which_hdf5_stalls(path, monkeypatch):
+    monkeypatch.setattr(hdf5_watch, "STALLED", 1.0)
+    whole = path.read_bytes()
+    path.write_bytes(with_an_endless_heap(whole))
+    with pytest.raises(FormatError, match="the HDF5 library crashes or stalls on it"):
+        read_results(path)
+    path.write_bytes(whole)
+    assert read_results(path).title == RESULTS.title
+
+
+def test_process_that_looks_is_started_anew_and_takes_no_modules_of_the_folder(
+    path, tmp_path, monkeypatch
+):
+    """It may have been killed, for its memory; and a stranger's folder is no place for code."""
+    read_results(path)
+    (watch,) = hdf5_watch._WATCHES.values()
+    watch.kill()
+    watch.wait()
+    for name in ("h5py", "numpy", "json"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('code of a stranger')")
+    monkeypatch.chdir(tmp_path)
+    assert read_results(path).title == RESULTS.title
 
 
 def test_other_files_are_not_opened(path, tmp_path):

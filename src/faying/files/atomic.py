@@ -1,12 +1,21 @@
-"""Atomic writing: a file is complete or absent, never half written."""
+"""Atomic writing: a file is complete or absent, never half written.
+
+Who writes holds the temporary file by a lock, of which the system lets go however the process ends:
+what nobody holds was left over by one that was killed.
+"""
 
 import os
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from faying.exceptions import FormatError
+from faying.files.lock import hold
+
+LEFT_OVER = re.compile(r"\.[^/]+(\.\w+)\.[a-z0-9_]{8}\1")
+"""Names of temporary files: those of the files whose places they take, and eight characters."""
 
 
 @contextmanager
@@ -18,13 +27,9 @@ def replacing(path: Path) -> Iterator[Path]:
     FormatError
         If it cannot be written, inside too.
     """
-    temporary = None
+    temporary, handle = None, None
     try:
-        handle, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix
-        )
-        os.close(handle)
-        temporary = Path(name)
+        temporary, handle = _temporary(path)
         yield temporary
         moved(temporary, path)
     except OSError as error:
@@ -34,6 +39,45 @@ def replacing(path: Path) -> Iterator[Path]:
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
+        if handle is not None:
+            os.close(handle)
+
+
+def _temporary(path: Path) -> tuple[Path, int | None]:
+    """Make a temporary file and hold it, where the system has locks."""
+    while True:
+        handle, name = tempfile.mkstemp(
+            dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix
+        )
+        try:
+            hold(handle)
+        except BlockingIOError:  # taken for left over before it was held
+            os.close(handle)
+            continue
+        except OSError:
+            os.close(handle)
+            return Path(name), None
+        if os.fstat(handle).st_nlink:
+            return Path(name), handle
+        os.close(handle)
+
+
+def remove_left_over(folder: Path) -> None:
+    """Remove temporary files of a folder, where there is one, that no process holds any more."""
+    for file in folder.iterdir() if folder.is_dir() else ():
+        if not LEFT_OVER.fullmatch(file.name) or file.is_symlink() or not file.is_file():
+            continue
+        try:
+            handle = os.open(file, os.O_RDWR)
+        except OSError:
+            continue
+        try:
+            hold(handle)
+            file.unlink(missing_ok=True)
+        except OSError:  # somebody writes it, or the system cannot tell
+            pass
+        finally:
+            os.close(handle)
 
 
 def moved(temporary: Path, path: Path) -> Path:

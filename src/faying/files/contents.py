@@ -53,7 +53,17 @@ def check_room(n_bytes: int, path: Path) -> None:
     OSError
         With both figures.
     """
-    free = free_memory()
+    check_fits(n_bytes, free_memory(), path)
+
+
+def check_fits(n_bytes: int, free: int | None, path: Path) -> None:
+    """Refuse what is larger than so many bytes; None is not known.
+
+    Raises
+    ------
+    OSError
+        With both figures.
+    """
     if free is not None and n_bytes > free:
         reason = f"it holds {gigabytes(n_bytes)}, and {gigabytes(free)} of memory are free"
         raise OSError(errno.ENOMEM, reason, str(path))

@@ -1,5 +1,6 @@
-"""A folder that belongs to one process at a time."""
+"""Folders and files that belong to one process at a time."""
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,15 +20,13 @@ def held(folder: Path) -> Iterator[None]:
     StudyError
         If another process holds it.
     """
-    try:
-        import fcntl
-    except ImportError:  # Windows has no locks of folders
+    if os.name == "nt":  # folders have no handles there
         yield
         return
     handle = os.open(folder, os.O_RDONLY)
     try:
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            hold(handle)
         except BlockingIOError:
             message = (
                 f"another run is writing to {folder}; wait for its end, or choose another folder "
@@ -39,3 +38,20 @@ def held(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+def hold(handle: int) -> None:
+    """Hold what is open until it is closed.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process, or another handle of this one, holds it.
+    OSError
+        If the system or the file system has no locks.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        raise OSError(errno.ENOTSUP, os.strerror(errno.ENOTSUP)) from None
+    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -5,7 +5,6 @@ must not be the user's.
 """
 
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying.exceptions import FormatError
+from faying.files.child_python import python_command, python_environment
 
 SLOWEST = 1e6
 """Bytes a second below which a read counts as stalled; a healthy one does a hundred times that."""
@@ -48,7 +48,7 @@ def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, n
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
         limit = STARTUP + path.stat().st_size / SLOWEST
-        command = [sys.executable, "-c", script, str(path.resolve()), str(target)]
+        command = python_command("-c", script, str(path.resolve()), str(target))
         try:
             done = subprocess.run(
                 command,
@@ -56,6 +56,7 @@ def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, n
                 text=True,
                 errors="replace",
                 timeout=limit,
+                env=python_environment(),
                 check=False,
             )
         except subprocess.TimeoutExpired:

@@ -8,7 +8,7 @@ from typing import Any
 
 from faying.assessment.transient_error import REMEDY
 from faying.execution.executor import Executor
-from faying.files.atomic import write_text
+from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
 from faying.reduction.method import CLASSIC
 from faying.study.assessing import assess_run
@@ -70,6 +70,8 @@ def run(
     stages = Stages(progress, since)
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
+        for folder in (out, out / "figures"):
+            remove_left_over(folder)
         checkpoint = open_checkpoint(out, study.text, resume=resume)
         results, converged = _computed(study, checkpoint, stages, executor)
         _write_files(study, results, out, stages)

@@ -13,7 +13,7 @@ from faying import __version__
 from faying.assessment.requirements import Requirements
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
-from faying.files.atomic import write_text
+from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
 from faying.files.names import file_names
 from faying.reduction.reduced_model import ReducedModel
@@ -104,6 +104,7 @@ def solve_loads(
     stages, extras = Stages(progress), Extras()
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
+        remove_left_over(out)
         checkpoint = open_checkpoint(out, _mark(rom, loads, chosen), resume=resume)
         solver = CaseSolver(
             rom=rom,

@@ -1,0 +1,15 @@
+"""Python in a process of its own, for what a file of a stranger must not do to this one."""
+
+import os
+import sys
+from collections.abc import Mapping
+
+
+def python_command(*arguments: str) -> list[str]:
+    """Return the command that runs this Python; it takes no modules from the current folder."""
+    return [sys.executable, "-P", *arguments]
+
+
+def python_environment() -> Mapping[str, str]:
+    """Return the environment in which it finds the modules that this process finds."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

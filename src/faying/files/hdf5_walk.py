@@ -1,0 +1,102 @@
+"""What an HDF5 file of a stranger holds, looked through by a process that may crash or stall.
+
+Such a file may lead elsewhere, to other files by links, external or virtual storage, or round in
+circles; and a few bytes may announce terabytes. None of this is followed or taken into memory.
+"""
+
+import json
+import signal
+import sys
+from pathlib import Path
+
+import h5py
+
+from faying.files.contents import check_fits
+
+MOST_PACKED = 1100
+"""Bytes that a compressed byte can stand for: deflate reaches 1032."""
+
+AT_ONCE = 2**28
+"""Bytes of texts looked at together; each is at most as long as the file."""
+
+
+def serve() -> None:
+    """Answer requests, one line of JSON each, until there are none."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # is meant for who asks
+    for line in sys.stdin:
+        request = json.loads(line)
+        if hasattr(signal, "setitimer"):
+            # Ends the process: no handler of Python's would run inside a loop of HDF5.
+            signal.setitimer(signal.ITIMER_PROF, request["seconds"])
+        sys.stdout.write(json.dumps(_answer(Path(request["path"]), request["room"])) + "\n")
+        sys.stdout.flush()
+
+
+def _answer(path: Path, room: int | None) -> dict[str, str]:
+    try:
+        file = h5py.File(path, "r")
+    except Exception:  # HDF5 and h5py raise whatever a damaged file meets
+        return {"closed": "it cannot be opened"}
+    try:
+        with file:
+            _check(file, path, room)
+    except Exception as error:
+        return {"wrong": str(error) or type(error).__name__}
+    return {}
+
+
+def _check(file: h5py.File, path: Path, room: int | None) -> None:
+    """Walk through the groups, each of which has one name."""
+    total, groups = 0, [file]
+    dict(file.attrs)
+    while groups:
+        group = groups.pop()
+        for name in group:
+            place = f"'{group.name.rstrip('/')}/{name}'"
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                message = f"{place} is a link to another place; nothing but its own data is read"
+                raise ValueError(message)
+            node = group[name]
+            if h5py.h5o.get_info(node.id).rc > 1:
+                message = f"{place} has a second name, so its groups may go round in circles"
+                raise ValueError(message)
+            dict(node.attrs)
+            if isinstance(node, h5py.Group):
+                groups.append(node)
+            else:
+                total += _size(node, place, path, room)
+    check_fits(total, room, path)
+
+
+def _size(node: h5py.Dataset | h5py.Datatype, place: str, path: Path, room: int | None) -> int:
+    """Bytes of a dataset in memory."""
+    if not isinstance(node, h5py.Dataset) or node.is_virtual or node.external:
+        message = f"{place} is no dataset that holds its own data"
+        raise ValueError(message)
+    announced, stored = node.size * node.dtype.itemsize, node.id.get_storage_size()
+    if announced > MOST_PACKED * stored:
+        message = f"{place} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}"
+        raise ValueError(message)
+    text = h5py.check_string_dtype(node.dtype)
+    if (text is None and node.dtype.kind not in "fiub") or (text is not None and node.ndim > 1):
+        message = f"{place} holds neither numbers nor a list of texts"
+        raise ValueError(message)
+    if text is None or text.length is not None:
+        return int(announced)
+    return int(announced) + _text_size(node, path, room)
+
+
+def _text_size(node: h5py.Dataset, path: Path, room: int | None) -> int:
+    """Bytes of texts, many of which may be the same place in the file."""
+    if node.shape == ():
+        return len(node[()])
+    total, step = 0, max(AT_ONCE // path.stat().st_size, 1)
+    for first in range(0, len(node), step):
+        total += sum(map(len, node[first : first + step]))
+        if first:
+            check_fits(total, room, path)
+    return total
+
+
+if __name__ == "__main__":
+    serve()
