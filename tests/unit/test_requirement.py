@@ -148,13 +148,13 @@ def test_slip_without_friction_is_judged_by_sums(tmp_path):
 
 
 def test_load_factors_that_are_left_out_are_said(tmp_path, monkeypatch):
-    monkeypatch.setattr(assessing, "MOST_POINTS", 10)
+    monkeypatch.setattr(assessing, "MOST_PAIRS", 10)
     summary, results = outcome(tmp_path, "min_clamp_force = 1e3")
     assert [v.met for v in results.assessment.verdicts] == [True]
     assert results.assessment.interfaces["joint"].first_opening == {}
     said = [text for text in summary["warnings"] if "load factors of opening" in text]
     assert len(said) == 1
-    assert "up to 10 contact points and there are 112" in said[0]
+    assert "up to 10 node pairs, or points of hard contact, and there are 44" in said[0]
 
 
 FRICTION = "preload_scatter = { thread_friction = [0.1, 0.2], head_friction = [0.1, 0.2] }\n"

@@ -16,7 +16,7 @@ from faying.assessment.joint_record import (
     CaseState,
     InterfaceAssessment,
 )
-from faying.assessment.load_path import LoadPath, load_path
+from faying.assessment.load_path import Openings, load_path
 from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
 from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
@@ -103,7 +103,7 @@ def assess(
         bolt_forces={name: np.atleast_1d(rest.bolt_force(name)) for name in system.bolts},
         bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
     )
-    followed = {load.name: load_path(full, load) for load in loads} if paths else {}
+    followed = {load.name: load_path(full, load).openings() for load in loads} if paths else {}
     wanted = requirements or Requirements()
     demands = slip_demands(
         system,
@@ -171,7 +171,7 @@ def judged(
     rest: CaseState,
     cases: Mapping[str, CaseState],
     requirements: Requirements | None = None,
-    paths: Mapping[str, LoadPath] | None = None,
+    paths: Mapping[str, Openings] | None = None,
     slip: Mapping[str, float] | None = None,
     demands: Mapping[tuple[str, str], SlipDemand] | None = None,
 ) -> Assessment:
@@ -184,7 +184,7 @@ def judged(
     rest
         The preloaded state.
     paths
-        Of static load cases, where they were followed.
+        Load case to its openings, of static ones that were followed.
     slip
         Load case to the factor at which an interface slips as a whole; infinite if it does not.
     demands
@@ -218,7 +218,7 @@ def _interface(
     surface: ContactSurface,
     rest: CaseState,
     cases: Mapping[str, CaseState],
-    paths: Mapping[str, LoadPath],
+    paths: Mapping[str, Openings],
 ) -> InterfaceAssessment:
     own, weights = slice(*surface.slice), surface.weights
     clamp = clamp_range(
@@ -240,8 +240,6 @@ def _interface(
     highest = max(peaks, key=peaks.__getitem__)
     smallest = min(areas, key=areas.__getitem__)
     peak = cases[highest].pressure[:, own].max(axis=0).argmax()
-    points = np.zeros(rest.pressure.shape[1], dtype=bool)
-    points[own] = True
     return InterfaceAssessment(
         preload=clamp.preload,
         least_clamp=clamp.least,
@@ -257,8 +255,8 @@ def _interface(
         max_nodal_pressure_case=crushed,
         closed_area=float(areas[smallest]),
         closed_area_case=smallest,
-        first_opening={case: path.first_opening(points) for case, path in paths.items()},
-        loss_of_clamp={case: path.loss_of_clamp(name) for case, path in paths.items()},
+        first_opening={case: path.first[name] for case, path in paths.items()},
+        loss_of_clamp={case: path.last[name] for case, path in paths.items()},
     )
 
 

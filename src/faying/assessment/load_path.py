@@ -10,15 +10,20 @@ together from there solve the same problem for the rates λ', s'. ``docs/theory/
 derives it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy.linalg as la
 
 from faying._typing import Mask, Matrix, Vector, frozen
 from faying.contact.active_set import solve_complementarity
+from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.dense_points import DensePoints
-from faying.contact.neighbouring_blocks import NeighbouringBlocks
+from faying.contact.linear_pieces import LinearPiece, PointPiece
+from faying.contact.pair_pieces import PairPiece
+from faying.contact.supported_pairs import InaccurateError
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import Joint, PortCompliance
 from faying.simulation.load import Load
@@ -34,6 +39,27 @@ one that is counted wrongly changes forces by this much at most.
 
 STANDING = 1e-13
 """Rate over the largest one below which a force or a slack does not change."""
+
+
+Followed = tuple[list[float], list[Vector], list[Mask], Vector, bool]
+"""Kinks, forces and closed points there, the last rate, and whether all ended."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Openings:
+    """Factors at which interfaces open, infinite where they do not.
+
+    Attributes
+    ----------
+    first
+        Interface to the factor at which the first point closed at rest opens.
+    last
+        Interface to the factor from which it carries no force.
+    """
+
+    first: Mapping[str, float]
+    last: Mapping[str, float]
 
 
 @final
@@ -109,6 +135,15 @@ class LoadPath:
         lost = ~self.closed[:, own].any(axis=1)
         return float(self.factors[lost.argmax()]) if lost.any() else np.inf
 
+    def openings(self) -> Openings:
+        """Return when each interface begins to open and is open, without the forces in between."""
+        first, last = {}, {}
+        for name, own in self.system.contact.slices.items():
+            points = np.zeros(self.forces.shape[1], dtype=bool)
+            points[own] = True
+            first[name], last[name] = self.first_opening(points), self.loss_of_clamp(name)
+        return Openings(first=first, last=last)
+
     def clamp_force(self, interface: str) -> Vector:
         """Return the total normal force of an interface at the kinks (n_kink,) [force]."""
         own = self.system.contact.slices[interface]
@@ -138,8 +173,9 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
 
     Notes
     -----
-    Some products with H at each kink, and a factorization of the closed points, n³/3 for n of them,
-    at every thirtieth; a kink for each point that opens or closes, some hundreds on a joint.
+    A kink for each point that opens or closes, some hundreds on a joint. Between n pairs of elastic
+    contact some n² operations each, and n³ when n/4 points have changed; of hard contact products
+    with H, and a factorization of the closed points at every thirtieth.
     """
     return input_path(system, load.inputs(system, np.zeros(1))[0], most=most)
 
@@ -153,8 +189,7 @@ def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPa
     growing[ports.bolts] = 0.0
     a = condensed.free_gap(_moved(ports, start))
     b = np.asarray(system.contact.interpolation @ _moved(ports, growing))
-    walk = Walk(H=condensed.flexibility, a=a, b=b)
-    factors, forces, closed, rate, ended = walk.followed(most)
+    factors, forces, closed, rate, ended = _followed(condensed, a, b, most)
     return LoadPath(
         system=system,
         factors=np.array(factors),
@@ -165,6 +200,20 @@ def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPa
     )
 
 
+def _followed(condensed: ContactSolver, a: Vector, b: Vector, most: float) -> Followed:
+    """Follow between pairs where contact is elastic and round-off allows, else between points."""
+    at_rest, sides = condensed.solve(a)[0].forces, np.column_stack([a, b])
+    pairs = condensed.supported_pairs if isinstance(condensed, CondensedContact) else None
+    if pairs is not None:
+        try:
+            piece = PairPiece.of(pairs, sides, at_rest > 0)
+            return Walk(a=a, b=b, at_rest=at_rest).followed(piece, most)
+        except (la.LinAlgError, InaccurateError):
+            pass
+    points = PointPiece.of(condensed.flexibility, sides)
+    return Walk(a=a, b=b, at_rest=at_rest).followed(points, most)
+
+
 def _moved(ports: PortCompliance, inputs: Vector) -> Vector:
     moved: Vector = port_forces(ports, inputs) @ ports.contact_columns
     return moved
@@ -172,25 +221,31 @@ def _moved(ports: PortCompliance, inputs: Vector) -> Vector:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Walk:
-    """The bare problem: H, and the free gap a + t b."""
+    """The free gap a + t b, and the contact forces at t = 0."""
 
-    H: Matrix
     a: Vector
     b: Vector
+    at_rest: Vector
 
-    def followed(self, most: float) -> tuple[list[float], list[Vector], list[Mask], Vector, bool]:
-        """Return kinks, forces and closed points there, the last rate, and whether all ended."""
-        H, a, b = self.H, self.a, self.b
-        t, forces = 0.0, solve_complementarity(DensePoints(H=H), a).forces
-        slack = np.maximum(H @ forces + a, 0.0)
-        blocks, sides = NeighbouringBlocks(H=H), np.column_stack([a, b])
-        active, blocks = self._onward(t, forces, slack, forces > 0, blocks)
-        factors, kept, closed = [0.0], [forces], [active]
+    def followed(self, piece: LinearPiece, most: float) -> Followed:
+        """Go from piece to piece, starting from any.
+
+        Raises
+        ------
+        ConvergenceError
+            If the kinks do not end.
+        InaccurateError
+            If a piece cannot be had exactly.
+        """
+        a, t, forces = self.a, 0.0, self.at_rest
+        piece = piece.moved_to(forces > 0)
+        slack = np.where(forces > 0, 0.0, np.maximum(piece.slack[:, 0], 0.0))
+        piece = self._onward(t, forces, slack, forces > 0, piece)
+        factors, kept, closed = [0.0], [forces], [piece.active]
         for _ in range(50 * len(a) + 200):
-            lines, blocks = blocks.solved(active, -sides)
-            base, rate = np.ascontiguousarray(lines.T)
+            active, (base, rate) = piece.active, piece.forces.T
             opening = _roots(base, rate, t, active)
-            gap_base, gap_rate = (H @ lines + sides).T
+            gap_base, gap_rate = piece.slack.T
             closing = _roots(gap_base, gap_rate, t, ~active)
             following = float(min(opening.min(initial=np.inf), closing.min(initial=np.inf)))
             if following > most or not np.isfinite(following):
@@ -198,18 +253,18 @@ class Walk:
                     factors.append(most)
                     kept.append(np.maximum(base + most * rate, 0.0))
                     closed.append(active)
-                return factors, kept, closed, rate, not np.isfinite(following)
+                return factors, kept, closed, rate.copy(), not np.isfinite(following)
             t = following
             forces = np.where(active, np.maximum(base + t * rate, 0.0), 0.0)
             slack = np.where(active, 0.0, np.maximum(gap_base + t * gap_rate, 0.0))
             turned = active ^ ((opening <= t) | (closing <= t))
-            active, blocks = self._onward(t, forces, slack, turned, blocks)
+            piece = self._onward(t, forces, slack, turned, piece)
             if t > factors[-1]:
                 factors.append(t)
                 kept.append(forces)
-                closed.append(active)
+                closed.append(piece.active)
             else:
-                kept[-1], closed[-1] = forces, active
+                kept[-1], closed[-1] = forces, piece.active
         message = (
             f"the contact of {len(a)} points does not settle as the load grows beyond factor "
             f"{t:g}; check that the stiffness matrix is symmetric and the structure held"
@@ -217,29 +272,26 @@ class Walk:
         raise ConvergenceError(message)
 
     def _onward(
-        self, t: float, forces: Vector, slack: Vector, turned: Mask, blocks: NeighbouringBlocks
-    ) -> tuple[Mask, NeighbouringBlocks]:
-        """Return the points that are closed right after a kink, and what solves the next block.
+        self, t: float, forces: Vector, slack: Vector, turned: Mask, piece: LinearPiece
+    ) -> LinearPiece:
+        """Return the piece right after a kink.
 
         Parameters
         ----------
         turned
-            Those if one point alone changes sides there.
+            The points closed there if one point alone changes sides.
         """
         gap = np.abs(self.a + t * self.b).max(initial=0.0)
-        own = np.diag(self.H)
-        small = TOGETHER * max(gap, np.abs(forces * own).max(initial=0.0))
-        at_once = (forces * own <= small) & (slack <= small)
+        small = TOGETHER * max(gap, np.abs(forces * piece.own).max(initial=0.0))
+        at_once = (forces * piece.own <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
-            return turned, blocks
+            return piece.moved_to(turned)
         found, both = (forces > 0) & ~at_once, np.flatnonzero(at_once)
-        H, q = self.H[np.ix_(both, both)], self.b[both]
-        if found.any():
-            across = self.H[:, both]
-            relieved, blocks = blocks.solved(found, np.column_stack([across, self.b]))
-            H, q = H - across.T @ relieved[:, :-1], q - across.T @ relieved[:, -1]
+        pressed = piece.moved_to(found)
+        H, q = pressed.between(both), pressed.slack[both, 1]
+        found = found.copy()
         found[both] = solve_complementarity(DensePoints(H=(H + H.T) / 2), q).forces > 0
-        return found, blocks
+        return pressed.moved_to(found)
 
 
 def _roots(base: Vector, rate: Vector, t: float, chosen: Mask) -> Vector:

@@ -10,7 +10,7 @@ from faying.assessment.certificate import certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
 from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
-from faying.assessment.load_path import LoadPath, load_path
+from faying.assessment.load_path import Openings, load_path
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.requirements import ClosedRing, Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
@@ -30,8 +30,8 @@ from faying.study.requirement_tables import RequirementSection
 from faying.study.results import CaseResult
 from faying.study.tables import LoadCaseSection, Study
 
-MOST_POINTS = 2000
-"""Contact points up to which loads are followed to their openings: seconds each."""
+MOST_PAIRS = 2000
+"""Node pairs, or points of hard contact, up to which loads are followed: ten seconds each."""
 
 
 def assess_run(
@@ -175,16 +175,15 @@ def _demands(
 
 def _paths(
     joint: PreparedJoint, static: list[LoadCaseSection], extras: Extras
-) -> dict[str, LoadPath]:
+) -> dict[str, Openings]:
     """Follow static load cases to their openings; none where that failed or takes too long."""
-    points = joint.model.contact.n_points
     with extras.attempt("load factors of opening"):
-        if static and points > MOST_POINTS:
+        if static and (order := joint.model.static_contact.order) > MOST_PAIRS:
             message = (
-                f"left out, for loads are followed with up to {MOST_POINTS} contact points and "
-                f"there are {points}; take a coarser interface or a lower 'order' of it, or follow "
-                "one load by fy.load_path"
+                f"left out, for loads are followed with up to {MOST_PAIRS} node pairs, or points "
+                f"of hard contact, and there are {order}; take a coarser interface, or follow one "
+                "load by fy.load_path"
             )
             raise ModelError(message)
-        return {case.name: load_path(joint.model, case_load(case)) for case in static}
+        return {case.name: load_path(joint.model, case_load(case)).openings() for case in static}
     return {}

@@ -139,10 +139,10 @@ def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator
             f"{len(loads.names)}; give up to {MOST_PATHS}, or leave the requirement out"
         )
         raise ModelError(message)
-    paths = [input_path(rom.joint, row) for row in loads.inputs]
+    found = [input_path(rom.joint, row).openings() for row in loads.inputs]
     lost = {
-        (place, case): path.loss_of_clamp(place)
-        for case, path in zip(loads.names, paths, strict=True)
+        (place, case): openings.last[place]
+        for case, openings in zip(loads.names, found, strict=True)
         for place in rom.interfaces
     }
     place, case = min(lost, key=lost.__getitem__)
