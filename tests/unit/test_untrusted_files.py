@@ -14,7 +14,7 @@ import scipy.io
 
 import faying as fy
 from faying.exceptions import FormatError, StudyError
-from faying.io.abaqus.source import read_lines
+from faying.io.abaqus.source import read_pieces
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_tables import read_node_table
 from faying.io.nastran.source import read_source
@@ -97,7 +97,7 @@ def test_sizes_of_matrix_market(tmp_path):
 
 DECKS = {
     "deck.bdf": (read_source, "BEGIN BULK\nINCLUDE '{}'\n"),
-    "deck.inp": (read_lines, "*INCLUDE, INPUT={}\n"),
+    "deck.inp": (read_pieces, "*INCLUDE, INPUT={}\n"),
 }
 
 

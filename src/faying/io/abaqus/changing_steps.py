@@ -47,6 +47,8 @@ def _called(keyword: Keyword) -> str:
 def _pretension_nodes(deck: Deck) -> frozenset[str]:
     """Return what the nodes of pretension sections may be called: ids, and sets of one of them."""
     names = {keyword.value("NODE").upper() for keyword in deck.of("PRE-TENSION SECTION")}
+    if not names:
+        return frozenset()
     sets = {
         keyword.value("NSET").upper(): {text for row in keyword.rows() for text in row if text}
         for keyword in deck.of("NSET")

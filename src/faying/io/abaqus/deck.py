@@ -9,7 +9,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.abaqus.instances import instantiated
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.source import read_lines
+from faying.io.abaqus.source import read_pieces
 from faying.io.abaqus.tokenizer import read_keywords
 
 
@@ -87,15 +87,15 @@ class Deck:
         return iter(found)
 
 
-def read_keyword_deck(path: Path, ignored: list[str], ignore: frozenset[str] = frozenset()) -> Deck:
-    """Read a deck into keywords.
+def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
+    """Read a deck into keywords, whose data nobody has looked at.
 
     Raises
     ------
     FormatError
         As the tokenizer, or if parts, instances or steps are not closed.
     """
-    keywords = instantiated(read_keywords(read_lines(path)), ignored)
+    keywords = instantiated(read_keywords(read_pieces(path)))
     if not keywords:
         message = f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …"
         raise FormatError(message)

@@ -10,6 +10,7 @@ import numpy as np
 from faying.io.abaqus.deck import read_keyword_deck
 from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import read_elements
+from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.sets import read_element_sets, read_node_sets
 from faying.io.abaqus.solid_sections import cells
@@ -30,11 +31,11 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
     FormatError
         With file and line.
     """
-    deck = read_keyword_deck(Path(path), [])
+    deck = read_keyword_deck(Path(path))
     known = (*SOLID_TYPES, *LINE_TYPES)
     kept = [
         keyword
-        for keyword in deck.keywords
+        for keyword in with_distinct_ids(deck.keywords, [])
         if keyword.name in _GEOMETRY
         and (keyword.name != "ELEMENT" or keyword.value("TYPE").upper() in known)
     ]

@@ -9,14 +9,14 @@ from faying._typing import Matrix, Vector
 from faying.io.abaqus.fields import integers, real, table
 from faying.io.abaqus.keyword import Keyword, Scope
 
+_ASSEMBLY = "the assembly's own nodes and elements"
 _CLOSING = {"PART": "END PART", "INSTANCE": "END INSTANCE", "ASSEMBLY": "END ASSEMBLY"}
 
 
-def instantiated(keywords: Sequence[Keyword], ignored: list[str]) -> list[Keyword]:
+def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
     """Replace parts and instances by the keywords they stand for, in the scope of the instance.
 
-    A deck without parts comes back as it is. With several instances, ids may repeat; then each
-    instance's ids are raised by a power of ten times its number, which ``ignored`` says.
+    A deck without parts comes back as it is.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def instantiated(keywords: Sequence[Keyword], ignored: list[str]) -> list[Keywor
         elif keyword.name != "END ASSEMBLY":
             result.append(keyword)
         i += 1
-    return _distinct(result, names, ignored)
+    return result
 
 
 def _end(keywords: Sequence[Keyword], start: int) -> int:
@@ -118,8 +118,15 @@ def _rotation(axis: Vector, angle: float) -> Matrix:
     return turned
 
 
-def _distinct(keywords: list[Keyword], names: list[str], ignored: list[str]) -> list[Keyword]:
-    """Give ids of different scopes different ranges, if more than one scope has nodes."""
+def with_distinct_ids(keywords: Sequence[Keyword], ignored: list[str]) -> list[Keyword]:
+    """Give ids of different scopes different ranges, if more than one scope has nodes.
+
+    Ids may repeat between instances; those of each are then raised by a power of ten times its
+    number, which ``ignored`` says before all else.
+    """
+    names = list(dict.fromkeys(keyword.scope.name for keyword in keywords if keyword.scope.name))
+    if not names:
+        return list(keywords)
     largest: dict[str, int] = {}
     for keyword in keywords:
         if keyword.name in ("NODE", "ELEMENT"):
@@ -130,14 +137,16 @@ def _distinct(keywords: list[Keyword], names: list[str], ignored: list[str]) -> 
             name = keyword.scope.name
             largest[name] = max(largest.get(name, 0), int(ids.max(initial=0)))
     if len(largest) < 2:
-        return keywords
+        return list(keywords)
     step = 10 ** len(str(max(largest.values())))
     ordered = sorted(largest, key=lambda name: names.index(name) if name else len(names))
     offsets = {name: number * step for number, name in enumerate(ordered)}
-    for name, offset in offsets.items():
-        if offset:
-            place = f"instance '{name}'" if name else "the assembly's own nodes and elements"
-            ignored.append(f"ids of {place} are raised by {offset}")
+    places = {name: f"instance '{name}'" if name else _ASSEMBLY for name in offsets}
+    ignored[:0] = [
+        f"ids of {places[name]} are raised by {offset}"
+        for name, offset in offsets.items()
+        if offset
+    ]
     return [
         replace(k, scope=replace(k.scope, offset=offsets.get(k.scope.name, 0))) for k in keywords
     ]

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
+from faying._typing import Matrix
 from faying.exceptions import FormatError
 from faying.io.abaqus.keyword_names import without_blanks
-from faying.io.deck_lines import Lines
+from faying.io.abaqus.pieces import Body, TextFile
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,28 +42,32 @@ class Keyword:
     parameters
         Upper-case names without blanks to values as written; flags have an empty value. The
         methods take names with or without blanks.
-    data
-        Data lines as written, without comments and blank lines.
-    line
-        Index of the keyword line in ``lines``.
-    data_lines : (n_data,)
-        Indices of the data lines in ``lines``.
+    body
+        Its data lines.
+    file, begin
+        Where the keyword line begins.
     step
         Number of the step it belongs to, from 1; 0 before the first.
     """
 
     name: str
     parameters: Mapping[str, str]
-    data: list[bytes]
-    line: int
-    data_lines: Indices
-    lines: Lines
+    body: Body
+    file: TextFile
+    begin: int
     scope: Scope = field(default_factory=Scope)
     step: int = 0
 
+    @property
+    def data(self) -> list[bytes]:
+        """Data lines as written, without comments and blank lines."""
+        return self.body.lines
+
     def where(self, row: int | None = None) -> str:
         """Return file:line of the keyword, or of a data line."""
-        return self.lines.where(self.line if row is None else int(self.data_lines[row]))
+        if row is not None:
+            return self.body.where(row)
+        return f"{self.file.name}:{self.file.line(self.begin)}"
 
     def error(self, text: str, row: int | None = None) -> FormatError:
         """Return an error that names file, line and keyword; ``row`` is a data line."""

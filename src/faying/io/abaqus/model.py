@@ -17,6 +17,7 @@ from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations
+from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
@@ -60,6 +61,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     """
     deck = materials.without_unused(without_temperatures(deck, ignored), ignored)
     check_supported(deck, ignored)
+    deck = replace(deck, keywords=with_distinct_ids(deck.keywords, ignored))
     nodes = read_nodes(deck, ignored)
     elements = read_elements(deck, nodes, ignored)
     by_element = read_element_sets(deck, elements)

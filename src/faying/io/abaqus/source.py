@@ -1,28 +1,19 @@
-"""The lines of a deck with its ``*INCLUDE`` files spliced in."""
+"""The text of a deck with its ``*INCLUDE`` files spliced in."""
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from faying.exceptions import FormatError
-from faying.io.deck_lines import DeckFiles, Lines
+from faying.io.abaqus.pieces import Piece, TextFile
+from faying.io.deck_lines import DeckFiles
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
 _DEEPEST = 20
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Piece:
-    text: list[bytes]
-    first: int
-    file: int
-
-
-def read_lines(path: Path) -> Lines:
-    """Read a deck and what it includes.
+def read_pieces(path: Path) -> list[Piece]:
+    """Read a deck and what it includes, as pieces of files in their order.
 
     Included files are looked for beside the deck, where both programs run, then beside the file
     that includes them.
@@ -32,38 +23,39 @@ def read_lines(path: Path) -> Lines:
     FormatError
         If a file is missing or includes itself.
     """
-    files = DeckFiles("input deck", "*INCLUDE")
-    pieces = _expand(path, path.parent, files, (), "")
-    return Lines(
-        text=[line for piece in pieces for line in piece.text],
-        number=np.concatenate(
-            [np.arange(p.first, p.first + len(p.text), dtype=np.int64) for p in pieces]
-        ),
-        file=np.repeat([p.file for p in pieces], [len(p.text) for p in pieces]).astype(np.int64),
-        files=tuple(files.names),
-    )
+    return _expand(path, path.parent, DeckFiles("input deck", "*INCLUDE"), (), "")
 
 
 def _expand(
     path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
-) -> list[_Piece]:
-    index = len(files.names)
-    text = files.read(path, included_from).splitlines()
+) -> list[Piece]:
+    text = _with_usual_ends(files.read(path, included_from))
     here = path.resolve()
     if here in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: *INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
+    file = TextFile(name=files.names[-1], text=text)
     pieces, start = [], 0
-    for line in [i for i, t in enumerate(text) if b"*" in t[:8] and _INCLUDE.match(t)]:
-        pieces.append(_Piece(text=text[start:line], first=start + 1, file=index))
-        origin = f"{files.names[index]}:{line + 1}"
-        name = _file_name(text[line], origin)
+    for begin, end in Piece(file=file, start=0, end=len(text)).starred():
+        line = text[begin:end]
+        if not (b"*" in line[:8] and _INCLUDE.match(line)):
+            continue
+        pieces.append(Piece(file=file, start=start, end=begin))
+        origin = f"{file.name}:{file.line(begin)}"
+        name = _file_name(line, origin)
         places = (home / name, path.parent / name)
         found = next((place for place in places if _is_file(place, origin)), places[0])
         pieces += _expand(found, home, files, (*parents, here), origin)
-        start = line + 1
-    pieces.append(_Piece(text=text[start:], first=start + 1, file=index))
+        start = min(end + 1, len(text))
+    pieces.append(Piece(file=file, start=start, end=len(text)))
     return pieces
+
+
+def _with_usual_ends(text: bytes) -> bytes:
+    """Return text whose lines end as usual, also where a carriage return alone ended them."""
+    if b"\r" in text and text.count(b"\r") != text.count(b"\r\n"):
+        return b"\n".join(text.splitlines())
+    return text
 
 
 def _is_file(path: Path, origin: str) -> bool:

@@ -1,23 +1,23 @@
 """Lines of a deck to keywords with parameters and data lines."""
 
 import re
-from collections.abc import Iterator
-
-import numpy as np
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import zip_longest
 
 from faying.exceptions import FormatError
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import keyword_name, without_blanks
-from faying.io.deck_lines import Lines
+from faying.io.abaqus.pieces import Body, Piece, TextFile, is_content
 
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 
 
-def read_keywords(lines: Lines) -> list[Keyword]:
+def read_keywords(pieces: Sequence[Piece]) -> list[Keyword]:
     """Split a deck into its keywords, in order.
 
-    A keyword line that ends in a comma continues on the next line; ``**`` starts a comment, and so
-    does ``>*``, which stands before the first lines of some decks of CalculiX.
+    A keyword line that ends in a comma continues on the next line.
 
     Raises
     ------
@@ -26,43 +26,76 @@ def read_keywords(lines: Lines) -> list[Keyword]:
 
     Notes
     -----
-    About 0.3 µs a line.
+    Data lines are not touched: about a second for 2 GB.
     """
-    marks = [t.lstrip()[:2] for t in lines.text]
-    # Comments and blank lines belong to nothing; "*" alone starts a keyword.
-    content = [i for i, mark in enumerate(marks) if mark and mark not in (b"**", b">*")]
-    starts = [k for k, i in enumerate(content) if marks[i][:1] == b"*"]
-    if content and (not starts or starts[0]):
+    heads = [
+        (number, begin, end)
+        for number, piece in enumerate(pieces)
+        for begin, end in piece.starred()
+        if is_content(piece.file.text[begin:end])
+    ]
+    first = next(((n, begin) for n, p in enumerate(pieces) for begin, _ in p.content()), None)
+    if first is not None and (not heads or heads[0][:2] != first):
+        file = pieces[first[0]].file
         message = (
-            f"{lines.where(content[0])}: data before the first keyword; a deck starts with a line "
-            "such as *HEADING or *NODE"
+            f"{file.name}:{file.line(first[1])}: data before the first keyword; a deck starts with "
+            "a line such as *HEADING or *NODE"
         )
         raise FormatError(message)
-    ends = [*starts[1:], len(content)][: len(starts)]
-    return [_keyword(lines, content[start:end]) for start, end in zip(starts, ends, strict=True)]
+    return [_keyword(pieces, head, after) for head, after in zip_longest(heads, heads[1:])]
 
 
-def _keyword(lines: Lines, content: list[int]) -> Keyword:
-    used, text = 1, _decoded(lines, content[0])
-    while text.endswith(",") and used < len(content) and _is_continuation(lines, content[used]):
-        text += " " + _decoded(lines, content[used])
-        used += 1
+_Head = tuple[int, int, int]
+"""Piece, and where the line of a keyword begins and ends."""
+
+
+def _keyword(pieces: Sequence[Piece], head: _Head, after: _Head | None) -> Keyword:
+    number, begin, end = head
+    file = pieces[number].file
+    text = _decoded(file.text[begin:end])
+    body = _between(pieces, head, after)
+    while text.endswith(","):
+        place = next(((k, at) for k, p in enumerate(body) for at in p.content()), None)
+        if place is None:
+            break
+        k, (start, stop) = place
+        line = body[k].file.text[start:stop]
+        if not _is_continuation(line):
+            break
+        text += " " + _decoded(line)
+        body = [replace(body[k], start=min(stop + 1, body[k].end)), *body[k + 1 :]]
     name, *rest = _split(text.lstrip("* \t"))
-    data = np.array(content[used:], dtype=np.int64)
-    where = lines.where(content[0])
+    place_of = partial(_place, file, begin)
     return Keyword(
         name=keyword_name(name),
-        parameters=dict(_parameters(rest, where)),
-        data=[lines.text[i] for i in content[used:]],
-        line=content[0],
-        data_lines=data,
-        lines=lines,
+        parameters=dict(_parameters(rest, place_of)),
+        body=Body(pieces=tuple(body)),
+        file=file,
+        begin=begin,
     )
 
 
-def _is_continuation(lines: Lines, line: int) -> bool:
+def _between(pieces: Sequence[Piece], head: _Head, after: _Head | None) -> list[Piece]:
+    """Return the pieces of the deck from behind a keyword's line to the next keyword."""
+    number, _, end = head
+    last = len(pieces) - 1 if after is None else after[0]
+    found = []
+    for k in range(number, last + 1):
+        piece = pieces[k]
+        start = min(end + 1, piece.end) if k == number else piece.start
+        stop = piece.end if after is None or k < last else after[1]
+        if start < stop:
+            found.append(replace(piece, start=start, end=stop))
+    return found
+
+
+def _place(file: TextFile, begin: int) -> str:
+    return f"{file.name}:{file.line(begin)}"
+
+
+def _is_continuation(line: bytes) -> bool:
     """Whether a line looks like parameters: a letter first, for data start with numbers or sets."""
-    first = lines.text[line].split(b",")[0]
+    first = line.split(b",")[0]
     return b"=" in first or first.strip().upper() in _FLAGS
 
 
@@ -71,8 +104,8 @@ _FLAGS = frozenset(
 )
 
 
-def _decoded(lines: Lines, line: int) -> str:
-    return lines.text[line].decode("latin-1").strip()
+def _decoded(line: bytes) -> str:
+    return line.decode("latin-1").strip()
 
 
 def _split(text: str) -> list[str]:
@@ -90,7 +123,7 @@ def _split(text: str) -> list[str]:
     return [part.strip() for part in parts]
 
 
-def _parameters(parts: list[str], where: str) -> Iterator[tuple[str, str]]:
+def _parameters(parts: list[str], where: Callable[[], str]) -> Iterator[tuple[str, str]]:
     seen = set()
     for part in parts:
         name, _, value = part.partition("=")
@@ -99,7 +132,7 @@ def _parameters(parts: list[str], where: str) -> Iterator[tuple[str, str]]:
             continue
         if not name or name in seen:
             problem = "has no name" if not name else "is given twice"
-            message = f"{where}: the parameter '{part}' {problem}; correct the keyword line"
+            message = f"{where()}: the parameter '{part}' {problem}; correct the keyword line"
             raise FormatError(message)
         seen.add(name)
         value = value.strip()

@@ -25,6 +25,7 @@ from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses
 from faying.io.nastran.materials import (
     MATERIALS,
+    PROPERTIES,
     materials_named,
     materials_of_solids,
     read_materials,
@@ -49,6 +50,7 @@ from faying.io.nastran.solids import (
 from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import read_scalar_masses, read_springs
 from faying.io.nastran.supports import read_supports
+from faying.io.nastran.telling_lines import TellingLines
 from faying.io.nastran.tokenizer import read_cards
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly
@@ -92,6 +94,8 @@ _READ = frozenset(
         *("BOLT", "BOLTFOR", "BOLTLD", "BOLTFRC", "BOLTSEQ"),
     )
 )
+_PASSED_OVER = _READ - {*PROPERTIES, *SHELL_PROPERTIES, "CONROD"}
+"""Cards whose fields do not say whether others are refused: all but those that name materials."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -128,6 +132,7 @@ def read_parts(
         With file and line.
     """
     path = Path(path)
+    _refuse_by_names(path, subcase, ignore)
     source = read_source(path)
     bulk = read_cards(source.bulk)
     cards = bulk.cards()
@@ -205,6 +210,17 @@ def read_parts(
         ignored=ignored,
         ignore=ignore,
     )
+
+
+def _refuse_by_names(path: Path, subcase: int | None, ignore: frozenset[str]) -> None:
+    """Refuse a deck that has cards which are not read before its tables fill the memory."""
+    try:
+        source = read_source(path, TellingLines(passed_over=_PASSED_OVER))
+        cards = read_cards(source.bulk).cards()
+        read_case_control(source.control, [], subcase)
+    except FormatError:
+        return  # of the whole deck the same is told with all that stands in front of it
+    _check_supported(cards, [], ignore, path)
 
 
 def _check_supported(

@@ -1,11 +1,13 @@
 """The lines of a deck with its INCLUDE files spliced in, split into case control and bulk data."""
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.deck_lines import DeckFiles, Lines
 
@@ -25,10 +27,25 @@ class Source:
     bulk: Lines
 
 
-def read_source(path: Path) -> Source:
+LinesOf = Callable[[bytes], tuple[list[bytes], Indices]]
+"""From the text of a file to the lines of it that are read, and their numbers from 1."""
+
+
+def all_lines(data: bytes) -> tuple[list[bytes], Indices]:
+    """Split text into its lines."""
+    lines = data.splitlines()
+    return lines, np.arange(1, len(lines) + 1, dtype=np.int64)
+
+
+def read_source(path: Path, lines_of: LinesOf = all_lines) -> Source:
     """Read a deck and its includes and find where the bulk data begin and end.
 
     A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
+
+    Parameters
+    ----------
+    lines_of
+        What is read of each file.
 
     Raises
     ------
@@ -36,12 +53,10 @@ def read_source(path: Path) -> Source:
         If a file is missing, includes itself, or BEGIN BULK is missing or names a superelement.
     """
     files = DeckFiles("Nastran deck", "INCLUDE")
-    parts = _expand(path, files, ())
+    parts = _expand(path, files, lines_of, ())
     lines = Lines(
         text=[line for text, _, _ in parts for line in text],
-        number=np.concatenate(
-            [np.arange(first, first + len(t), dtype=np.int64) for t, first, _ in parts]
-        ),
+        number=np.concatenate([number for _, number, _ in parts]),
         file=np.repeat([f for _, _, f in parts], [len(t) for t, _, _ in parts]).astype(np.int64),
         files=tuple(files.names),
     )
@@ -83,33 +98,39 @@ def _shown(line: bytes) -> str:
     return line.decode("latin-1").strip()[:60]
 
 
+_Part = tuple[list[bytes], Indices, int]
+"""Lines in upper case, their numbers, and the index of their file."""
+
+
 def _expand(
-    path: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str = ""
-) -> list[tuple[list[bytes], int, int]]:
-    """Pieces (lines, number of the first, index of the file) of a file and what it includes."""
+    path: Path,
+    files: DeckFiles,
+    lines_of: LinesOf,
+    parents: tuple[Path, ...],
+    included_from: str = "",
+) -> list[_Part]:
+    """Parts of a file and of what it includes, in their order."""
     index = len(files.names)
     data = files.read(path, included_from)
     here = path.resolve()
     if here in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
-    upper = data.upper().splitlines()
-    if b"INCLUDE" not in data.upper():
-        return [(upper, 1, index)]
-    original = data.splitlines()
-    parts: list[tuple[list[bytes], int, int]] = []
+    original, number = lines_of(data)
+    upper = [line.upper() for line in original]
+    parts: list[_Part] = []
     start = line = 0
-    while line < len(original):
-        match = _INCLUDE.match(original[line])
-        if match is None:
-            line += 1
+    for found in [i for i, text in enumerate(upper) if b"INCLUDE" in text]:
+        match = _INCLUDE.match(original[found])
+        if match is None or found < line:
             continue
-        parts.append((upper[start:line], start + 1, index))
-        origin = f"{files.names[index]}:{line + 1}"
-        name, line = _file_name(original, line, match.end(), origin)
-        parts += _expand(_included(name, path, parents), files, (*parents, here), origin)
+        parts.append((upper[start:found], number[start:found], index))
+        origin = f"{files.names[index]}:{number[found]}"
+        name, line = _file_name(original, found, match.end(), origin)
+        included = _included(name, path, parents)
+        parts += _expand(included, files, lines_of, (*parents, here), origin)
         start = line
-    parts.append((upper[start:], start + 1, index))
+    parts.append((upper[start:], number[start:], index))
     return parts
 
 
