@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from faying.assessment.backbone import Backbone
 from faying.exceptions import StudyError
 from faying.report.figures.backbone import backbone_figure
 from faying.report.figures.backbone_slip import backbone_slip_figure
+from faying.report.quantities import number
 from faying.study.load_model import build
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
@@ -83,6 +85,7 @@ def test_the_summary_has_frequency_and_damping(finished, curve):
     for name in ("amplitude", "frequency", "damping_ratio", "energy_per_cycle", "linear_damping"):
         np.testing.assert_allclose(found[name], getattr(curve, name), rtol=1e-6, err_msg=name)
     assert found["damping_ratio"][-1] > found["linear_damping"][-1] > 0
+    np.testing.assert_allclose(found["energy"], curve.energy, rtol=1e-6)
 
 
 def test_results_keep_the_curves_of_every_method(results):
@@ -128,6 +131,25 @@ def test_slip_is_mapped_at_amplitudes_that_slip(results):
     assert all(axes.images for axes in drawn.figure.axes if axes.get_title(loc="left") in second)
 
 
+def test_slip_is_mapped_where_a_study_says_and_drawn_over_energy(results):
+    text = results.study_text.replace(
+        'at = "tip"', 'at = "tip"\nover = "energy"\nmaps = [1e-9, 1e9]'
+    )
+    case = results.cases["ring"]
+    curves = {mode: replace(one, over="energy") for mode, one in case.reference.backbones.items()}
+    over = replace(case, reference=replace(case.reference, backbones=curves))
+    drawn = backbone_slip_figure(replace(results, study_text=text), over)
+    titles = [axes.get_title(loc="left") for axes in drawn.figure.axes]
+    ends = [number(float(one)) for one in curves["2"].energy[[0, -1]]]
+    found = [title for title in titles if title.startswith("mode 2, ")]
+    assert found == [f"mode 2, joint: energy {end}" for end in ends]
+    assert "nearest to those the study names" in drawn.caption
+    damping, shift, _ = backbone_figure(results, over).figure.axes
+    assert shift.get_xlabel() == "energy of the vibration [N·mm]"
+    (second,) = (line for line in damping.get_lines() if line.get_label().startswith("mode 2, "))
+    np.testing.assert_array_equal(second.get_xdata(), curves["2"].energy)
+
+
 def test_check_says_how_many_increments_there_are(tmp_path, monkeypatch, capsys):
     (tmp_path / "ring.toml").write_text(STUDY)
     monkeypatch.setattr(sys, "argv", ["faying", "check", str(tmp_path / "ring.toml")])
@@ -150,6 +172,8 @@ def test_check_says_how_many_increments_there_are(tmp_path, monkeypatch, capsys)
         ("amplitude_range = [0.001, 0.1, 3]", "amplitudes = [-1.0]", "amplitudes"),
         ("amplitude_range = [0.001, 0.1, 3]\n", "", "give one of them"),
         ("increments = 3", "amplitudes = [0.1]", "give one of them"),
+        ("increments = 3", "maps = [0.2]", "from the smallest to the largest amplitude"),
+        ("increments = 3", 'over = "force"', "over"),
         ('kind = "backbone"', 'kind = "cycle"', "'forces' is missing or empty"),
         (
             'at = "tip"',

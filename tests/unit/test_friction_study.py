@@ -337,6 +337,18 @@ preload = 1e3
     assert set(friction[second]) == {0.1}
 
 
+def test_interfaces_take_tangential_penalties_of_their_own():
+    joint = fy.lap_joint(element_size=10.0, plates=3, hole_radius=0.0, washer_radius=11.0)
+    model = joint.with_friction({"joint-1": 0.2, "joint-2": 0.1}, {"joint-1": 5e5})
+    first, second = (model.interfaces[name].law for name in ("joint-1", "joint-2"))
+    assert (first.friction, first.tangential_penalty) == (0.2, 5e5)
+    assert second == joint.with_friction({"joint-2": 0.1}).interfaces["joint-2"].law
+    with pytest.raises(ModelError, match="'joint-1' has a tangential penalty and no coefficient"):
+        joint.with_friction({"joint-2": 0.1}, tangential_penalty={"joint-1": 5e5})
+    with pytest.raises(ModelError, match="the model has no interface 'joint'"):
+        joint.with_friction(0.1, tangential_penalty={"joint": 5e5})
+
+
 def test_specs_and_models_take_the_same_friction():
     smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
     spec = fy.InterfaceSpec(name="joint", friction=0.2)

@@ -129,6 +129,37 @@ def test_small_amplitudes_are_small_vibrations(joint):
     assert "nothing slips in mode 1" in found.remarks[0]
 
 
+def test_what_lies_on_its_bound_sticks_once_small_cycles_repeat():
+    """Tightening leaves points on their bounds: a first loading slips, however small it is."""
+    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    rubbing = smooth.with_bolt_forces({"bolt": 8e3}).with_friction(0.05, tangential_penalty=8e5)
+    tight = fy.solve_path(
+        rubbing, [fy.Load(bolt_forces={"bolt": 8e3 * k / 10}) for k in range(1, 11)]
+    )
+    found = fy.backbone(rubbing, 2, [1e-4], initial=tight, masing=True, increments=12)
+    # What an increment is solved to; 1e-13 is measured.
+    assert found.frequency[0] == pytest.approx(found.small_frequency, rel=1e-9)
+    assert found.masing_frequency[0] < found.small_frequency * (1 - 1e-4)  # 1e-3 is measured
+    shear, normal = tight.shear_forces[-1], tight.contact_forces[-1]
+    on = (normal > 0) & (np.hypot(*shear) >= (1 - 1e-6) * 0.05 * normal)
+    weights = rubbing.contact.weights
+    share = weights[on].sum() / weights[normal > 0].sum()
+    assert share > 0
+    assert f"{100 * share:.2g} % of the area in contact lies on its friction" in found.remarks[-1]
+
+
+def test_energies_stand_for_amplitudes(slider):
+    """Half of force times displacement, if nothing slipped."""
+    by_place = fy.backbone(slider, 1, [0.002, 0.1])
+    stuck = MASS * (2 * np.pi * by_place.small_frequency) ** 2
+    by_energy = fy.backbone(slider, 1, stuck * np.array([0.002, 0.1]) ** 2 / 2, over="energy")
+    np.testing.assert_allclose(by_energy.amplitude, by_place.amplitude, rtol=1e-12)
+    np.testing.assert_allclose(by_energy.load, by_place.load, rtol=1e-12)
+    assert (by_place.over, by_energy.over) == ("amplitude", "energy")
+    with pytest.raises(ModelError, match="no abscissa 'force'; give over='amplitude' or 'energy'"):
+        fy.backbone(slider, 1, [1.0], over="force")
+
+
 def test_a_reduced_model_has_the_backbone_of_the_full_one(joint):
     rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=20), compliance=True)
     full, reduced = (fy.backbone(one, 1, [0.05, 0.3], increments=20) for one in (joint, rom))

@@ -10,7 +10,7 @@ with D the energy that friction takes in a cycle and q half of what it goes thro
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
@@ -46,7 +46,7 @@ class Backbone(Shown):
     mode : [1]
         Number of the mode of small vibrations, from 1.
     small_frequency : [1/time]
-        Frequency of small vibrations, in which nothing slips.
+        Of small vibrations, in which every closed point sticks: the limit of cycles that repeat.
     measured_at
         Where the amplitude is measured: a boundary, or one of its components.
     amplitude : (n,) [length]
@@ -89,6 +89,8 @@ class Backbone(Shown):
         What a reader should know.
     units
         Consistent unit set of the model, length-mass-time.
+    over
+        What was given for ``amplitude``: that, or ``"energy"``.
     """
 
     mode: int
@@ -114,6 +116,7 @@ class Backbone(Shown):
     masing_damping: Vector | None = None
     remarks: tuple[str, ...] = ()
     units: str = "mm-t-s"
+    over: str = "amplitude"
 
     @property
     def facts(self) -> Mapping[str, str]:
@@ -211,6 +214,7 @@ def backbone(
     mode: int,
     amplitudes: Sequence[float] | Vector,
     *,
+    over: Literal["amplitude", "energy"] = "amplitude",
     at: str | None = None,
     initial: Solution | None = None,
     increments: int = 50,
@@ -228,6 +232,9 @@ def backbone(
     amplitudes : (n,) [length]
         Displacements to reach where the amplitude is measured, if nothing slipped; where it
         slips the joint moves farther, and ``amplitude`` of the result says how far.
+    over
+        ``"energy"``: ``amplitudes`` are energies of the vibration [force·length], α²/2ω² if nothing
+        slipped; ``energy`` of the result is what they became.
     at
         A boundary, whose translation is meant, or one of its components as ``"tip.rx"``
         (amplitudes are angles then). By default the boundary that the mode moves most.
@@ -267,7 +274,7 @@ def backbone(
     >>> bool(found.damping_ratio[1] > found.damping_ratio[0])
     True
     """
-    levels = _checked(system, mode, amplitudes, increments)
+    levels = _checked(system, mode, amplitudes, increments, over)
     rest = solve_path(system, [Load()]) if initial is None else initial
     found = stuck_mode(system, rest, mode)
     measure = measured(system, found, at)
@@ -275,16 +282,22 @@ def backbone(
     whole = len(levels) * (FEWEST_CYCLES * increments + increments // 4)
     solver = path_solver(system, whole, start.increment.forces, compiled)
     swing = Swing.of(system, start, solver, found, measure)
-    scale = (2 * np.pi * found.frequency) ** 2 / measure.unit
+    circular = 2 * np.pi * found.frequency
+    swung = circular * levels / measure.unit if over == "amplitude" else np.sqrt(2 * levels)
     rows = []
-    for level in levels:
-        with naming(f"mode {mode} at amplitude {level:g}"):
-            rows.append(swing.cycle(float(scale * level), increments // 2))
-    return _assembled(system, mode, found, measure, rows, masing=masing)
+    for level, load in zip(levels, (circular * swung).tolist(), strict=True):
+        with naming(f"mode {mode} at {over} {level:g}"):
+            rows.append(swing.cycle(load, increments // 2))
+    curve = _assembled(system, mode, found, measure, rows, masing=masing)
+    return replace(curve, over=over, remarks=_remarks(found, mode, rows, swing))
 
 
 def _checked(
-    system: System, mode: int, amplitudes: Sequence[float] | Vector, increments: int
+    system: System,
+    mode: int,
+    amplitudes: Sequence[float] | Vector,
+    increments: int,
+    over: str,
 ) -> Vector:
     wrong = []
     levels = np.atleast_1d(np.asarray(amplitudes, dtype=float))
@@ -294,6 +307,8 @@ def _checked(
         wrong.append(f"there is no mode {mode}; modes are counted from 1")
     if levels.ndim != 1 or not len(levels) or not ((levels > 0) & (levels < np.inf)).all():
         wrong.append(f"the amplitudes are {levels.tolist()}; give positive numbers")
+    if over not in ("amplitude", "energy"):
+        wrong.append(f"there is no abscissa '{over}'; give over='amplitude' or 'energy'")
     if increments < 4 or increments % 2:
         wrong.append(f"a cycle has {increments} increments; give an even number from 4")
     if wrong:
@@ -343,11 +358,12 @@ def _assembled(
         slip_distance=np.array([row.slip_distance for row in rows]),
         masing_frequency=np.sqrt(load / first) / (2 * np.pi) if masing else None,
         masing_damping=lost / (2 * np.pi * load * first) if masing else None,
-        remarks=_remarks(found, mode, rows),
     )
 
 
-def _remarks(found: StuckMode, mode: int, rows: Sequence[ModalCycle]) -> tuple[str, ...]:
+def _remarks(
+    found: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing
+) -> tuple[str, ...]:
     remarks = []
     if found.contact_share < AWAY:
         remarks.append(
@@ -356,6 +372,13 @@ def _remarks(found: StuckMode, mode: int, rows: Sequence[ModalCycle]) -> tuple[s
         )
     elif not any(row.energy > 0 for row in rows):
         remarks.append(f"nothing slips in mode {mode} up to the largest amplitude")
+    bound = 1.0 - swing.sticking(swing.start)[0]
+    if bound > 0 and found.contact_share >= AWAY:
+        remarks.append(
+            f"{100 * bound:.2g} % of the area in contact lies on its friction bound before the "
+            "first load, which is softer for it than small vibrations are; their frequency is that "
+            "of small cycles once they repeat"
+        )
     if any(row.macroslip for row in rows):
         reached = min(row.reached for row in rows if row.macroslip)
         remarks.append(

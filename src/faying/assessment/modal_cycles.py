@@ -183,7 +183,7 @@ class Swing:
             left = np.abs(steps[-1].slip - before.slip) * np.abs(steps[-1].increment.forces[1:])
             change = min(abs(energy - last), float(left.sum()))
             stationary = change <= max(STATIONARY * energy, NO_LOSS * load * np.ptp(modal))
-        sticking = np.array([self._sticking(step) for step in steps])
+        sticking = np.array([self.sticking(step) for step in steps])
         return ModalCycle(
             load=load,
             modal=(modal[-1] - modal[half]) / 2,
@@ -214,7 +214,7 @@ class Swing:
         """Return the measured displacement since the preload (n_step,)."""
         return np.asarray(self.own_at * loads + self._pairs(steps) @ self.at)
 
-    def _sticking(self, step: PathStep) -> tuple[float, bool]:
+    def sticking(self, step: PathStep) -> tuple[float, bool]:
         """Return the share of the closed area that sticks, and whether an interface has none."""
         contact, forces = self.system.contact, step.increment.forces
         friction = self.system.static_contact.frictional.friction

@@ -1,17 +1,20 @@
 """The law of surfaces that rub, its tangential stiffness from the materials unless given."""
 
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from faying.contact.laws import Coulomb, Hard, Law, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 
+TangentialPenalty: TypeAlias = float | Literal["auto"]
+"""c_t [force/length³], or what the materials give."""
+
 
 def with_friction(
     normal: Hard | Penalty,
     friction: float,
-    tangential_penalty: float | Literal["auto"],
+    tangential_penalty: TangentialPenalty,
     assembly: Assembly,
 ) -> Law:
     """Return a normal law with Coulomb friction, or itself where the coefficient is zero.

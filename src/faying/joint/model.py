@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.condensed import CondensedContact
@@ -11,7 +11,7 @@ from faying.contact.contact import Contact
 from faying.contact.laws import Law, normal_law
 from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
-from faying.interface.friction import with_friction
+from faying.interface.friction import TangentialPenalty, with_friction
 from faying.interface.interface import Interface, stack
 from faying.joint.load_pattern import (
     LoadPattern,
@@ -174,7 +174,7 @@ class Model(Shown):
     def with_friction(
         self,
         friction: float | Mapping[str, float],
-        tangential_penalty: float | Literal["auto"] = "auto",
+        tangential_penalty: TangentialPenalty | Mapping[str, TangentialPenalty] = "auto",
     ) -> "Model":
         """Return a copy with Coulomb friction.
 
@@ -185,13 +185,14 @@ class Model(Shown):
             coefficient, which leaves interfaces that are not named as they are.
         tangential_penalty : [force/length³]
             c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the model's materials,
-            and infinite where normal contact is hard.
+            and infinite where normal contact is hard. Or interface name to c_t, ``"auto"`` where
+            it is not named.
 
         Raises
         ------
         ModelError
-            If a number is out of range, there is no such interface, or ``"auto"`` finds no
-            material.
+            If a number is out of range, there is no such interface, one has a tangential penalty
+            and no coefficient, or ``"auto"`` finds no material.
 
         Notes
         -----
@@ -202,10 +203,23 @@ class Model(Shown):
         given = (
             friction if isinstance(friction, Mapping) else dict.fromkeys(self.interfaces, friction)
         )
+        stiffness = (
+            tangential_penalty
+            if isinstance(tangential_penalty, Mapping)
+            else dict.fromkeys(given, tangential_penalty)
+        )
+        for name in stiffness:
+            self._interface(name)
+            if name not in given:
+                message = (
+                    f"interface '{name}' has a tangential penalty and no coefficient of friction; "
+                    "give both or none"
+                )
+                raise ModelError(message)
         changed = {}
         for name, coefficient in given.items():
             interface = self._interface(name)
-            law = self._rubbing(interface, coefficient, tangential_penalty)
+            law = self._rubbing(interface, coefficient, stiffness.get(name, "auto"))
             changed[name] = interface.with_law(law)
         rubbing = {**self.interfaces, **changed}
         stacked, structure = stack(rubbing), self.structure
@@ -216,7 +230,7 @@ class Model(Shown):
         return replace(self, interfaces=rubbing, structure=structure)
 
     def _rubbing(
-        self, interface: Interface, friction: float, tangential_penalty: float | Literal["auto"]
+        self, interface: Interface, friction: float, tangential_penalty: TangentialPenalty
     ) -> Law:
         normal = normal_law(interface.penalty)
         with naming(f"interface '{interface.name}'"):

@@ -27,6 +27,6 @@ def unpacked_backbone(arrays: Mapping[str, Matrix], prefix: str) -> Backbone:
     values["mode"] = int(values["mode"])
     values["small_frequency"] = float(values["small_frequency"])
     values["measured_at"] = str(values["measured_at"])
-    values["units"] = str(values["units"])
+    values["units"], values["over"] = str(values["units"]), str(values["over"])
     values["remarks"] = tuple(map(str, values["remarks"]))
     return Backbone(**values)

@@ -12,6 +12,9 @@ from faying.study.tables import LoadCaseSection, Study
 MOST_AMPLITUDES = 1000
 """Amplitudes of a range; more is taken for a slip of the pen."""
 
+MOST_MAPS = 6
+"""Maps that stand side by side."""
+
 
 def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
     """Find what backbones lack or have too much, and loads that other cases lack."""
@@ -35,6 +38,11 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
             "[smallest, largest, how many]; give one of them"
         )
         yield Problem(location, f"{table}: {text}")
+    levels = case.levels
+    outside = [one for one in case.maps if not levels or not levels[0] <= one <= levels[-1]]
+    if len(case.maps) > MOST_MAPS or (outside and levels):
+        text = f"give at most {MOST_MAPS}, from the smallest to the largest amplitude of the case"
+        yield Problem((*location, "maps"), f"{place((*location, 'maps'))}: {text}")
     if case.amplitude_range is not None:
         low, high, count = case.amplitude_range
         if not low < high or not 2 <= count <= MOST_AMPLITUDES:

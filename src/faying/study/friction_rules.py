@@ -17,6 +17,8 @@ KINDS = {
     "factors": ("path",),
     "amplitudes": ("cycle", "backbone"),
     "amplitude_range": ("backbone",),
+    "over": ("backbone",),
+    "maps": ("backbone",),
     "modes": ("backbone",),
     "at": ("backbone",),
     "increments": ("static", "cycle", "backbone"),

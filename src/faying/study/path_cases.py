@@ -78,6 +78,7 @@ def path_response(
                 system,
                 mode,
                 case.levels,
+                over=case.over,
                 at=case.at,
                 initial=rest,
                 increments=cycle_increments(case),

@@ -254,6 +254,7 @@ def _backbone(one: Backbone) -> dict[str, Any]:
         "small_frequency": one.small_frequency,
         "measured_at": one.measured_at,
         "amplitude": one.amplitude.tolist(),
+        "energy": one.energy.tolist(),
         "frequency": one.frequency.tolist(),
         "damping_ratio": one.damping_ratio.tolist(),
         "linear_damping": one.linear_damping.tolist(),

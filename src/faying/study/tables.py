@@ -221,6 +221,10 @@ class LoadCaseSection(Timed):
         displacements [length], angles [rad] where ``at`` is a rotation.
     amplitude_range
         Of backbones: smallest and largest amplitude, and how many, evenly by their logarithm.
+    over
+        Of backbones: whether amplitudes are displacements or energies of the vibration.
+    maps
+        Of backbones: amplitudes whose slip the report maps; by default three.
     modes
         Of backbones: numbers of modes, from 1.
     at
@@ -252,6 +256,8 @@ class LoadCaseSection(Timed):
     factors: ExistingFile | None = None
     amplitudes: tuple[Positive, ...] = ()
     amplitude_range: tuple[Positive, Positive, Count] | None = None
+    over: Literal["amplitude", "energy"] = "amplitude"
+    maps: tuple[Positive, ...] = ()
     modes: tuple[Count, ...] = ()
     at: Name | None = None
     increments: Annotated[Count, Field(le=MOST_INCREMENTS)] | None = None

@@ -2,6 +2,8 @@
 
 from matplotlib.axes import Axes
 
+from faying._typing import Vector
+from faying.assessment.backbone import Backbone
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.quantities import number, quantity
@@ -13,6 +15,11 @@ NEXT_TO_NONE = 1e-6
 """Damping below this share of the largest is drawn as none: a logarithm has no zero."""
 
 
+def abscissa(one: Backbone) -> Vector:
+    """Return what a backbone is drawn over (n,): its amplitude, or its energy."""
+    return one.energy if one.over == "energy" else one.amplitude
+
+
 def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw damping over amplitude: all of it, and the share of the damping matrix."""
     curves = case.reference.backbones
@@ -20,9 +27,10 @@ def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
     for i, (mode, one) in enumerate(curves.items()):
         seen = one.damping_ratio > NEXT_TO_NONE * largest
         label = f"mode {mode}, {quantity(one.small_frequency, units.of('1/time'))}"
-        axes.plot(one.amplitude[seen], one.damping_ratio[seen], "o-", color=f"C{i}", label=label)
+        along = abscissa(one)
+        axes.plot(along[seen], one.damping_ratio[seen], "o-", color=f"C{i}", label=label)
         if one.linear_damping.max(initial=0.0) > 0:
-            axes.plot(one.amplitude, one.linear_damping, ":", color=f"C{i}")
+            axes.plot(along, one.linear_damping, ":", color=f"C{i}")
     if largest > 0:
         axes.set_yscale("log")
     axes.set_xscale("log")
@@ -35,9 +43,9 @@ def plot_shift(case: CaseResult, axes: Axes) -> Axes:
     """Draw the change of frequency from small vibrations over amplitude."""
     for i, one in enumerate(case.reference.backbones.values()):
         shift = 100 * (one.frequency / one.small_frequency - 1)
-        axes.semilogx(one.amplitude, shift, "o-", color=f"C{i}")
-        gross = one.macroslip
-        axes.semilogx(one.amplitude[gross], shift[gross], "s", ms=9, mfc="none", color=f"C{i}")
+        along, gross = abscissa(one), one.macroslip
+        axes.semilogx(along, shift, "o-", color=f"C{i}")
+        axes.semilogx(along[gross], shift[gross], "s", ms=9, mfc="none", color=f"C{i}")
     axes.set_ylabel("change of frequency [%]")
     return axes
 
@@ -46,7 +54,7 @@ def plot_modal_loops(case: CaseResult, axes: Axes) -> Axes:
     """Draw the loop of the largest amplitude of each mode, less what an elastic joint would do."""
     for i, (mode, one) in enumerate(case.reference.backbones.items()):
         load, modal = one.loop_load[-1] / one.load[-1], one.loop_modal[-1] / one.modal_amplitude[-1]
-        label = f"mode {mode}, amplitude {number(float(one.amplitude[-1]))}"
+        label = f"mode {mode}, {one.over} {number(float(abscissa(one)[-1]))}"
         axes.plot(modal, load - modal, ".-", color=f"C{i}", label=label)
     axes.set_xlabel("modal displacement over its amplitude")
     axes.set_ylabel("load over its amplitude, less the same")
@@ -70,7 +78,10 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     plot_modal_loops(case, loops)
     places = sorted({one.measured_at for one in curves.values()})
     unit = "rad" if any(".r" in place for place in places) else units.length
-    shift.set_xlabel(f"amplitude at {', '.join(places)} [{unit}]")
+    if any(one.over == "energy" for one in curves.values()):
+        shift.set_xlabel(f"energy of the vibration [{units.of('force·length')}]")
+    else:
+        shift.set_xlabel(f"amplitude at {', '.join(places)} [{unit}]")
     loops.set_title("loops at the largest amplitude", loc="left")
     figure.suptitle(heading(f"{case.name}: backbones, full model"))
     remarks = " ".join(

@@ -1,9 +1,12 @@
 """Where a joint slips when it vibrates in a mode, over the amplitude."""
 
+import tomllib
+
 import numpy as np
 
 from faying.assessment.backbone import Backbone
 from faying.display.style import heading, plain
+from faying.report.figures.backbone import abscissa
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
@@ -15,12 +18,10 @@ from faying.units import units_of
 SLIP_MAP = "viridis"
 NEXT_TO_NONE = 1e-6
 """Slip below this share of the largest is the residual of an increment."""
-MOST_COLUMNS = 3
-"""Amplitudes of a mode whose maps are drawn."""
 
 
 def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw how far points slip in a cycle, at the first, middle and last amplitude that slips.
+    """Draw how far points slip in a cycle, at the amplitudes a study names, or at three.
 
     Returns
     -------
@@ -28,14 +29,16 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         One row for each mode and interface; None for cases without backbones, or without slip.
     """
     records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
-    shown = {mode: _chosen(one) for mode, one in case.reference.backbones.items()}
+    wanted = _wanted(results, case)
+    shown = {mode: _chosen(one, wanted) for mode, one in case.reference.backbones.items()}
     rows = [(mode, name) for mode in shown if shown[mode] for name in records]
     if not rows:
         return None
     units = units_of(results.units)
     heights = [panel_size(records[name], best_plane(records[name]), 3.8)[1] for _, name in rows]
     figure = new_figure(13.0, max(sum(heights), 2.0) + 0.7)
-    panels = figure.subplots(len(rows), MOST_COLUMNS, squeeze=False, height_ratios=heights)
+    columns = max(3, *map(len, shown.values()))
+    panels = figure.subplots(len(rows), columns, squeeze=False, height_ratios=heights)
     for line, (mode, name) in zip(panels, rows, strict=True):
         record, backbone = records[name], case.reference.backbones[mode]
         distance = np.asarray(backbone.slip_distance)[:, slice(*record.slice)]
@@ -49,25 +52,40 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
                 axes, record, plane, np.where(own > NEXT_TO_NONE * own.max(), own, np.nan), colours
             )
             colour_bar(axes, colours, f"slip in a cycle [{units.length}]")
-            reached = number(float(backbone.amplitude[at]))
-            axes.set_title(plain(f"mode {mode}, {name}: amplitude {reached}"), loc="left")
+            reached = f"{backbone.over} {number(float(abscissa(backbone)[at]))}"
+            axes.set_title(plain(f"mode {mode}, {name}: {reached}"), loc="left")
+    which = "the first, the middle and the last amplitude of each mode that slips somewhere"
+    if wanted:
+        which = "the amplitudes computed nearest to those the study names"
     figure.suptitle(heading(f"{case.name}: where the joint slips, full model"))
     return Drawn(
         figure=figure,
         stem="backbone_slip",
         title=f"{case.name}: slip over amplitude",
         caption=(
-            "How far contact points slip in a cycle while they are pressed on, at the first, the "
-            "middle and the last amplitude of each mode that slips somewhere. Grey does not slip."
+            f"How far contact points slip in a cycle while they are pressed on, at {which}. Grey "
+            "does not slip."
         ),
         section=case.name,
     )
 
 
-def _chosen(backbone: Backbone) -> list[int]:
-    """Return the first, the middle and the last amplitude that slips, as far as there are."""
+def _wanted(results: Results, case: CaseResult) -> list[float]:
+    """Return the amplitudes whose maps the study wants; none where it does not say."""
+    try:
+        cases = tomllib.loads(results.study_text).get("load_case", [])
+    except tomllib.TOMLDecodeError:
+        return []
+    return next((one.get("maps", []) for one in cases if one.get("name") == case.name), [])
+
+
+def _chosen(backbone: Backbone, wanted: list[float]) -> list[int]:
+    """Return the amplitudes nearest to those wanted, or the first, middle and last that slip."""
     if backbone.slip_distance is None:
         return []
+    if wanted:
+        apart = np.abs(np.log(np.divide.outer(np.array(wanted, dtype=float), abscissa(backbone))))
+        return [int(at) for at in np.unique(apart.argmin(axis=1))]
     slips = np.flatnonzero(backbone.energy_per_cycle > 0)
     if not len(slips):
         return []
