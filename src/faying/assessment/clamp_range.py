@@ -46,6 +46,8 @@ class ClampRange:
         Load case it belongs to.
     certified_most : (2,) [force]
         Interval in which the full model's clamp force lies in that case, of static cases.
+    certified_width : [force]
+        Width of the widest of these intervals over all static cases.
     """
 
     preload: float
@@ -55,6 +57,7 @@ class ClampRange:
     most: float
     most_case: str
     certified_most: Vector | None
+    certified_width: float | None = None
 
 
 def certified_clamps(certificate: Certificate, row: int) -> CertifiedClamps:
@@ -89,4 +92,7 @@ def clamp_range(
         most=highs[most],
         most_case=most,
         certified_most=certified.get(most),
+        certified_width=max(
+            (float(ends[1] - ends[0]) for ends in certified.values()), default=None
+        ),
     )

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Mask
+from faying._typing import Mask, Matrix
 from faying.assessment.bolt_bending import bending_of
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
@@ -18,6 +18,7 @@ from faying.assessment.joint_record import (
 )
 from faying.assessment.load_path import Openings, load_path
 from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
+from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.thread import Thread, thread_stress
@@ -31,6 +32,7 @@ from faying.model.bolt import Bolt
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
+from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static, solve_static_cases
 
 FEEBLE = 1e-3
@@ -70,9 +72,9 @@ def assess(
 
     Notes
     -----
-    Some milliseconds a load and, for its path, a factorization of the closed points at each of
-    some hundred kinks. Clamp forces are certified where the system knows the full model's
-    compliance.
+    Some milliseconds a load; its path as :func:`faying.load_path`. Clamp forces of the full model
+    are certified: those of a reduced model whose basis gives contact its forces from a static
+    solution at the ports of the full one, another some milliseconds a load.
     """
     if not loads:
         message = "there is no load to assess the joint under; give one or more"
@@ -85,7 +87,7 @@ def assess(
     full = system.joint if isinstance(system, ReducedModel) else system
     surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
     certificate = certifier(full).certify_inputs(
-        cases.inputs, cases.pressure, surroundings(surfaces, system.bolts)
+        cases.inputs, _exact(system, loads, cases), surroundings(surfaces, system.bolts)
     )
     bolt_forces = {name: np.asarray(cases.bolt_force(name)) for name in system.bolts}
     bent = {name: cases.bolt_bending(name) for name in bent_bolts(system.bolts)}
@@ -122,6 +124,13 @@ def assess(
         for spread in preload_spreads(system, surfaces, load, scatter, threads or {})
     ]
     return with_threads(replace(found, scatter=tuple(spreads)), states, threads or {}, system.units)
+
+
+def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:
+    """Return the full model's pressures (n_case, n_point), to be certified."""
+    if isinstance(system, Model) or system.contact.residual_compliance is not None:
+        return cases.pressure
+    return solve_cases_at_ports(system.joint, loads).pressure
 
 
 def with_threads(
@@ -248,6 +257,7 @@ def _interface(
         most_clamp=clamp.most,
         most_clamp_case=clamp.most_case,
         certified_most=clamp.certified_most,
+        certified_width=clamp.certified_width,
         max_pressure=float(peaks[highest]),
         max_pressure_case=highest,
         max_pressure_point=surface.points[peak],

@@ -101,6 +101,8 @@ class InterfaceAssessment:
         Load case it belongs to.
     certified_most : (2,) [force]
         Interval in which the full model's clamp force lies in that case.
+    certified_width : [force]
+        Width of the widest of these intervals over all static cases; None without any.
     max_pressure : [force/length²]
         Largest pressure of a contact point.
     max_pressure_case
@@ -131,6 +133,7 @@ class InterfaceAssessment:
     most_clamp: float
     most_clamp_case: str
     certified_most: Vector | None
+    certified_width: float | None
     max_pressure: float
     max_pressure_case: str
     max_pressure_point: Vector

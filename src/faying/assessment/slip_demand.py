@@ -26,7 +26,7 @@ from faying.joint.tangential import TangentialRows
 MOST_PASSES = 1000
 """Passes after which the search for the point of the least mean arm ends."""
 
-SETTLED = 1e-15
+SETTLED = 1e-13
 """Change of the mean arm in a pass, over it, at which the search ends."""
 
 

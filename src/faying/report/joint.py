@@ -99,7 +99,7 @@ def clamp_judgement(results: Results) -> Table:
     interfaces = {} if results.assessment is None else results.assessment.interfaces
     columns = (
         "clamp force of", "at rest", "smallest", "smallest, certified", "largest",
-        "largest, certified",
+        "largest, certified", "certified to",
     )  # fmt: skip
     rows: list[tuple[str, ...]] = []
     for name, one in interfaces.items():
@@ -111,6 +111,7 @@ def clamp_judgement(results: Results) -> Table:
             most=one.most_clamp,
             most_case=one.most_clamp_case,
             certified_most=one.certified_most,
+            certified_width=one.certified_width,
         )
         rows.append((name, *_clamp(whole, force)))
         near = {
@@ -229,6 +230,8 @@ def _clamp(one: ClampRange, unit: str) -> Iterator[str]:
     yield _interval(one.certified_least, unit)
     yield f"{quantity(one.most, unit, 5)} ({one.most_case})"
     yield _interval(one.certified_most, unit)
+    width = one.certified_width
+    yield "—" if width is None else f"± {quantity(width / 2, unit, 2)}"
 
 
 def _interval(ends: Vector | None, unit: str) -> str:
