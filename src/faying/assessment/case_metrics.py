@@ -206,7 +206,7 @@ def _interface_columns(
     return [
         pressure.max(axis=1),
         *surface.points[peak].T,
-        (pressure @ surface.averaging.T).max(axis=1),
+        surface.nodal_average(pressure.T).max(axis=0),
         np.asarray(solution.contact_force(name)),
         *bounds,
         (pressure <= 0) @ surface.weights,

@@ -242,7 +242,7 @@ def _interface(
     areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
     peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
     means = {
-        case: float((surface.averaging @ one.pressure[:, own].T).max(initial=0.0))
+        case: float(surface.nodal_average(one.pressure[:, own].T).max(initial=0.0))
         for case, one in cases.items()
     }
     crushed = max(means, key=means.__getitem__)

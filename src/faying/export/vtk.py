@@ -29,7 +29,7 @@ from faying.export.vtu import averaged, static_fields, surface
 from faying.files.names import file_names
 from faying.interface.surface import ContactSurface
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import CaseResult, InterfaceRecord, Response, Results
+from faying.study.results import CaseResult, InterfaceRecord, Response, Results, interface_record
 from faying.units import Units, units_of
 
 MOST_MODES = 10
@@ -152,7 +152,7 @@ def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterato
         known = (
             record
             if isinstance(record, InterfaceRecord)
-            else InterfaceRecord(**vars(record), preload_pressure=rest[slice(*record.slice)])
+            else interface_record(record, rest[slice(*record.slice)])
         )
         responses = partial(_responses, rom, run)
         fields = static_fields(known, _cases(run, static=True), responses, units)

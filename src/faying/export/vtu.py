@@ -77,7 +77,7 @@ def surface(record: ContactSurface, fields: Mapping[str, Matrix], time: float | 
 
 def _pair_normals(record: ContactSurface) -> Matrix:
     """Average the normals of the contact points to the pairs (n_pair, 3)."""
-    mean = record.averaging @ record.normals
+    mean = record.nodal_average(record.normals)
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     normals: Matrix = mean / np.where(length > 0, length, 1.0)
     return normals
@@ -91,8 +91,8 @@ def static_fields(
 ) -> dict[str, Matrix]:
     """Return the nodal averages (n_pair,) of the preload and of static cases by name."""
     fields = {
-        f"preload pressure [{units.pressure}]": record.averaging @ record.preload_pressure,
-        f"initial gap [{units.length}]": record.averaging @ record.initial_gap,
+        f"preload pressure [{units.pressure}]": record.nodal_average(record.preload_pressure),
+        f"initial gap [{units.length}]": record.nodal_average(record.initial_gap),
     }
     for case in cases:
         if case.times is None:

@@ -1,10 +1,12 @@
 """Where an interface is and what its contact points stand for, without the matrices of a model."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.laws import Coulomb
 from faying.interface.interface import FacePairs, Interface
 
@@ -70,6 +72,16 @@ class ContactSurface:
     declared_area: float | None = None
     friction: float = 0.0
     tangential_penalty: float = 0.0
+
+    @cached_property
+    def _averages(self) -> SparseMatrix:
+        """Few points are near a pair: the full matrix is that for files alone."""
+        return sp.csr_array(self.averaging)
+
+    def nodal_average(self, values: Matrix) -> Matrix:
+        """Average values at its contact points (n_point, ...) to its pairs (n_pair, ...)."""
+        average: Matrix = self._averages @ values
+        return average
 
 
 def contact_surface(

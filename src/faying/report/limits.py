@@ -87,7 +87,7 @@ def _peaks(results: Results, case: CaseResult) -> tuple[float, float, float, str
 
 
 def _average(record: InterfaceRecord, pressure: np.ndarray) -> float:
-    return float((record.averaging @ pressure[slice(*record.slice)]).max(initial=0.0))
+    return float(record.nodal_average(pressure[slice(*record.slice)]).max(initial=0.0))
 
 
 def _step(name: str, case: CaseResult, units: Units) -> str:

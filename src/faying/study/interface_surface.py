@@ -25,5 +25,4 @@ def pair_facets(record: ContactSurface) -> tuple[tuple[str, Indices], ...]:
 def nodal_average(record: ContactSurface, values: Matrix) -> Matrix:
     """Average values at all contact points (..., n_point) to the pairs (..., n_pair) of one."""
     own: Matrix = np.asarray(values)[..., slice(*record.slice)]
-    average: Matrix = own @ record.averaging.T
-    return average
+    return np.moveaxis(record.nodal_average(np.moveaxis(own, -1, 0)), 0, -1)

@@ -16,7 +16,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.extras import Extras
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.reference import Reference
-from faying.study.results import BoltRecord, CaseResult, InterfaceRecord, Results
+from faying.study.results import BoltRecord, CaseResult, Results, interface_record
 from faying.study.tables import Study
 from faying.study.validation_record import ValidationRecord
 
@@ -47,9 +47,7 @@ def record(
         normal_modes=trained.mode_count,
         factor_bytes=model.structure.interior_factor.memory,
         interfaces={
-            name: InterfaceRecord(
-                **vars(surface), preload_pressure=joint.preload.pressure[slice(*surface.slice)]
-            )
+            name: interface_record(surface, joint.preload.pressure[slice(*surface.slice)])
             for name, surface in contact_surfaces(model).items()
         },
         bolts={name: _bolt(joint, name) for name in model.bolts},

@@ -1,7 +1,7 @@
 """What a run leaves behind, as plain values; :mod:`faying.study.store` keeps them in HDF5."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
@@ -210,6 +210,12 @@ class InterfaceRecord(ContactSurface):
     """
 
     preload_pressure: Vector
+
+
+def interface_record(surface: ContactSurface, preload_pressure: Vector) -> InterfaceRecord:
+    """Return what results keep of an interface: its surface, and its pressure at rest."""
+    kept = {one.name: getattr(surface, one.name) for one in fields(ContactSurface)}
+    return InterfaceRecord(**kept, preload_pressure=preload_pressure)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

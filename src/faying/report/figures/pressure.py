@@ -46,7 +46,7 @@ def plot_pressure(
     """
     plane = best_plane(record)
     prepare(axes, record, plane, units)
-    averages = record.averaging @ pressure
+    averages = record.nodal_average(pressure)
     own = float(averages.max(initial=0.0))
     colours = scale(PRESSURE_MAP, largest or own)
     draw_averages(axes, record, plane, averages, colours, open_points=pressure <= 0)
@@ -96,7 +96,7 @@ def described_peak(record: InterfaceRecord, pressure: Vector, units: Units) -> s
 
 def described_average(record: InterfaceRecord, pressure: Vector, units: Units) -> str:
     """Return the largest nodal average."""
-    largest = float((record.averaging @ pressure).max(initial=0.0))
+    largest = float(record.nodal_average(pressure).max(initial=0.0))
     return f"nodal averages, max {quantity(largest, units.pressure)}"
 
 

@@ -48,7 +48,7 @@ def plot_traction(
     """
     plane = best_plane(record)
     plot_pressure(record, pressure, axes, units, largest=largest)
-    averages = record.averaging @ traction
+    averages = record.nodal_average(traction)
     size = float(np.linalg.norm(averages, axis=1).max(initial=0.0))
     if size > 0:
         strong = np.linalg.norm(averages, axis=1) > WEAKEST_ARROW * size
