@@ -51,6 +51,42 @@ def test_held_joint_has_no_rigid_body_modes(check):
     assert cells(lines, "none") == ["none", "everything", "is", "held"]
 
 
+SIDES = """
+[model]
+source = "lap-joint"
+lap_joint = {{ element_size = 5.0, upper_element_size = {upper} }}
+[[interface]]
+name = "joint"
+minus = "{minus}"
+plus = "{plus}"
+meshes = "{meshes}"
+[[bolt]]
+name = "bolt"
+preload = 5e3
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{{ boundary = "tip", component = "Fz", value = -150.0 }}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("upper", "meshes", "minus", "plus", "normal", "points"),
+    [
+        (5.0, "matching", "lower", "upper", "(0, 0, 1)", "both sides"),
+        (5.0, "matching", "upper", "lower", "(0, 0, -1)", "both sides"),
+        (3.0, "non-matching", "upper", "lower", "(0, 0, -1)", "minus"),
+    ],
+)
+def test_sides_are_told_with_the_sign_of_the_normal(
+    check_file, tmp_path, upper, meshes, minus, plus, normal, points
+):
+    study = tmp_path / "study.toml"
+    study.write_text(SIDES.format(upper=upper, meshes=meshes, minus=minus, plus=plus))
+    _, lines, _ = check_file(study)
+    assert ["joint", minus, plus, *normal.split(), *points.split()] in lines
+
+
 def test_the_memory_of_the_factorization_is_foreseen(check, monkeypatch):
     monkeypatch.delenv("FAYING_FACTORIZATION", raising=False)
     monkeypatch.setenv("FAYING_MEMORY", "3e11")

@@ -219,10 +219,20 @@ def _sides(model: Model) -> Table:
     label = bodies(model.assembly.mesh)
     names = np.array([*body_names(model.assembly.mesh), "matrices"])
     rows = (
-        (name, *(", ".join(sorted({*names[label[side]].tolist()})) for side in interface.pairs.T))
-        for name, interface in model.interfaces.items()
+        (name, *(", ".join(sorted({*names[label[side]]})) for side in one.pairs.T), *_signs(one))
+        for name, one in model.interfaces.items()
     )
-    return _table("Sides of the interfaces", ["name", "minus", "plus"], rows)
+    columns = ["name", "minus", "plus", "normal, minus to plus", "contact points on"]
+    return _table("Sides of the interfaces", columns, rows)
+
+
+def _signs(interface: Interface) -> tuple[str, str]:
+    """Return the mean normal, and the side that has the contact points."""
+    mean = _point(
+        (np.round(interface.weights @ interface.normals / interface.area, 4) + 0).tolist()
+    )
+    normal = mean if interface.flat else f"curved, on average {mean}"
+    return normal, "both sides" if interface.coupling is None else "minus"
 
 
 def _interface(interface: Interface) -> tuple[object, ...]:
