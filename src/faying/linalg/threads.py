@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 
 from threadpoolctl import ThreadpoolController
@@ -13,14 +14,34 @@ Sharing a Cholesky factorization of a few hundred rows costs more than it saves;
 does other work as well, threads that wait for each other made a run ten times slower.
 """
 
+_FOUND: ContextVar[dict[str, int] | None] = ContextVar("threads before", default=None)
+"""Threads of each library outside :func:`one_thread`."""
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Keep dense linear algebra on one thread, except where :func:`threads_for` says otherwise.
+
+    Whatever the machine does meanwhile, so that digits do not depend on it.
+    """
+    _controller.cache_clear()  # libraries may have been loaded since
+    libraries = _controller().info()
+    token = _FOUND.set({one["prefix"]: one["num_threads"] for one in libraries})
+    try:
+        with _controller().limit(limits=1, user_api="blas"):
+            yield
+    finally:
+        _FOUND.reset(token)
+
 
 @contextmanager
 def threads_for(order: int) -> Iterator[None]:
     """Keep dense linear algebra on one thread where its matrices are small."""
-    if order > SMALL:
+    limits = 1 if order <= SMALL else _FOUND.get()
+    if limits is None:
         yield
         return
-    with _controller().limit(limits=1, user_api="blas"):
+    with _controller().limit(limits=limits, user_api="blas"):
         yield
 
 

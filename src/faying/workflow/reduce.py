@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 from faying import __version__
 from faying.exceptions import StudyError
+from faying.linalg.threads import one_thread
 from faying.reduction.method import Method
 from faying.reduction.methods import METHODS
 from faying.reduction.projection import completed
@@ -21,6 +22,7 @@ EXACT = "compliance"
 """Method of a file unless another is asked for: static pressures are those of the full model."""
 
 
+@one_thread()
 def reduce_study(
     study: Study,
     out: Path,

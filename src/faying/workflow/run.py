@@ -10,6 +10,7 @@ from faying.assessment.transient_error import REMEDY
 from faying.execution.executor import Executor
 from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
+from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
 from faying.study.assessing import assess_run
 from faying.study.cases import CaseRunner
@@ -38,6 +39,7 @@ Solved = dict[str, tuple[CaseResult, list[str]]]
 """Load case name to its result, and what did not converge."""
 
 
+@one_thread()
 def run(
     study: Study,
     out: Path,

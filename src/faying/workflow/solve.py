@@ -16,6 +16,7 @@ from faying.execution.executor import Executor
 from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
 from faying.files.names import file_names
+from faying.linalg.threads import one_thread
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import History
 from faying.study.checkpoint import open_checkpoint
@@ -59,6 +60,7 @@ class SolveOptions:
     requirements: Requirements = field(default_factory=Requirements)
 
 
+@one_thread()
 def solve_loads(
     rom: ReducedModel,
     loads: LoadSet,

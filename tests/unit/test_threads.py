@@ -1,0 +1,81 @@
+"""How many threads dense linear algebra has in a run."""
+
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+from faying.linalg.threads import SMALL, one_thread, threads_for
+from faying.study.load_set import read_loads
+from faying.study.schema import read_study
+from faying.workflow.reduce import reduce_study
+from faying.workflow.run import run
+from faying.workflow.solve import solve_loads
+from small_study import SMALL_JOINT
+
+
+@pytest.fixture(autouse=True)
+def _two_threads():
+    with threadpool_limits(2, user_api="blas"):
+        yield
+
+
+def counted():
+    return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+
+def test_large_matrices_have_all_threads_and_small_ones_one():
+    assert counted() == {2}
+    with threads_for(SMALL + 1):
+        assert counted() == {2}
+    with threads_for(SMALL):
+        assert counted() == {1}
+    with one_thread():
+        assert counted() == {1}
+        with threads_for(SMALL + 1):
+            assert counted() == {2}
+        assert counted() == {1}
+    assert counted() == {2}
+
+
+class Watch:
+    """Counts threads whenever a stage begins."""
+
+    def __init__(self):
+        self.seen = []
+
+    def add_task(self, description, *, total=None):
+        self.seen.append(counted())
+
+    def advance(self, task, advance=1):
+        pass
+
+    def remove_task(self, task):
+        pass
+
+
+STUDY = (
+    SMALL_JOINT
+    + """
+[reduction]
+methods = ["compliance"]
+normal_modes = 3
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+[output]
+report = false
+"""
+)
+
+
+def test_runs_reductions_and_solved_loads_have_one_thread(tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY)
+    (tmp_path / "loads.csv").write_text("case,tip.Fz\na,-150\n")
+    study = read_study(tmp_path / "study.toml")
+    rom = reduce_study(study, tmp_path / "joint.faying", progress=(reducing := Watch()))
+    loads = read_loads(tmp_path / "loads.csv", rom)
+    solve_loads(rom, loads, tmp_path / "solved", progress=(solving := Watch()))
+    run(study, tmp_path / "run", progress=(running := Watch()))
+    for watch in (reducing, solving, running):
+        assert watch.seen
+        assert all(one == {1} for one in watch.seen)
