@@ -30,9 +30,12 @@ class CampaignError(FayingError):
 
 @contextmanager
 def naming(culprit: str) -> Iterator[None]:
-    """Put what a :class:`ModelError` raised inside speaks of in front of its message."""
+    """Put what a model or convergence error raised inside speaks of in front of its message."""
     try:
         yield
     except ModelError as error:
         message = f"{culprit}: {error}"
         raise ModelError(message) from None
+    except ConvergenceError as error:
+        message = f"{culprit}: {error}"
+        raise ConvergenceError(message) from None

@@ -357,6 +357,9 @@ def test_specs_and_models_take_the_same_friction():
     assert smooth.with_friction(0.2).with_friction(0.0).interfaces["joint"].law.components == 1
     for change, match in (
         ({"friction": -0.1}, r"interface 'joint': the coefficient of friction is -0\.1"),
+        ({"friction": "rough"}, "coefficient of friction is 'rough'; give a number"),
+        ({"friction": None}, "coefficient of friction is None; give a number"),
+        ({"friction": 0.2, "tangential_penalty": None}, "tangential penalty is None; give a pos"),
         ({"friction": 20.0}, "coefficient of friction is 20; give a number from 0 to 10"),
         ({"friction": 0.2, "tangential_penalty": 0.0}, "tangential penalty is 0; give a positive"),
         ({"friction": 0.2, "tangential_penalty": "stiff"}, "tangential penalty is 'stiff'; give"),
@@ -423,6 +426,7 @@ def test_mistakes_are_said_with_their_place(tmp_path, old, new, match):
         ("tip.Fx\n1\n", r"no column for 'tip\.Fz'; add it, or call the only column 'factor'"),
         ("tip.Fx,factor\n1,1\n", r"found 'factor' and 'tip\.Fx'; give one factor for all"),
         ("tip.Fx,,tip.Fz\n1,1,1\n", "a column has no name"),
+        ("tip.Fx;tip.Fz\n1;1\n", "columns are separated by semicolons; separate them by commas"),
         ("tip.Fx,tip.Fz\n", "found 0 increments, expected 1 to"),
         ("tip.Fx\n1,2\nnan\n", r"no column for .*line 2: found 2 cells.*line 3: .*'nan'"),
     ],

@@ -10,7 +10,7 @@ import faying as fy
 from faying.assessment.stuck_modes import stuck_mode
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Penalty
-from faying.exceptions import ModelError
+from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.load_pattern import LoadPattern
 from faying.model.boundary import Boundary
 from small_system import SmallSystem
@@ -183,7 +183,8 @@ def test_masing_is_wrong_where_normal_forces_change(joint):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((0, [0.1]), "there is no mode 0; modes are counted from 1"),
+        ((0, [0.1]), "there is no mode 0; modes are whole numbers from 1"),
+        ((1.5, [0.1]), "there is no mode 1.5; modes are whole numbers from 1"),
         ((1, [0.1, -1.0]), "the amplitudes are .0.1, -1.0.; give positive numbers"),
         ((1, []), "give positive numbers"),
     ],
@@ -200,6 +201,16 @@ def test_places_where_nothing_moves_are_refused(slider):
         fy.backbone(slider, 1, [0.1], at="tip")
     with pytest.raises(ModelError, match="boundary 'mass' has no component 'up'"):
         fy.backbone(slider, 1, [0.1], at="mass.up")
+
+
+def test_amplitudes_that_are_not_solved_are_named(slider, monkeypatch):
+    def fails(*_):
+        message = "no solution"
+        raise ConvergenceError(message)
+
+    monkeypatch.setattr("faying.assessment.modal_cycles.Swing.cycle", fails)
+    with pytest.raises(ConvergenceError, match=r"mode 1 at amplitude 0\.1: no solution"):
+        fy.backbone(slider, 1, [0.1])
 
 
 def test_a_joint_without_friction_is_refused():

@@ -277,7 +277,8 @@ def backbone(
     levels = _checked(system, mode, amplitudes, increments, over)
     rest = solve_path(system, [Load()]) if initial is None else initial
     found = stuck_mode(system, rest, mode)
-    measure = measured(system, found, at)
+    with naming(f"mode {mode}"):
+        measure = measured(system, found, at)
     start = path_start(system, rest)
     whole = len(levels) * (FEWEST_CYCLES * increments + increments // 4)
     solver = path_solver(system, whole, start.increment.forces, compiled)
@@ -303,8 +304,8 @@ def _checked(
     levels = np.atleast_1d(np.asarray(amplitudes, dtype=float))
     if not len(system.contact.rubbing):
         wrong.append("no interface has friction; give it with model.with_friction")
-    if mode < 1 or mode > system.K.shape[0] - 1:
-        wrong.append(f"there is no mode {mode}; modes are counted from 1")
+    if mode not in range(1, system.K.shape[0]):
+        wrong.append(f"there is no mode {mode}; modes are whole numbers from 1")
     if levels.ndim != 1 or not len(levels) or not ((levels > 0) & (levels < np.inf)).all():
         wrong.append(f"the amplitudes are {levels.tolist()}; give positive numbers")
     if over not in ("amplitude", "energy"):

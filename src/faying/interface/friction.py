@@ -32,17 +32,23 @@ def with_friction(
     ModelError
         If a number is out of range, or ``"auto"`` finds no material.
     """
-    if friction == 0:
+    coefficient = _number(friction, "the coefficient of friction", "a number")
+    if coefficient == 0:
         return normal
     if tangential_penalty == "auto":
-        return Coulomb(normal, float(friction), _automatic(normal.penalty, assembly))
+        return Coulomb(normal, coefficient, _automatic(normal.penalty, assembly))
+    wanted = "a positive number [force/length³] or 'auto'"
+    return Coulomb(
+        normal, coefficient, _number(tangential_penalty, "the tangential penalty", wanted)
+    )
+
+
+def _number(value: object, what: str, wanted: str) -> float:
+    """Return what was given for a number."""
     try:
-        return Coulomb(normal, float(friction), float(tangential_penalty))
-    except ValueError:
-        message = (
-            f"the tangential penalty is '{tangential_penalty}'; give a positive number "
-            "[force/length³] or 'auto'"
-        )
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        message = f"{what} is {value!r}; give {wanted}"
         raise ModelError(message) from None
 
 

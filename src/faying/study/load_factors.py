@@ -94,7 +94,9 @@ def _names(names: Sequence[str], loads: Sequence[str]) -> Iterator[str]:
     if ALL in names and given:
         yield f"found '{ALL}' and {quoted(given)}; give one factor for all loads, or one for each"
     missing = [load for load in loads if load not in names]
-    if ALL not in names and missing:
+    if ALL not in names and missing and any(";" in name for name in names):
+        yield "columns are separated by semicolons; separate them by commas, with decimal points"
+    elif ALL not in names and missing:
         yield (
             f"no column for {quoted(missing)}; add it, or call the only column '{ALL}' to multiply "
             "all loads"

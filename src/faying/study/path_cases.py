@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.assessment.backbone import backbone
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
+from faying.exceptions import naming
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.cycles import solve_cycles
@@ -73,18 +74,19 @@ def path_response(
     """
     load, start = case_load(case), time.perf_counter()
     if case.kind == "backbone":
-        curves = {
-            str(mode): backbone(
-                system,
-                mode,
-                case.levels,
-                over=case.over,
-                at=case.at,
-                initial=rest,
-                increments=cycle_increments(case),
-            )
-            for mode in sorted(case.modes)
-        }
+        with naming(f"load case '{case.name}'"):
+            curves = {
+                str(mode): backbone(
+                    system,
+                    mode,
+                    case.levels,
+                    over=case.over,
+                    at=case.at,
+                    initial=rest,
+                    increments=cycle_increments(case),
+                )
+                for mode in sorted(case.modes)
+            }
         return respond(rest, model, time.perf_counter() - start, backbones=curves)
     if case.kind == "cycle":
         amplitudes = sorted(case.amplitudes or (1.0,))
