@@ -105,7 +105,10 @@ def from_f06(path: Path) -> Results | None:
         elif line.startswith("1") or re.search(r"[A-Z] [A-Z] [A-Z] [A-Z]", line):
             inside = ""
         elif inside == "modes" and (match := _MODE.match(line)):
-            found.frequencies.append(float(match[1].split()[2]))
+            frequency = float(match[1].split()[2])
+            if found.frequencies and frequency < (1 - 1e-3) * found.frequencies[-1]:
+                break  # the table is written again, as it flies
+            found.frequencies.append(frequency)
         elif inside == "displacements" and (match := _ROW.match(line)):
             values = [float(text) for text in match[2].split()[:6]]
             if found.subcase in (None, subcase) and len(values) == 6:

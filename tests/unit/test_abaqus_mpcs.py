@@ -30,8 +30,8 @@ BRICK = (
 
 @pytest.fixture
 def equations(tmp_path):
-    def read(lines):
-        (tmp_path / "deck.inp").write_text(BRICK + lines)
+    def read(lines, brick=BRICK):
+        (tmp_path / "deck.inp").write_text(brick + lines)
         return read_deck(tmp_path / "deck.inp")
 
     return read
@@ -127,3 +127,24 @@ def test_couplings_tie_along_their_orientation(equations):
 def test_what_says_nothing_is_refused(equations, lines, message):
     with pytest.raises(FormatError, match=rf"deck\.inp:\d+: .*{message}"):
         equations(lines)
+
+
+@pytest.mark.parametrize(
+    ("kind", "step", "noted"),
+    [
+        ("C3D8", "*FREQUENCY\n10,,\n", False),
+        ("C3D8", "*FREQUENCY\n10,,,1.E-8\n", True),
+        ("C3D8I", "*FREQUENCY\n10,,\n", True),
+        ("C3D8I", "*STATIC\n", False),
+    ],
+)
+def test_masses_that_are_others_in_calculix_are_named(equations, kind, step, noted):
+    brick = BRICK.replace("TYPE=C3D8,", f"TYPE={kind},")
+    notes = equations(f"*STEP\n{step}*END STEP\n", brick).ignored
+    assert any("frequencies" in note and "lower" in note for note in notes) == noted
+
+
+def test_beams_of_two_nodes_are_said_to_be_linear(equations):
+    assembly = equations("*MPC\nBEAM, 7, 1\n")
+    assert len(assembly.rigid_couplings) == 1
+    assert "*MPC of type BEAM: linear about the geometry of the deck" in assembly.ignored

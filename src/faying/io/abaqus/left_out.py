@@ -125,7 +125,6 @@ _TYPES: Mapping[str, tuple[str, ...]] = {
     ),
     "use *COUPLING, *MPC or *EQUATION": ("CONN3D2",),
     "use *CONTACT PAIR": ("GAPUNI", "GAPSPHER", "GAPCYL"),
-    "mesh with hexahedra, wedges or tetrahedra": ("C3D5", "C3D13"),
     _LAYERS: ("SC6R", "SC8R", "CSS8"),
     _FLOW: ("D", "F3D4", "F3D6", "F3D8", "AC3D4", "AC3D8", "AC3D10", "AC3D20"),
     "mesh the rigid part with solids and give it *RIGID BODY": ("R3D3", "R3D4", "RB3D2"),

@@ -45,6 +45,7 @@ from faying.io.abaqus.temperatures import (
 )
 from faying.io.abaqus.ties import read_ties, with_ties
 from faying.io.abaqus.trusses import read_trusses
+from faying.io.abaqus.vibrations import note_masses
 from faying.io.left_out import Occurrence
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
@@ -69,6 +70,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     elements, by_element = without_removed(deck, elements, by_element, ignored)
     named = materials.read_materials(deck, ignored)
     solids, used = read_solid_sections(deck, elements, by_element, named)
+    note_masses(deck, elements.solids, ignored)
     mesh = Mesh(
         nodes=nodes.coordinates,
         node_ids=nodes.ids,

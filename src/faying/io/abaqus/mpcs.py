@@ -31,7 +31,7 @@ def read_mpcs(
 ) -> tuple[list[Equation], list[RigidCoupling]]:
     """Read *MPC of type PIN, TIE, BEAM, PLANE, STRAIGHT and MEANROT.
 
-    The last three are linearized about the geometry of the deck: with unit axis a and p_i the arms
+    The last four are linearized about the geometry of the deck: with unit axis a and p_i the arms
     of the n nodes from their centre across it, MEANROT is
     Σ (a × p_i) · (u_i - ū) / |p_i|² = n θ, as in CalculiX.
 
@@ -48,10 +48,11 @@ def read_mpcs(
             number = first_id + len(equations) + len(rigid)
             if kind == "BEAM":
                 rigid.append(_beam(keyword, row, fields, dofs, number))
-                continue
-            for terms in _terms(keyword, row, kind, fields, dofs):
-                equations.append(Equation(id=first_id + len(equations) + len(rigid), terms=terms))
-            if kind in ("PLANE", "STRAIGHT", "MEANROT"):
+            else:
+                for terms in _terms(keyword, row, kind, fields, dofs):
+                    own = first_id + len(equations) + len(rigid)
+                    equations.append(Equation(id=own, terms=terms))
+            if kind in ("BEAM", "PLANE", "STRAIGHT", "MEANROT"):
                 note = f"*MPC of type {kind}: linear about the geometry of the deck"
                 if note not in ignored:
                     ignored.append(note)
