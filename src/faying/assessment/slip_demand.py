@@ -30,6 +30,9 @@ SETTLED = 1e-13
 """Change of the mean arm in a pass, over it, at which the search ends."""
 
 
+SINGULAR = 1e-12
+"""Determinant of the second derivatives, over the trace squared, of places on a line."""
+
 NEAR = 1e-6
 """Distance over the size of an area from which on a place pulls no more: at zero for ever."""
 
@@ -126,25 +129,53 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
 
     Notes
     -----
-    E. Weiszfeld, "Sur le point pour lequel la somme des distances de n points donnés est minimum",
-    Tohoku Math. J. 43 (1937) 355-386, from the centre. Distances change in the second order only.
+    From the centre by Newton's method, and where that leads nowhere by E. Weiszfeld, "Sur le point
+    pour lequel la somme des distances de n points donnés est minimum", Tohoku Math. J. 43 (1937)
+    355-386. Distances change in the second order only; a few passes do.
     """
-    point = shares @ places
     near = NEAR * float(np.ptp(places, axis=0).max(initial=0.0))
-    arms = np.full(len(shares), np.inf)
+    point = shares @ places
+    arms, left = _mean_arms(places, shares, point), np.arange(len(shares))
     for _ in range(MOST_PASSES):
-        distances = np.linalg.norm(places - point[:, None], axis=2)
-        before, arms = arms, np.minimum(arms, (shares * distances).sum(axis=1))
-        if (before - arms <= SETTLED * arms).all():
+        fast, slow = _nearer(places, shares[left], point[left], near)
+        found = _mean_arms(places, shares[left], fast)
+        worse = ~(found < arms[left])
+        found[worse] = _mean_arms(places, shares[left[worse]], slow[worse])
+        better = arms[left] - found > SETTLED * arms[left]
+        point[left] = np.where(worse[:, None], slow, fast)
+        arms[left] = np.minimum(arms[left], found)
+        left = left[better]
+        if not len(left):
             break
-        pulls = shares / np.maximum(distances, near)
-        total = pulls.sum(axis=1, keepdims=True)
-        point = np.where(total > 0, (pulls @ places) / np.where(total > 0, total, 1.0), point)
     # Where a place itself is the point, the search ends beside it.
-    nearest = places[np.linalg.norm(places - point[:, None], axis=2).argmin(axis=1)]
-    at_place = (shares * np.linalg.norm(places - nearest[:, None], axis=2)).sum(axis=1)
+    away = np.hypot(*(places - point[:, None]).transpose(2, 0, 1))
+    at_place = _mean_arms(places, shares, places[away.argmin(axis=1)])
     least: Vector = np.minimum(arms, at_place)
     return least
+
+
+def _mean_arms(places: Matrix, shares: Matrix, point: Matrix) -> Vector:
+    """Return the mean distances (n_case,) of places from points (n_case, 2)."""
+    x, y = (places - point[:, None]).transpose(2, 0, 1)
+    return np.asarray((shares * np.hypot(x, y)).sum(axis=1))
+
+
+def _nearer(places: Matrix, shares: Matrix, point: Matrix, near: float) -> tuple[Matrix, Matrix]:
+    """Return Newton's next points (n_case, 2), and Weiszfeld's."""
+    x, y = (places - point[:, None]).transpose(2, 0, 1)
+    arms = np.maximum(np.hypot(x, y), near)
+    pulls = shares / arms
+    total = np.maximum(pulls.sum(axis=1), np.finfo(float).tiny)
+    pull = np.stack([(pulls * x).sum(axis=1), (pulls * y).sum(axis=1)], axis=1)
+    bends = pulls / arms**2
+    xx, xy, yy = ((bends * one).sum(axis=1) for one in (y * y, -x * y, x * x))
+    size = xx * yy - xy**2
+    solvable = size > SINGULAR * total**2
+    scale = np.where(solvable, size, 1.0)
+    step = np.stack([yy * pull[:, 0] - xy * pull[:, 1], xx * pull[:, 1] - xy * pull[:, 0]], axis=1)
+    slow = point + pull / total[:, None]
+    fast = np.where(solvable[:, None], point + step / scale[:, None], slow)
+    return fast, slow
 
 
 def slip_coefficients(
