@@ -512,11 +512,14 @@ min_opening_factor = 1.0
 closed_ring = [{ around = [0.0, 0.0, 0.0] }]
 """
 
+SLIP = "slip_friction = 0.15\nmin_slip_safety = 1.0\n"
+
 
 def test_requirements_are_those_that_an_assessment_judges(rom, tmp_path):
     path = tmp_path / "loads.toml"
     path.write_text(
-        LOADS.partition('[[load_case]]\nname = "jump"')[0] + REQUIRED.replace("LIMIT", "1.0")
+        LOADS.partition('[[load_case]]\nname = "jump"')[0]
+        + REQUIRED.replace("LIMIT", f"1.0\n{SLIP}")
     )
     loads = read_loads(path, rom)
     wanted = requirements_of(loads.requirement)
@@ -531,6 +534,7 @@ def test_requirements_are_those_that_an_assessment_judges(rom, tmp_path):
         "no_opening_within",
         "closed_ring",
         "min_opening_factor",
+        "min_slip_safety",
     ]
     for one in found:
         other = expected[one["requirement"]]
@@ -562,7 +566,7 @@ def test_a_requirement_that_cannot_be_judged_is_not_met(model_file, tmp_path):
         app, ["solve", str(model_file), str(loads), "--out", str(tmp_path / "out")]
     )
     assert done.exit_code == 3
-    assert "min_slip_safety is judged by faying run" in done.output
+    assert "with slip_friction, and no slip_friction is given" in " ".join(done.output.split())
 
 
 def test_histories_are_judged_too(model_file, tmp_path):

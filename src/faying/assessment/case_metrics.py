@@ -10,8 +10,10 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
+from faying.assessment.slip_demand import area_sums
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
+from faying.joint.tangential import TangentialRows
 from faying.model.bolt import Bolt
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.simulation.solution import Solution
@@ -44,6 +46,7 @@ def metrics_of(
     *,
     certified: bool,
     rings: Collection[str] = (),
+    areas: Collection[str] = (),
 ) -> list[Metric]:
     """Return the metrics of a system, in the order of :func:`case_metrics`.
 
@@ -55,6 +58,8 @@ def metrics_of(
         Whether there are certificates.
     rings
         Names of rings around holes.
+    areas
+        Interfaces whose needed friction is wanted, of static cases.
     """
     found: list[Metric] = []
     for name in interfaces:
@@ -94,6 +99,15 @@ def metrics_of(
             worst="smallest",
         )
         for name in rings
+    ]
+    found += [
+        Metric(
+            name=f"needed_friction.{name}",
+            description="coefficient of friction that carries what acts along the interface",
+            dimension="1",
+            worst="largest",
+        )
+        for name in areas
     ]
     if certified:
         found += [
@@ -159,6 +173,7 @@ def case_metrics(
     interfaces: Mapping[str, ContactSurface],
     certificate: Certificate | None = None,
     rings: Mapping[str, Ring] = MappingProxyType({}),
+    areas: Mapping[str, TangentialRows] = MappingProxyType({}),
 ) -> Matrix:
     """Return the metrics (n_case, n_metric) of many load cases or instants.
 
@@ -170,6 +185,8 @@ def case_metrics(
         Of the same cases.
     rings
         Around holes, by name.
+    areas
+        What is carried along interfaces whose needed friction is wanted, of static cases.
     """
     columns: list[Vector] = []
     for name, surface in interfaces.items():
@@ -182,9 +199,18 @@ def case_metrics(
         moved = solution.displacement(name)
         columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
     columns += [ring_pressure(ring, solution.pressure) for ring in rings.values()]
+    columns += [_needed_friction(solution, interfaces[name], one) for name, one in areas.items()]
     if certificate is not None:
         columns += [certificate.energy_error, certificate.max_relative_error]
     return np.column_stack(columns)
+
+
+def _needed_friction(solution: Solution, surface: ContactSurface, area: TangentialRows) -> Vector:
+    forces = solution.contact_forces
+    carried = area.carried(solution.inputs, solution.system.contact.at_pairs(forces).T)
+    return area_sums(
+        area, surface.points, forces[:, slice(*surface.slice)], carried
+    ).needed_friction
 
 
 def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:

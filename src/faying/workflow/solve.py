@@ -32,7 +32,7 @@ from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solve_workers import compute_pieces
 from faying.workflow.solved_pieces import Pieces
-from faying.workflow.solved_verdicts import rings_of, solved_verdicts
+from faying.workflow.solved_verdicts import areas_of, rings_of, solved_verdicts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,6 +116,7 @@ def solve_loads(
             worst=chosen.worst,
             certificates=chosen.certificates,
             rings=rings_of(chosen.requirements, rom),
+            areas=areas_of(chosen.requirements, rom),
         )
         named = [loads.names.index(name) for name in chosen.named]
         if executor is not None:
@@ -192,7 +193,7 @@ def _worst(pieces: Pieces, count: int) -> dict[str, Any]:
     """Return how many there are, and the worst of each metric."""
     worst: dict[str, list[dict[str, Any]]] = {}
     for one in pieces.worst(count):
-        entry = {"case": pieces.label(one.row), "value": one.value}
+        entry = {"case": pieces.label(one.row), "value": plain(one.value)}
         worst.setdefault(one.metric, []).append(entry)
     return {"count": sum(len(piece["metrics"]) for piece in pieces), "worst": worst}
 

@@ -12,6 +12,7 @@ from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.sealing import Ring
 from faying.exceptions import ConvergenceError
 from faying.execution.checkpoint import Arrays, Checkpoint
+from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.restart import kept_restart, restart_from
@@ -49,6 +50,8 @@ class CaseSolver:
         Whether static cases are certified, where the model knows the full one's compliance.
     rings
         Around holes that are judged, by name.
+    areas
+        What is carried along interfaces whose slip is judged in static cases.
     """
 
     rom: ReducedModel
@@ -58,6 +61,7 @@ class CaseSolver:
     worst: int
     certificates: bool
     rings: Mapping[str, Ring] = field(default_factory=dict)
+    areas: Mapping[str, TangentialRows] = field(default_factory=dict)
 
     def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
         """Solve static cases, or take what an interrupted call has finished."""
@@ -70,7 +74,7 @@ class CaseSolver:
         return Pieces(
             checkpoint=self.checkpoint,
             keys=list(pieces),
-            metrics=self._metrics(certified=self._judge is not None),
+            metrics=self._static_metrics,
             label=loads.names.__getitem__,
             failed=failed,
         )
@@ -81,7 +85,7 @@ class CaseSolver:
         return Pieces(
             checkpoint=self.checkpoint,
             keys=[_piece_key(one, number) for number in range(int(known["count"]))],
-            metrics=self._metrics(certified=False),
+            metrics=self._metrics,
             label=lambda row: f"{row * one.step:.12g}",
             failed=known[FAILED].tolist(),
         )
@@ -91,9 +95,16 @@ class CaseSolver:
         starts = range(0, total, self._length)
         return {f"static {first}": range(total)[first : first + self._length] for first in starts}
 
-    def _metrics(self, *, certified: bool) -> list[Metric]:
-        interfaces = self.rom.interfaces
-        return metrics_of(self.rom, interfaces, certified=certified, rings=self.rings)
+    @property
+    def _metrics(self) -> list[Metric]:
+        return metrics_of(self.rom, self.rom.interfaces, certified=False, rings=self.rings)
+
+    @property
+    def _static_metrics(self) -> list[Metric]:
+        certified = self._judge is not None
+        return metrics_of(
+            self.rom, self.rom.interfaces, certified=certified, rings=self.rings, areas=self.areas
+        )
 
     @property
     def _length(self) -> int:
@@ -120,11 +131,12 @@ class CaseSolver:
         arrays = piece_of(
             judged,
             self.rom.interfaces,
-            self._metrics(certified=judge is not None),
+            self._static_metrics,
             rows=rows,
             count=self.worst,
             named=named,
             rings=self.rings,
+            areas=self.areas,
         )
         return arrays | {FAILED: np.array(failed, dtype=str)}
 
@@ -152,7 +164,7 @@ class CaseSolver:
             stand = self.checkpoint.get(_stand_key(one))
             count, restart = int(stand["count"]), restart_from(stand)
             gain = restart.ledger.gain if restart.ledger else 0.0
-        metrics = self._metrics(certified=False)
+        metrics = self._metrics
         solver = transient_solver(self.rom, step=one.step, integrator=one.integrator)
         failed: list[str] = []
         with self.stages.stage(name, n_steps(one)) as advance:

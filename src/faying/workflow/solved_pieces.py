@@ -14,6 +14,7 @@ from faying.assessment.envelope import Envelope, envelope_of, joined
 from faying.assessment.sealing import Ring
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.interface.surface import ContactSurface
+from faying.joint.tangential import TangentialRows
 from faying.simulation.solution import Solution
 
 _EXTREMES = tuple(field.name for field in fields(Envelope))
@@ -131,6 +132,7 @@ def piece_of(
     count: int,
     named: Collection[int] = (),
     rings: Mapping[str, Ring] = MappingProxyType({}),
+    areas: Mapping[str, TangentialRows] = MappingProxyType({}),
 ) -> dict[str, Matrix]:
     """Return the arrays that are kept of some cases or instants.
 
@@ -146,10 +148,12 @@ def piece_of(
         Rows whose fields are wanted in any case.
     rings
         Around holes, by name.
+    areas
+        What is carried along interfaces whose needed friction is wanted.
     """
     table = np.full((len(rows), len(metrics)), np.nan)
     for own, solution, certificate in solved:
-        table[own - rows.start] = case_metrics(solution, interfaces, certificate, rings)
+        table[own - rows.start] = case_metrics(solution, interfaces, certificate, rings, areas)
     kept = {
         rows.start + row
         for column, metric in enumerate(metrics)

@@ -7,6 +7,7 @@ import numpy as np
 from faying.assessment.load_path import input_path
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
+from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.verdicts import (
     no_opening,
     pressure_verdict,
@@ -16,6 +17,7 @@ from faying.assessment.verdicts import (
 )
 from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import pressed_near
+from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.static import solve_static
 from faying.study.load_set import LoadSet
@@ -32,6 +34,26 @@ def rings_of(wanted: Requirements, rom: ReducedModel) -> dict[str, Ring]:
         name: ring_around(rom.interfaces[ring_surface(ring, rom.interfaces)], ring.around)
         for name, ring in named.items()
     }
+
+
+def areas_of(wanted: Requirements, rom: ReducedModel) -> dict[str, TangentialRows]:
+    """Return what is carried along the interfaces whose slip is judged by sums, by name.
+
+    Raises
+    ------
+    ModelError
+        If a coefficient is given for one that is not there.
+    """
+    if wanted.slip_friction is None:
+        return {}
+    known = {one.interface: one for one in rom.tangential if not one.bolt}
+    judged = _coefficients(wanted, rom)
+    return {name: known[name] for name in judged if name in known and not known[name].unknown}
+
+
+def _coefficients(wanted: Requirements, rom: ReducedModel) -> dict[str, float]:
+    smooth = [name for name, one in rom.interfaces.items() if not one.friction > 0]
+    return slip_coefficients(wanted.slip_friction, smooth)
 
 
 def _named(wanted: Requirements, rom: ReducedModel) -> dict[str, ClosedRing]:
@@ -83,11 +105,41 @@ def solved_verdicts(
         yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
     yield from _factors(wanted.min_opening_factor, rom, loads)
     if wanted.min_slip_safety is not None:
+        yield _slip(wanted.min_slip_safety, wanted, rom, static)
+
+
+def _slip(limit: float, wanted: Requirements, rom: ReducedModel, static: Pieces | None) -> Verdict:
+    """Judge S_G of the static cases, by sums."""
+    coefficients, known = _coefficients(wanted, rom), areas_of(wanted, rom)
+    unknown = [name for name in coefficients if name not in known]
+    missing = ""
+    if unknown:
+        told = {one.interface: one.unknown for one in rom.tangential if not one.bolt}
+        reason = told.get(unknown[0], "the file does not tell; reduce the study again")
+        missing = f"what is carried along '{unknown[0]}' is not known: {reason}"
+    elif not coefficients:
+        missing = "no slip_friction is given"
+    elif static is None:
+        missing = "there is no static case"
+    if static is None or missing:
         message = (
-            "min_slip_safety is judged by faying run alone, which follows friction; leave it out "
-            "of the requirements of these loads"
+            f"min_slip_safety is judged by sums over static cases, with slip_friction, and "
+            f"{missing}; friction itself is followed by faying run alone"
         )
         raise ModelError(message)
+    found: list[tuple[float, str, str]] = []
+    for name, coefficient in coefficients.items():
+        case, needed = _extreme({"": static}, f"needed_friction.{name}")
+        found.append((coefficient / needed if needed > 0 else np.inf, name, case))
+    value, place, case = min(found)
+    return Verdict(
+        requirement="min_slip_safety",
+        met=value >= limit,
+        place=place,
+        case=case,
+        value=value,
+        limit=limit,
+    )
 
 
 def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -> tuple[str, float]:
