@@ -10,6 +10,7 @@ import scipy.sparse as sp
 import faying as fy
 from faying.assessment.frequencies import count_frequencies_below
 from faying.exceptions import ConvergenceError
+from faying.joint.free_matrices import FreeMatrices
 from faying.joint.structure import Structure
 from faying.linalg.backends import VARIABLE, available_backends
 from faying.linalg.machine_memory import VARIABLE as MEMORY
@@ -35,9 +36,7 @@ def chains(n, copies=1):
     one = sp.diags_array([-np.ones(n - 1), main, -np.ones(n - 1)], offsets=[-1, 0, 1])
     K = sp.block_diag([one] * copies, format="csr")
     return Structure(
-        M=sp.eye_array(n * copies, format="csr"),
-        C=K,
-        K=K,
+        matrices=FreeMatrices.of(sp.eye_array(n * copies, format="csr"), K, K),
         relative_operator=sp.csr_array((0, n * copies)),
         boundary=n * np.arange(1, copies + 1) - 1,
         elongations=np.zeros((0, n * copies)),

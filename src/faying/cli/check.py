@@ -29,6 +29,7 @@ def check(
     from rich.console import Console
 
     from faying.cli.description import described
+    from faying.cli.progress import progress_bar
     from faying.joint.diagnosis import check_held
     from faying.study.bare_deck import is_bare, study_or_deck
     from faying.study.declared import missing_contact
@@ -42,8 +43,11 @@ def check(
     checked, bare = study_or_deck(study, ignore or ()), is_bare(study)
     if out is not None:
         usable_folder(out)
-    with naming_tables(checked):
+    with progress_bar(Console(stderr=True)) as bar, naming_tables(checked):
+        file = checked.model.file
+        stage = bar.add_task(f"Reading {file.name}" if file else "Reading the model", total=None)
         loaded = load_model(checked)
+        bar.update(stage, description="Looking at bodies, contact and bolts")
         found = understood(checked, loaded, bare=bare)
     model = found.model
     check_targets(checked, model)

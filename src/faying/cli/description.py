@@ -11,6 +11,7 @@ from rich.text import Text
 from faying.contact.laws import Coulomb
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import FreeParts
+from faying.joint.expected_memory import expected_memory
 from faying.joint.model import Model
 from faying.linalg.machine_memory import free_memory
 from faying.linalg.memory import FactorMemory, gigabytes
@@ -116,8 +117,8 @@ def _overview(study: Study, model: Model) -> Table:
         ("solid elements", f"{assembly.mesh.n_elements} {', '.join(kinds)}{formulation}"),
         ("beams", len(assembly.beams)),
         *([("shells", n_shell)] if n_shell else []),
-        ("free degrees of freedom", int(model.K.shape[0])),
-        ("factorization", _factorization(model.structure.factor_memory)),
+        ("free degrees of freedom", model.structure.n_dof),
+        ("factorization", _factorization(expected_memory(model))),
         (f"mass [{units[1]}]", weight.mass),
         (f"centre of mass [{units[0]}]", _point(centre.tolist())),
     ]

@@ -19,6 +19,7 @@ from faying.interface.pairing import find_interfaces
 from faying.interface.penalty import automatic_penalty, coupling_penalty
 from faying.interface.zero_thickness import build_interface
 from faying.joint.diagnosis import unconstrained
+from faying.joint.free_matrices import free_matrices
 from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.joint.system import boundary_dofs, elongations
@@ -31,10 +32,13 @@ from faying.model.clamping import check_clamping, element_seats
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
 from faying.model.coupled_boundary import add_coupled_boundary
+from faying.model.deck_bolt import bolt_chain, end_nodes
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
-from faying.model.matrices import NodalMatrices, assemble_matrices, used_components
+from faying.model.local_stiffness import stiffness_at
+from faying.model.matrices import used_components
 from faying.model.shank import shank
+from faying.model.solid_cells import check_cells
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 
 
@@ -69,7 +73,7 @@ def build_model(
 
     Notes
     -----
-    Assembly and elimination of constraints only; nothing is factorized yet.
+    Elimination of constraints only; matrices are formed when they are first asked for.
     """
     model = _built(assembly, interfaces, bolts, boundaries, damping, units)
     if not model.interfaces:
@@ -105,14 +109,13 @@ def _built(
     seats = _bolt_seats(assembly, bolts)
     check_not_twice(seats)
     assembly, boundaries = _with_coupled_boundaries(assembly, boundaries)
-    nodal = assemble_matrices(assembly)
+    check_cells(assembly)
     used = used_components(assembly)
     movable = movable_components(assembly, used)
     ends = [_boundary_components(assembly, spec, movable) for spec in boundaries]
     _check_disjoint(assembly, boundaries, ends)
     dofs = constrain(assembly, used, keep=np.concatenate([*ends, np.empty(0, dtype=np.int64)]))
     damping = damping or Rayleigh()
-    M, C, K = _free_matrices(nodal, dofs, damping)
     joints = _interfaces(assembly, dofs, interfaces)
     placed = {
         spec.name: Boundary(
@@ -123,16 +126,15 @@ def _built(
         )
         for spec, end in zip(boundaries, ends, strict=True)
     }
-    tightened = {spec.name: _bolt(assembly, dofs, K, spec, seats) for spec in bolts}
-    relative_operator, places = _relative(joints, K.shape[0])
+    tightened = _tightened(assembly, dofs, bolts, seats)
+    n_dof = len(dofs.free)
+    relative_operator, places = _relative(joints, n_dof)
     structure = Structure(
-        M=M,
-        C=C,
-        K=K,
+        matrices=free_matrices(assembly, dofs, damping),
         relative_operator=relative_operator,
         places=places,
         boundary=boundary_dofs(placed),
-        elongations=elongations(tightened, K.shape[0]),
+        elongations=elongations(tightened, n_dof),
         diagnose=partial(unconstrained, assembly, dofs),
     )
     return Model(
@@ -180,23 +182,6 @@ def _bolt_seats(assembly: Assembly, specs: Sequence[BoltSpec]) -> dict[str, Seat
     """Return what each bolt that has an element holds at its ends."""
     axes = {spec.name: bolt_axis_element(assembly, spec) for spec in specs if spec.nodes is None}
     return {name: element_seats(assembly, element) for name, element in axes.items()}
-
-
-def _free_matrices(
-    nodal: NodalMatrices, dofs: DofMap, damping: Rayleigh
-) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
-    """M, C, K at the free degrees of freedom, with Rayleigh damping added to C."""
-    T = dofs.transformation
-
-    def project(matrix: SparseMatrix) -> SparseMatrix:
-        projected = (T.T @ matrix @ T).tocsr()
-        return ((projected + projected.T) * 0.5).tocsr()
-
-    M, K = project(nodal.M), project(nodal.K)
-    C = damping.alpha * M + damping.beta * K
-    if nodal.C is not None:
-        C = C + project(nodal.C)
-    return read_only(M), read_only(C.tocsr()), read_only(K)
 
 
 def _interfaces(
@@ -293,6 +278,17 @@ def _check_disjoint(
                 raise ModelError(message)
 
 
+def _tightened(
+    assembly: Assembly, dofs: DofMap, specs: Sequence[BoltSpec], seats: Mapping[str, Seats]
+) -> dict[str, Bolt]:
+    """Return the bolts by name."""
+    if not specs:
+        return {}
+    nodes = [node for spec in specs for node in _nodes_of(assembly, spec)]
+    K = stiffness_at(assembly, dofs, np.unique(nodes))
+    return {spec.name: _bolt(assembly, dofs, K, spec, seats) for spec in specs}
+
+
 def _bolt(
     assembly: Assembly,
     dofs: DofMap,
@@ -300,7 +296,7 @@ def _bolt(
     spec: BoltSpec,
     seats: Mapping[str, Seats],
 ) -> Bolt:
-    """Axial stiffness and elongation row of what is tightened."""
+    """Axial stiffness and elongation row of what is tightened; K holds at its nodes."""
     if spec.nodes is not None:
         row, stiffness = elongation_factors(assembly, spec), float(spec.stiffness or 0.0)
     else:
@@ -331,6 +327,15 @@ def _seen_moments(
     rows = (moments @ dofs.transformation).tocsr()
     rows.eliminate_zeros()
     return read_only(rows) if are_carried(rows, K) else None
+
+
+def _nodes_of(assembly: Assembly, spec: BoltSpec) -> list[int]:
+    """Return all nodes of what is tightened."""
+    if spec.nodes is not None:
+        with naming(f"bolt '{spec.name}'"):
+            return [int(node) for node in _end_nodes(assembly, spec)]
+    chain = [bolt_axis_element(assembly, spec), *bolt_chain(assembly, spec)]
+    return [node for element in chain for node in end_nodes(element)]
 
 
 def _end_nodes(assembly: Assembly, spec: BoltSpec) -> Indices:

@@ -11,7 +11,8 @@ from faying.joint.model import Model
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.dofs import DofMap
-from faying.model.rigid_motion import free_motions, rigid_motions
+from faying.model.local_stiffness import rigid_stiffness
+from faying.model.rigid_motion import FreeMotions, free_motions, rigid_motions
 
 REMEDY = "support it, or tie it to a held body with a bolt (contact alone holds nothing)"
 
@@ -35,7 +36,7 @@ def check_held(model: Model) -> None:
     Finds what :func:`faying.model.rigid_motion.free_motions` finds; a hinge inside a body shows
     when the stiffness is factorized.
     """
-    found = free_motions(model.assembly, model.dofs, model.K)
+    found = _free_motions(model)
     if found.motions.shape[1]:
         raise ModelError(_described(model.assembly, model.dofs, found.labels, found.motions))
 
@@ -63,7 +64,7 @@ def free_parts(model: Model) -> FreeParts:
     -----
     As :func:`check_held`, which refuses such a model.
     """
-    found = free_motions(model.assembly, model.dofs, model.K)
+    found = _free_motions(model)
     count = found.motions.shape[1] if found.searched else None
     if not count:
         return FreeParts(count=count, parts={})
@@ -82,6 +83,12 @@ def free_parts(model: Model) -> FreeParts:
         more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
         parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
     return FreeParts(count=count, parts=parts)
+
+
+def _free_motions(model: Model) -> FreeMotions:
+    """Find free motions, of a model without pairs that stick before its matrices are formed."""
+    K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
+    return free_motions(model.assembly, model.dofs, K)
 
 
 def unconstrained(assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector) -> str:

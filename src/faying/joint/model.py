@@ -13,6 +13,7 @@ from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
 from faying.interface.friction import TangentialPenalty, with_friction
 from faying.interface.interface import Interface, stack
+from faying.joint.free_matrices import FreeMatrices
 from faying.joint.load_pattern import (
     LoadPattern,
     check_pattern_name,
@@ -306,7 +307,8 @@ class Model(Shown):
         """
         K = read_only((self.K + added).tocsr())
         C = read_only((self.C + self.damping.beta * added).tocsr())
-        structure = replace(self.structure, K=K, C=C)
+        matrices = FreeMatrices.of(self.M, C, K)
+        structure = replace(self.structure, matrices=matrices)
         return replace(
             self,
             structure=structure,

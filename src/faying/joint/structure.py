@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.budget import default_budget, pairs_fit
 from faying.linalg.compressed import Compliance, plus, symmetrized
@@ -35,7 +36,8 @@ class Structure:
 
     Attributes
     ----------
-    M, C, K : (n_dof, n_dof) sparse
+    matrices
+        M, C and K.
     relative_operator : (n_relative, n_dof) sparse
         P of all interfaces.
     boundary : (n_boundary,)
@@ -49,9 +51,7 @@ class Structure:
         Memory that dense matrices between pairs or contact points may take [bytes].
     """
 
-    M: SparseMatrix
-    C: SparseMatrix
-    K: SparseMatrix
+    matrices: FreeMatrices
     relative_operator: SparseMatrix
     boundary: Indices
     elongations: Matrix
@@ -66,7 +66,22 @@ class Structure:
     @property
     def n_dof(self) -> int:
         """Number of degrees of freedom."""
-        return int(self.K.shape[0])
+        return int(self.relative_operator.shape[1])
+
+    @property
+    def M(self) -> SparseMatrix:
+        """Mass (n_dof, n_dof)."""
+        return self.matrices.M
+
+    @property
+    def C(self) -> SparseMatrix:
+        """Damping (n_dof, n_dof)."""
+        return self.matrices.C
+
+    @property
+    def K(self) -> SparseMatrix:
+        """Stiffness (n_dof, n_dof)."""
+        return self.matrices.K
 
     @property
     def has_mass(self) -> bool:

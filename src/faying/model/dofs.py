@@ -44,6 +44,11 @@ class DofMap:
         rows = (self.transformation @ np.asarray(displacement).T).T
         return np.asarray(rows).reshape(*np.shape(displacement)[:-1], self.n_nodes, 6)
 
+    def projected(self, matrix: SparseMatrix) -> SparseMatrix:
+        """Return Tᵀ A T (n_dof, n_dof) of a symmetric nodal matrix (6 n_node, 6 n_node)."""
+        projected = (self.transformation.T @ matrix @ self.transformation).tocsr()
+        return ((projected + projected.T) * 0.5).tocsr()
+
     def index(self, nodes: Indices, components: Indices) -> Indices:
         """Return the free indices of (node index, component) pairs.
 

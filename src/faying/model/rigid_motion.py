@@ -11,7 +11,6 @@ from faying.linalg.factorization import MECHANISM
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies
 from faying.model.dofs import DofMap
-from faying.model.matrices import rigid_body_motions
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock
 
@@ -30,7 +29,8 @@ class FreeMotions:
     Attributes
     ----------
     motions : (n_dof, n_motion)
-        Displacements at the free degrees of freedom without strain energy.
+        Displacements at the free degrees of freedom without strain energy, orthonormal: how far
+        each node moves in them all does not depend on what they are found from.
     labels : (n_node,)
         Rigid part each node belongs to, -1 for single nodes.
     searched
@@ -69,7 +69,8 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
     scale = 1 / np.sqrt(np.maximum(singly, np.finfo(float).eps * singly.max(initial=1.0)))
     energies, vectors = np.linalg.eigh(stiffness * scale[:, None] * scale)
     free = vectors[:, energies < MECHANISM]
-    return FreeMotions(motions=shapes @ (scale[:, None] * free), labels=labels)
+    motions: Matrix = np.linalg.qr(shapes @ (scale[:, None] * free))[0]
+    return FreeMotions(motions=motions, labels=labels)
 
 
 def rigid_parts(assembly: Assembly) -> Indices:
@@ -156,6 +157,12 @@ def _independent(points: Matrix, components: Indices) -> Matrix:
 
 def rigid_motions(points: Matrix, components: Indices, origin: Vector) -> Matrix:
     """Return component ``components[i]`` of the six rigid motions at ``points[i]`` (n, 6)."""
-    every = rigid_body_motions(points, origin).reshape(-1, 6, 6)
-    motions: Matrix = every[np.arange(len(points)), components]
+    motions = np.zeros((len(points), 6))
+    motions[np.arange(len(points)), components] = 1.0
+    # u = θ x r
+    for component in range(3):
+        rows = np.flatnonzero(components == component)
+        before, after = (component + 2) % 3, (component + 1) % 3
+        motions[rows, 3 + after] = points[rows, before] - origin[before]
+        motions[rows, 3 + before] = -(points[rows, after] - origin[after])
     return motions

@@ -8,7 +8,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material
 from faying.model.elements import SolidElement, block_element
-from faying.model.elements.geometry import volume_factors
+from faying.model.elements.geometry import check_shapes, volume_factors
 from faying.model.elements.solid_element import mass_tables
 from faying.model.mesh import CellBlock
 
@@ -58,6 +58,22 @@ def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
             f"{block.nodes[cell, position]}; the mesh has {n_node} nodes, counted from 0"
         )
         raise ModelError(message)
+
+
+def check_cells(assembly: Assembly) -> None:
+    """Refuse solids that no matrix could be formed of.
+
+    Raises
+    ------
+    ModelError
+        As :func:`faying.model.matrices.assemble_matrices`.
+    """
+    for block in assembly.mesh.blocks:
+        element = block_element(block, assembly.element)
+        check_nodes(block, element, len(assembly.mesh.nodes))
+        materials_of(assembly, block)
+        for part in _batches(len(block.ids)):
+            check_shapes(element, assembly.mesh.nodes[block.nodes[part]], block.ids[part])
 
 
 def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Matrix]:

@@ -82,8 +82,10 @@ def check_loads(study: Study, model: Model) -> None:
 
 def missing_mass(study: Study, model: Model) -> str:
     """Say what needs the mass that a model has not; nothing where there is some, or no need."""
-    needed_by = "" if model.structure.has_mass else _transients(study)
-    return needed_by and (
+    needed_by = _transients(study)
+    if not needed_by or model.structure.has_mass:
+        return ""
+    return (
         "the model has no mass: its materials have no density and it has no point masses, and "
         f"{needed_by}; give rho where the materials are, or by [material.NAME] in the study"
     )

@@ -1,0 +1,54 @@
+"""Stiffness of a part of a structure, where all of it would say the same."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, Mask, SparseMatrix
+from faying.model.assembly import Assembly
+from faying.model.dofs import DofMap
+from faying.model.matrices import assemble_matrices
+
+
+def stiffness_around(assembly: Assembly, dofs: DofMap, nodes: Mask) -> SparseMatrix:
+    """Return K (n_dof, n_dof) without the solids that have none of some nodes (n_node,).
+
+    Rows at these nodes are those of the whole K.
+    """
+    near = [np.flatnonzero(nodes[block.nodes].any(axis=1)) for block in assembly.mesh.blocks]
+    blocks = tuple(
+        replace(
+            block, nodes=block.nodes[some], ids=block.ids[some], properties=block.properties[some]
+        )
+        for block, some in zip(assembly.mesh.blocks, near, strict=True)
+        if len(some)
+    )
+    part = replace(assembly, mesh=replace(assembly.mesh, blocks=blocks))
+    return dofs.projected(assemble_matrices(part).K)
+
+
+def rigid_stiffness(assembly: Assembly, dofs: DofMap) -> SparseMatrix:
+    """Return K (n_dof, n_dof) without solids whose nodes are all free.
+
+    These resist no rigid motion of their body, so the energy of such motions is that of K.
+    """
+    T = dofs.transformation
+    single = np.flatnonzero(np.diff(T.indptr) == 1)
+    at = T.indptr[single]
+    own = single[(dofs.free[T.indices[at]] == single) & (T.data[at] == 1.0)]
+    free = np.zeros(T.shape[0], dtype=bool)
+    free[own] = True
+    held: Mask = np.asarray(~free.reshape(-1, 6)[:, :3].all(axis=1))
+    return stiffness_around(assembly, dofs, held)
+
+
+def stiffness_at(assembly: Assembly, dofs: DofMap, nodes: Indices) -> SparseMatrix:
+    """Return K (n_dof, n_dof) with the rows of what moves some nodes, constraints included."""
+    T = dofs.transformation
+    rows = (6 * nodes[:, None] + np.arange(6)).ravel()
+    moving = np.zeros(T.shape[1], dtype=bool)
+    moving[T[rows].indices] = True
+    owner = np.repeat(np.arange(T.shape[0]), np.diff(T.indptr))
+    touched = np.zeros(dofs.n_nodes, dtype=bool)
+    touched[owner[moving[T.indices]] // 6] = True
+    return stiffness_around(assembly, dofs, touched)
