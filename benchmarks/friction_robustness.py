@@ -1,11 +1,12 @@
 """How often increments with friction are solved, and in how many Newton steps.
 
-    python benchmarks/friction_robustness.py [PATHS [FIRST]]
+    python benchmarks/friction_robustness.py [PATHS [FIRST [compiled]]]
 
 Paths of five increments, numbered: PATHS of them from number FIRST on, so that a long run can be
 done in pieces. Half are of a coarse lap joint, half of a few points with any compliance, normals
 and gaps; μ up to 1, c_n from 1e4 to 1e9 N/mm³ or hard. Prints a table of Newton steps, what was
-refused and why, and the worst natural residual, computed by the law written out again.
+refused and why, and the worst natural residual, computed by the law written out again; of
+compiled increments also how many were left to the solver in Python.
 """
 
 import sys
@@ -25,7 +26,9 @@ def main() -> None:
     paths = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     first = int(sys.argv[2]) if len(sys.argv) > 2 else 0
     joints = Joints()
-    found = [one for index in range(first, first + paths) for one in outcomes(index, joints)]
+    compiled = "compiled" in sys.argv
+    numbers = range(first, first + paths)
+    found = [one for index in numbers for one in outcomes(index, joints, compiled=compiled)]
     solved = [one for one in found if not one.refused]
     lines = [f"{len(found)} increments of paths {first} to {first + paths - 1}\n"]
     lines.append("| Newton steps | " + " | ".join(f"≤ {b}" for b in BOUNDS) + " | more |")
@@ -38,6 +41,9 @@ def main() -> None:
     halved = sum(one.parts for one in solved)
     worst = max((one.residual for one in solved), default=0.0)
     lines.append(f"\nhalved: {halved}; refused: {len(found) - len(solved)}; residual {worst:.1e}")
+    if compiled:
+        left = Counter(one.kind for one in solved if one.left)
+        lines.append(f"left to Python: {dict(left)}")
     reasons = Counter((one.kind, one.refused[:160]) for one in found if one.refused)
     lines += [f"{count} × {kind}: {reason}" for (kind, reason), count in reasons.most_common(8)]
     sys.stdout.write("\n".join(lines) + "\n")

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 import faying as fy
+from faying.contact.compiled_frictional import CompiledFrictionalContact
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact, Increment
 from faying.contact.laws import Coulomb, Hard, Penalty
@@ -26,6 +27,7 @@ class Outcome:
     residual: float  # natural, over the largest force; computed anew
     parts: bool  # the increment was halved
     refused: str = ""
+    left: bool = False  # to Python, by the compiled solver
 
 
 class Joints:
@@ -96,15 +98,32 @@ def small_path(rng):
     return "few points", FrictionalContact(contact=contact, S=S), steps @ way
 
 
-def outcomes(index, joints):
-    """Solve the path of an index, and judge every increment by the law written out again."""
+class Counted:
+    """A solver in Python that counts what it is left by a compiled one."""
+
+    def __init__(self, plain):
+        self.plain, self.calls = plain, 0
+
+    def __getattr__(self, name):
+        return getattr(self.plain, name)
+
+    def solve(self, z_free, start=None):
+        self.calls += start is not None
+        return self.plain.solve(z_free, start)
+
+
+def outcomes(index, joints, *, compiled=False):
+    """Solve the path of an index, and judge every increment by the law written out again.
+
+    Compiled ones are solved about the state after the first increment, which closes contact.
+    """
     rng = np.random.default_rng(index)
-    kind, solver, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
-    n = solver.contact.n_points
+    kind, plain, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
+    n, solver, counted = plain.contact.n_points, plain, Counted(plain)
     nothing = Increment(forces=np.zeros((3, n)), slack=np.zeros((3, n)), iterations=0, residual=0.0)
-    here = PathStep(relative=np.zeros(len(solver.S)), increment=nothing, slip=np.zeros((2, n)))
+    here = PathStep(relative=np.zeros(len(plain.S)), increment=nothing, slip=np.zeros((2, n)))
     for target in relatives:
-        before = here
+        before, calls = here, counted.calls
         try:
             (here,) = follow(solver, [target], here)
         except ConvergenceError as error:
@@ -112,7 +131,10 @@ def outcomes(index, joints):
             return
         parts = here.iterations != here.increment.iterations
         start = here.slip - here.increment.slack[1:] if parts else before.slip
-        yield Outcome(kind, here.iterations, natural_residual(solver, here, start), parts=parts)
+        residual, left = natural_residual(plain, here, start), counted.calls > calls
+        yield Outcome(kind, here.iterations, residual, parts=parts, left=left)
+        if compiled and solver is plain and here.increment.forces.any():
+            solver = CompiledFrictionalContact(counted, here.increment.forces)
 
 
 def natural_residual(solver, step, slip):
