@@ -28,6 +28,7 @@ from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve
 from faying.assessment.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
+from faying.assessment.tresca import certify_increments as certify_increments
 from faying.assessment.worst_case import worst_case_load as worst_case_load
 from faying.contact.problem import contact_problem as contact_problem
 from faying.export.transient_stream import stream_transient as stream_transient

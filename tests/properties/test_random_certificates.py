@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import faying as fy
 from faying.assessment.certificate import enclose, flexibility
+from faying.assessment.tresca import tresca_gap
 
 ROUND_OFF = 1e-10
 """Allowance over ‖λ̂‖_H + ‖λ*‖_H: n ε √cond(H) for n = 12 and cond ≤ 1e8 is 3e-11."""
@@ -105,3 +106,43 @@ def test_the_bound_is_of_second_order_in_the_error_where_the_contact_area_is_kno
     bound = np.sqrt(2 * enclose(flexibility(H), g_free, candidates).energy)
     # Bound and error shrink tenfold together; a bound of first order would shrink by √10.
     np.testing.assert_allclose(bound[:-1] / bound[1:], 10.0, rtol=1e-2)
+
+
+def random_increments(rng, H, n, count):
+    """Exact solutions with fixed bounds by construction: points open or press, stick or slip."""
+    force, slack = np.zeros((2, count, 3, n))
+    presses = rng.random((count, n)) < 0.7
+    force[:, 0] = np.where(presses, rng.exponential(size=(count, n)), 0.0)
+    slack[:, 0] = np.where(presses, 0.0, rng.exponential(size=(count, n)))
+    bound = rng.exponential(size=(count, n)) * (rng.random((count, n)) < 0.8)
+    angle = rng.uniform(0, 2 * np.pi, (count, n))
+    along = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    slips = rng.random((count, n)) < 0.5
+    force[:, 1:] = (bound * np.where(slips, 1.0, rng.random((count, n))))[:, None] * along
+    slides = np.where(slips | (bound == 0), rng.exponential(size=(count, n)), 0.0)
+    slack[:, 1:] = -slides[:, None] * along
+    return force, slack.reshape(count, -1) - force.reshape(count, -1) @ H, bound
+
+
+@pytest.mark.parametrize("penalty", [10.0, 1e4, np.inf], ids=["soft", "stiff", "hard"])
+def test_tresca_increments_are_never_violated(penalty):
+    rng, n, count = np.random.default_rng(7), 4, 500
+    sharpest = np.inf
+    for _ in range(7):
+        H = random_flexibility(rng, 3 * n, 3 * n, penalty)
+        exact, z_free, bound = random_increments(rng, H, n, count)
+        size = 10.0 ** rng.uniform(-8, 1, (count, 1, 1))
+        given = exact + size * rng.standard_normal(exact.shape)
+        given[:, 0] = np.maximum(given[:, 0], 0.0)
+        length = np.hypot(given[:, 1], given[:, 2])
+        given[:, 1:] *= np.minimum(1.0, bound / np.maximum(length, 1e-300))[:, None]
+        slack = (given.reshape(count, -1) @ H + z_free).reshape(given.shape)
+        energy = tresca_gap(flexibility(H), given, slack, np.arange(n), bound)
+        apart, most = (
+            norms(H, one.reshape(count, -1)) for one in (given - exact, np.abs(given) + exact)
+        )
+        allowance = ROUND_OFF * (most + 1.0)
+        assert (apart <= np.sqrt(2 * energy) + allowance).all()
+        large = apart > 1e-3
+        sharpest = min(sharpest, (np.sqrt(2 * energy[large]) / apart[large]).min())
+    assert sharpest < 1.5  # else the bound says little even at its best; 1.0 is measured

@@ -7,8 +7,10 @@ import scipy.linalg as la
 import faying as fy
 from faying.assessment.certificate import certifier, certify
 from faying.assessment.choose import choose_joint_modes
+from faying.assessment.tresca import certify_increments
 from faying.assessment.worst_case import worst_case_load
 from faying.exceptions import ModelError
+from faying.reduction.recovery import static_displacements
 
 LOADS = (
     fy.Load({"tip.Fz": -500.0}, name="LC1"),
@@ -188,3 +190,39 @@ def test_wrong_input_is_refused(preloaded, bases):
     assert certificate.energy_error == np.inf  # nothing certain about no pressure at all
     with pytest.raises(ModelError, match="energy_error, contact_force_error"):
         certificate.bound("colour")
+
+
+def test_increments_with_fixed_bounds_lie_within_their_certificate():
+    joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e5)
+    model = joint.with_bolt_forces({"bolt": 5e3}).with_friction(0.2)
+    basis = fy.craig_bampton(model, normal_modes=20)
+    loads = [fy.Load(), fy.Load({"tip.Fx": 300.0}), fy.Load({"tip.Fx": 600.0})]
+    poor = fy.solve_path(fy.reduce(model, basis), loads)
+    found = certify_increments(model, poor)
+    solver, contact = model.static_contact.frictional, model.contact
+    free = static_displacements(model.port_compliance, poor.inputs)
+    before = np.concatenate([np.zeros((1, *poor.shear_slip[0].shape)), poor.shear_slip[:-1]])
+    H = solver.G @ solver.S @ solver.G.T + np.diag(solver.D.ravel())
+    for k, slip in enumerate(before):
+        z_free = contact.free_slack(free[k, : model.port_compliance.n_relative], slip)
+        given = np.concatenate([poor.contact_forces[k][None], poor.shear_forces[k]])
+        exact, _, left = solver._newton(z_free, given, given[0])  # bounds fixed: Tresca
+        assert left < 1e-9
+        apart = (given - exact).ravel()
+        true = np.sqrt(apart @ H @ apart)
+        assert true <= np.sqrt(2 * found.energy[k]) * (1 + 1e-9)
+        assert np.sqrt(2 * found.energy[k]) < 3 * true  # 1.0 to 1.5 are measured
+        assert true / np.sqrt(exact.ravel() @ H @ exact.ravel()) <= found.energy_error[k]
+    assert (found.residual > 1e-3).all()
+    own = certify_increments(model, fy.solve_path(model, loads))
+    # What increments are solved to, 1e-13 of the forces, in the square root of an energy.
+    assert own.energy_error.max() < 1e-6
+    assert own.residual.max() < 1e-11
+    # Later increments go on from the slip before them.
+    rest = fy.solve_path(model, loads[:2])
+    again = certify_increments(model, fy.solve_path(model, loads[2:], initial=rest), rest)
+    assert again.energy_error.max() < 1e-6
+    with pytest.raises(ModelError, match="the model has no friction"):
+        certify_increments(joint, poor)
+    with pytest.raises(ModelError, match="is not one with friction at the"):
+        certify_increments(model, fy.solve_path(joint, loads))

@@ -1,0 +1,156 @@
+"""Certified error of increments with friction whose friction bounds are fixed, (C19).
+
+With bounds b given (Tresca), an increment minimizes a convex energy over λ_n ≥ 0, |λ_t| ≤ b, and
+for any y with y_n ≥ 0
+
+    ½ ‖x̂ − x*‖²_H  ≤  λ̂_nᵀ y_n + Σ (b |y_t| + λ̂_t · y_t) + ½ (z − y)ᵀ H⁻¹ (z − y),
+
+z = Hx̂ + z_free.
+
+Coulomb's bounds are b = μ λ_n of the unknown solution: against that nothing is certified, and what
+is left of (F1) is told as a residual. ``docs/theory/certificate.md`` derives it.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.assessment.certificate import Flexibility, flexibility
+from faying.assessment.slip import slip_history
+from faying.exceptions import ModelError
+from faying.joint.system import Joint
+from faying.reduction.recovery import static_displacements
+from faying.simulation.solution import Solution
+
+ROUND_OFF = 1e-12
+"""Distance of a force from its bound, over it, that is on the bound; any y certifies."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IncrementCertificate:
+    """How far the increments of a path are from those of the full model; one entry for each.
+
+    Attributes
+    ----------
+    energy : (n_increment,) [force·length]
+        Bound of ½ (x̂ − x*)ᵀ H (x̂ − x*), x* the forces of the full model after the same increment,
+        from the same slip, with the friction bounds of the candidate; infinite where hard contact
+        has more points than the pairs have displacements.
+    energy_error : (n_increment,)
+        Bound of ‖x̂ − x*‖_H / ‖x*‖_H; infinite where nothing can be said.
+    residual : (n_increment,)
+        What is left of Coulomb's law, the largest natural residual of (F1) over the largest force.
+        It bounds nothing.
+    """
+
+    energy: Vector
+    energy_error: Vector
+    residual: Vector
+
+
+def certify_increments(
+    model: Joint, path: Solution, initial: Solution | None = None
+) -> IncrementCertificate:
+    """Bound the errors of a path with friction, increment by increment, without solving the model.
+
+    Parameters
+    ----------
+    model
+        The full model with friction, whose increments are meant.
+    path
+        Result of :func:`faying.solve_path`, usually of a reduced model.
+    initial
+        State it went on from; by default nothing had slipped.
+
+    Raises
+    ------
+    ModelError
+        If the model has no friction, or the path is not of its contact points.
+
+    Notes
+    -----
+    What an increment inherits, the slip of those before, is taken from the path: errors do not add
+    up here, and an increment that was halved counts as one. A Cholesky factorization of H with all
+    components, ⅔ (3 n_point)³ multiplications, then O(n_point²) an increment.
+    """
+    contact = model.contact
+    if contact.components == 1:
+        message = "the model has no friction: take fy.certify, or give it friction"
+        raise ModelError(message)
+    if path.shear_forces is None or path.contact_forces.shape[-1] != contact.n_points:
+        message = (
+            f"the path '{path.name}' is not one with friction at the {contact.n_points} contact "
+            "points of the model; give a result of solve_path, of the model or one reduced from it"
+        )
+        raise ModelError(message)
+    solver, n = model.static_contact.frictional, contact.n_points
+    free = static_displacements(model.port_compliance, np.atleast_2d(path.inputs))
+    free = free[:, : model.port_compliance.n_relative]
+    slip = slip_history(path, initial)[:-1]
+    z_free = np.array([contact.free_slack(*row) for row in zip(free, slip, strict=True)])
+    shear = path.shear_forces.reshape(-1, 2, n)
+    given = np.concatenate([np.atleast_2d(path.contact_forces)[:, None], shear], axis=1)
+    forces = np.array([solver.laws.admissible(one, None) for one in given])
+    slack = np.array([solver.steps.moved(x) + solver.laws.closure(x)[0] for x in forces]) + z_free
+    tried = forces - solver.scale * slack
+    wrong = forces - np.array([solver.laws.admissible(one, None) for one in tried])
+    largest = np.maximum(np.abs(forces).max(axis=(1, 2)), np.finfo(float).tiny)
+    used = np.concatenate([np.arange(n), n + contact.rubbing, 2 * n + contact.rubbing])
+    half = solver.G[used] @ solver.S
+    H = np.asarray(half @ solver.G[used].T) + np.diag(solver.D.ravel()[used])
+    bound = solver.friction[contact.rubbing] * forces[:, 0, contact.rubbing]
+    energy = tresca_gap(flexibility((H + H.T) / 2), forces, slack, contact.rubbing, bound)
+    stored = forces.reshape(len(forces), -1)[:, used]
+    norm = np.sqrt(np.maximum(((stored @ H) * stored).sum(axis=1), 0.0))
+    apart = np.sqrt(2 * energy)
+    known = norm > apart
+    return IncrementCertificate(
+        energy=energy,
+        energy_error=np.where(known, apart / np.where(known, norm - apart, 1.0), np.inf),
+        residual=np.abs(wrong).max(axis=(1, 2)) / largest,
+    )
+
+
+def tresca_gap(
+    flexibility: Flexibility,
+    forces: Matrix,
+    slack: Matrix,
+    rubbing: Indices,
+    bound: Matrix,
+) -> Vector:
+    """Return the bound (C19) of increments with fixed friction bounds (n_increment,).
+
+    Parameters
+    ----------
+    flexibility
+        Of H: all normal components, then both tangential ones of the points that rub.
+    forces, slack : (n_increment, 3, n_point) [force], [length]
+        Admissible candidates x̂, and z of them.
+    rubbing : (n_rubbing,)
+    bound : (n_increment, n_rubbing) [force]
+        b.
+
+    Notes
+    -----
+    y as in (C20): zero where a point presses or sticks, else what of z opens it, or slides it
+    against its force, so that the first two sums of (C19) vanish.
+    """
+    if flexibility.range_basis is not None:
+        return np.full(len(forces), np.inf)
+    y = np.zeros_like(slack)
+    y[:, 0] = np.where(forces[:, 0] > 0, 0.0, np.maximum(slack[:, 0], 0.0))
+    shear, slides = forces[:, 1:, rubbing], slack[:, 1:, rubbing]
+    size = np.hypot(shear[:, 0], shear[:, 1])
+    along = shear / np.where(size > 0, size, 1.0)[:, None]
+    against = np.maximum(-(slides * along).sum(axis=1), 0.0)
+    full = size >= bound * (1 - ROUND_OFF)
+    y_t = np.where((full & (size > 0))[:, None], -against[:, None] * along, 0.0)
+    y[:, 1:, rubbing] = np.where((bound <= 0)[:, None], slides, y_t)
+    work = (bound * np.hypot(*np.moveaxis(y[:, 1:, rubbing], 1, 0))).sum(axis=1)
+    work += (forces * y).sum(axis=(1, 2))
+    left = slack - y
+    used = np.concatenate([left[:, 0], left[:, 1][:, rubbing], left[:, 2][:, rubbing]], axis=1)
+    return np.asarray(np.maximum(work, 0.0) + 0.5 * flexibility.energy(used))
