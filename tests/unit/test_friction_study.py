@@ -244,6 +244,8 @@ def test_the_report_says_first_what_slips(results, tmp_path):
     page = write_report(results, tmp_path).read_text(encoding="utf-8")
     first = re.search(r'class="verdict">([^.]*\.)', page)[1]
     assert first.startswith("The joint slips: up to ")
+    assert page.index(first) < page.index('id="view"')  # on the first screen
+    assert page.count("The joint slips: ") == 1
     assert "macroslip" in first
     assert "<h3>Friction</h3>" in page
     names = {path.stem for path in (tmp_path / "figures").iterdir()}

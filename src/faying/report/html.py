@@ -27,6 +27,7 @@ from faying.report.limits import limits
 from faying.report.meanings import meanings
 from faying.report.quantities import percent, quantity
 from faying.report.reference import against
+from faying.report.slip import slip_sentence
 from faying.report.tables import (
     Table,
     bolt_table,
@@ -104,6 +105,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
     return environment.get_template("report.html.j2").render(
         results=results,
         joint=joint_headline(results),
+        slips=slip_sentence(results),
         joint_tables=[
             one
             for of in (

@@ -9,7 +9,6 @@ import numpy as np
 from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
 from faying.report.reference import against, reference_note
-from faying.report.slip import slip_sentence
 from faying.report.style import label
 from faying.study.declared import missing_contacts
 from faying.study.jumps import jump_sentence
@@ -172,13 +171,7 @@ def _span(values: list[float]) -> str:
 
 
 def headline(found: list[MethodVerdict], results: Results) -> str:
-    """Return the answer in a sentence or two, what slips first."""
-    slips = slip_sentence(results)
-    return f"{slips} {_pressures(found, results)}" if slips else _pressures(found, results)
-
-
-def _pressures(found: list[MethodVerdict], results: Results) -> str:
-    """Return whether the pressures can be trusted."""
+    """Return whether the pressures can be trusted, in a sentence or two."""
     coarse = [name for name, case in results.cases.items() if _changes(case) > STEP_MATTERS]
     if not coarse:
         return _answer(found)
