@@ -129,6 +129,10 @@ def test_the_summary_tells_what_friction_does(finished):
         assert errors["max_traction_error"] < 1e-7, name
         assert errors["dissipation_error"] < 1e-7, name
         assert "certified_bound" not in errors
+        if name != "shake":
+            # Round-off in the square root of an energy, and of the largest force.
+            assert errors["certified_increment_error"] < 1e-6
+            assert errors["law_residual"] < 1e-8
     cases = summary["load_cases"]
     assert cases["pull"]["first_slip_factor"] == cases["pull"]["slip_reserve"]["first_slip"]
     assert cases["pull"]["slip_onset_factor"] == cases["pull"]["slip_reserve"]["onset"]

@@ -193,6 +193,7 @@ def test_certified_energy_and_clamp_force_come_before_the_pressure_and_its_loose
     bounds = [name for name in columns if name.startswith("certified")]
     assert bounds == [
         "certified: energy error", "certified: clamp force error", "certified: max error",
+        "certified: increment, bounds fixed",
     ]  # fmt: skip
     results = with_errors(jim_b={5: 0.02, 20: 0.001}, compliance={0: 1e-9})
     # The bound of jim-b with 5 joint modes, 0.1, serves as template: 5 and 100 times the errors;

@@ -259,7 +259,7 @@ def error_table(case: CaseResult) -> Table:
         "method", "max error", "rms error", "99.9th percentile", "peak pressure ratio",
         "displacement error", "max error of recovered pressures", "estimated max error",
         "certified: energy error", "certified: clamp force error", "certified: max error",
-        "coordinates",
+        "certified: increment, bounds fixed", "residual of friction", "coordinates",
     )  # fmt: skip
     rows: list[tuple[str | Cell, ...]] = [
         (
@@ -290,8 +290,9 @@ def _certified(result: MethodResult) -> Iterator[str]:
     """Yield the bounds, the sharpest first."""
     for bound in (
         result.certified_energy_error, result.certified_force_error, result.certified_bound,
+        result.response.increment_error, result.response.law_residual,
     ):  # fmt: skip
-        yield "—" if bound is None else percent(bound)
+        yield "—" if bound is None or not np.isfinite(bound) else percent(bound)
 
 
 def _recovered(result: MethodResult) -> Cell:

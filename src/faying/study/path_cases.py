@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.assessment.backbone import backbone
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
+from faying.assessment.tresca import IncrementCertificate, certify_increments
 from faying.exceptions import naming
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -110,7 +111,26 @@ def path_response(
     path = solve_path(system, _loads(case, model, names, factors), initial=rest, name=case.name)
     seconds = time.perf_counter() - start
     record = path_record(path, rest, load, names, factors)
-    return respond(last_of(path), model, seconds, path=record, motion=_motion(model, path))
+    return respond(
+        last_of(path),
+        model,
+        seconds,
+        path=record,
+        motion=_motion(model, path),
+        certificate=_certificate(model, path, rest),
+    )
+
+
+MOST_CERTIFIED = 1000
+"""Contact points with three components up to which a run factorizes H for every path: seconds."""
+
+
+def _certificate(model: Model, path: Solution, rest: Solution) -> IncrementCertificate | None:
+    """Certify the increments of a reduced model; those of the full one are what is meant."""
+    rubs = path.shear_forces is not None and has_friction(model)
+    if path.system is model or not rubs or model.contact.n_points > MOST_CERTIFIED:
+        return None
+    return certify_increments(model, path, rest)
 
 
 def _motion(model: Model, path: Solution) -> NodalMotion | None:

@@ -10,6 +10,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.case_metrics import bent_bolts
+from faying.assessment.tresca import IncrementCertificate
 from faying.joint.model import Model
 from faying.joint.system import input_forces
 from faying.reduction.projection import full_displacement
@@ -37,6 +38,7 @@ def respond(
     cycles: Mapping[str, CycleRecord] | None = None,
     backbones: Mapping[str, Backbone] | None = None,
     motion: NodalMotion | None = None,
+    certificate: IncrementCertificate | None = None,
     moves: bool = False,
 ) -> Response:
     """Take from a solution what a run keeps, with what led to it or was found from it.
@@ -69,6 +71,8 @@ def respond(
         friction=None
         if static or solution.shear_slip is None
         else SlipRecord(**slip_fields(solution, None)),
+        increment_error=None if certificate is None else float(certificate.energy_error.max()),
+        law_residual=None if certificate is None else float(certificate.residual.max()),
         path=path,
         cycles=cycles or {},
         backbones=backbones or {},
@@ -98,6 +102,8 @@ ARRAYS = (
     "energy_gain",
     "substeps",
     "step_error",
+    "increment_error",
+    "law_residual",
 )
 
 
@@ -167,10 +173,16 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         substeps=arrays["substeps"].astype(np.int64) if "substeps" in arrays else None,
         step_error=arrays.get("step_error"),
         estimate=_unpacked_estimate(arrays),
+        increment_error=_number(arrays, "increment_error"),
+        law_residual=_number(arrays, "law_residual"),
         path=unpacked_path(arrays, PATH) if f"{PATH}/factors" in arrays else None,
         cycles={name: unpacked_cycles(arrays, f"{CYCLES}/{name}") for name in amplitudes},
         backbones={name: unpacked_backbone(arrays, f"{BACKBONES}/{name}") for name in modes},
     )
+
+
+def _number(arrays: Mapping[str, Matrix], name: str) -> float | None:
+    return float(arrays[name]) if name in arrays else None
 
 
 def _unpacked_estimate(arrays: Mapping[str, Matrix]) -> Accuracy | None:

@@ -64,6 +64,12 @@ class Response:
         which take the steps of the reference.
     estimate
         Errors estimated without a full solution, of transients of reduced models.
+    increment_error : [1]
+        Of paths of reduced models: largest certified energy error of an increment of the full
+        model with these friction bounds, from this slip.
+    law_residual : [1]
+        Of the same: largest natural residual of Coulomb's law at the full model, over the largest
+        force. It bounds nothing.
     path
         The increments of a case that is a path, or a static load with friction; the other fields
         are those of the last one.
@@ -94,6 +100,8 @@ class Response:
     substeps: Indices | None = None
     step_error: Vector | None = None
     estimate: Accuracy | None = None
+    increment_error: float | None = None
+    law_residual: float | None = None
     path: PathRecord | None = None
     cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
     backbones: Mapping[str, Backbone] = field(default_factory=dict)

@@ -324,6 +324,8 @@ def _method(result: MethodResult) -> dict[str, float]:
         "certified_energy_error": result.certified_energy_error,
         "certified_force_error": result.certified_force_error,
         "certified_bound": result.certified_bound,
+        "certified_increment_error": result.response.increment_error,
+        "law_residual": result.response.law_residual,
         "max_traction_error": result.traction_error,
         "dissipation_error": result.dissipation_error,
     }
