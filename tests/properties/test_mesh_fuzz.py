@@ -23,6 +23,7 @@ FORMATS = {
     "vtu": {"suffix": ".vtu", "file_format": "vtu", "binary": False},
     "vtu-binary": {"suffix": ".vtu", "file_format": "vtu", "binary": True},
     "medit": {"suffix": ".mesh", "file_format": "medit"},
+    "mail": {"suffix": ".mail"},
 }
 
 
@@ -41,11 +42,24 @@ def files(tmp_path_factory) -> dict[str, tuple[Path, bytes]]:
     for name, options in FORMATS.items():
         kept = {key: value for key, value in options.items() if key != "suffix"}
         path = folder / f"{name}{options['suffix']}"
+        if name == "mail":
+            found[name] = (folder, _mail(cells.nodes, cells.cells).encode())
+            continue
         tagged = {"gmsh:dim_tags": np.tile([3, 1], (len(cells.nodes), 1))}
         mesh.point_data = tagged if kept["file_format"] == "gmsh" else {}
         mesh.write(path, **kept)
         found[name] = (folder, path.read_bytes())
     return found
+
+
+def _mail(nodes, cells) -> str:
+    """The mesh for code_aster, which meshio does not write."""
+    places = [f" N{i} {x} {y} {z}" for i, (x, y, z) in enumerate(nodes.tolist())]
+    rows = [f" M{i} " + " ".join(f"N{n}" for n in row) for i, row in enumerate(cells.tolist())]
+    halves = [" ".join(f"M{i}" for i in part) for part in np.array_split(range(len(cells)), 2)]
+    groups = [f"GROUP_MA NOM={name}\n{part}" for name, part in zip("AB", halves, strict=True)]
+    sections = ["\n".join(["COOR_3D", *places]), "\n".join(["TETRA4", *rows]), *groups]
+    return "\nFINSF\n".join([*sections, "FIN\n"])
 
 
 @pytest.mark.parametrize("name", list(FORMATS))

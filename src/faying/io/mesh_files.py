@@ -12,6 +12,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.io.aster_mail import read_mail
 from faying.io.mesh_groups import FACE_KINDS, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.elements import SOLIDS
@@ -108,7 +109,7 @@ def read_mesh_file(
 
 
 def _read(path: Path) -> Any:
-    """Return meshio's mesh; it prints and exits where a reader should raise."""
+    """Return meshio's mesh or its like; meshio prints and exits where a reader should raise."""
     if not path.is_file():
         message = f"mesh file '{path}' is not there; check the path"
         raise FormatError(message)
@@ -119,6 +120,8 @@ def _read(path: Path) -> Any:
             f'use source = "{source}"'
         )
         raise FormatError(message)
+    if path.suffix.lower() == ".mail":
+        return read_mail(path)
     _check_whole(path)
     import meshio
     from meshio._mesh import topological_dimension

@@ -1,0 +1,194 @@
+"""Meshes of code_aster in text, ``.mail``: nodes, cells and groups by name.
+
+Sections begin with a keyword and end with FINSF; a percent sign begins a comment, and ``NOM=…``,
+``NBOBJ=…`` and the like are headers. code_aster, document U3.01.00.
+"""
+
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from faying._typing import Indices, Matrix
+from faying.exceptions import FormatError
+from faying.model.elements import SOLIDS
+
+Names = npt.NDArray[np.str_]
+
+_SOLIDS = {
+    f"{name}{element.n_nodes}": element
+    for name, kinds in {
+        "HEXA": ("hex8", "hex20"),
+        "PENTA": ("wedge6", "wedge15"),
+        "TETRA": ("tet4", "tet10"),
+        "PYRAM": ("pyramid5", "pyramid13"),
+    }.items()
+    for element in (SOLIDS[kind] for kind in kinds)
+}
+_FACES = {
+    **{"TRIA3": "triangle", "TRIA6": "triangle6", "TRIA7": "triangle7"},
+    **{"QUAD4": "quad", "QUAD8": "quad8", "QUAD9": "quad9"},
+    **{"SEG2": "line", "SEG3": "line3", "SEG4": "line4", "POI1": "vertex"},
+}
+_CELLS = re.compile(r"(?:HEXA|PENTA|TETRA|PYRAM|TRIA|QUAD|SEG|POI)(\d+)")
+_HEADER = re.compile(r"\b(NOM|NBOBJ|NOBJ|NBLIGE|NBLIGT|NUMIN|NUMAX|AUTEUR|DATE)[ \t]*=[ \t]*(\S*)")
+_END = re.compile(r"^\s*FIN\s*$", re.MULTILINE)
+_GROUPS = ("GROUP_MA", "GROUP_NO")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Cells:
+    """Cells of one kind, named and ordered as meshio does; ``data`` (n_cell, n_node)."""
+
+    type: str
+    data: Indices
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MailMesh:
+    """A mesh with what readers of meshio's meshes look at."""
+
+    points: Matrix
+    cells: list[Cells]
+    cell_sets: dict[str, list[Indices]]
+    point_sets: dict[str, Indices]
+    cell_data: dict[str, Indices] = field(default_factory=dict)
+    field_data: dict[str, Indices] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Section:
+    """What stands between a keyword and FINSF."""
+
+    path: Path
+    line: int
+    keyword: str
+    name: str
+    words: Names
+
+    def error(self, text: str) -> FormatError:
+        """Return the error that names file, line and section."""
+        return FormatError(f"{self.path}:{self.line}: {self.keyword}: {text}")
+
+    def rows(self, width: int) -> Names:
+        """Return the words as rows of a name and what belongs to it."""
+        if len(self.words) % width:
+            text = (
+                f"{len(self.words)} words; expected {width} each: a name, and its numbers or nodes"
+            )
+            raise self.error(text)
+        return self.words.reshape(-1, width)
+
+    def index(self, known: Names, wanted: Names, what: str) -> Indices:
+        """Return the places of names among the known ones."""
+        order = np.argsort(known, kind="stable")
+        place = np.searchsorted(known, wanted, sorter=order)
+        found: Indices = order[np.minimum(place, len(order) - 1)] if len(order) else place
+        missing = known[found] != wanted if len(order) else np.ones(wanted.shape, dtype=bool)
+        if missing.any():
+            text = f"there is no {what} '{wanted[missing].flat[0]}'; define it or correct the name"
+            raise self.error(text)
+        return found
+
+
+def read_mail(path: Path) -> MailMesh:
+    """Read nodes, cells and groups; solids that no group holds are in one named ``"solids"``.
+
+    Raises
+    ------
+    FormatError
+        With file and line, if the mesh is plane, or names or numbers are not what they should be.
+    """
+    sections = _sections(path)
+    nodes = [one for one in sections if one.keyword.startswith("COOR_")]
+    if len(nodes) != 1 or nodes[0].keyword != "COOR_3D":
+        shown = ", ".join(one.keyword for one in nodes) or "none"
+        message = f"{path}: sections of coordinates: {shown}; expected one COOR_3D"
+        raise FormatError(message)
+    named, points = _nodes(nodes[0])
+    cells: list[Cells] = []
+    owned: list[Names] = []
+    for one in sections:
+        if match := _CELLS.fullmatch(one.keyword):
+            rows = one.rows(1 + int(match[1]))
+            data = one.index(named, rows[:, 1:], "node")
+            solid = _SOLIDS.get(one.keyword)
+            cells.append(
+                Cells(type=_FACES.get(one.keyword, one.keyword), data=data)
+                if solid is None
+                else Cells(type=solid.elsewhere.meshio, data=solid.elsewhere.theirs(data))
+            )
+            owned.append(rows[:, 0])
+    cell_sets: dict[str, list[Indices]] = {}
+    point_sets: dict[str, Indices] = {}
+    start = np.concatenate([[0], np.cumsum([len(one) for one in owned])]).astype(np.int64)
+    every = np.concatenate([np.empty(0, dtype="U1"), *owned])
+    for one in sections:
+        if one.keyword == "GROUP_NO":
+            point_sets[one.name] = np.unique(one.index(named, one.words, "node"))
+        elif one.keyword == "GROUP_MA":
+            place = np.unique(one.index(every, one.words, "cell"))
+            block = np.searchsorted(start, place, side="right") - 1
+            cell_sets[one.name] = [place[block == k] - start[k] for k in range(len(owned))]
+    return MailMesh(
+        points=points,
+        cells=cells,
+        cell_sets=_with_all_solids(cells, cell_sets),
+        point_sets=point_sets,
+    )
+
+
+def _sections(path: Path) -> list[_Section]:
+    text = re.sub(r"%[^\n]*", "", path.read_text(encoding="latin-1"))
+    if _END.search(text) is None:
+        message = f"{path}: it does not end with FIN, so it was cut off; write it again"
+        raise FormatError(message)
+    found, line = [], 1
+    for part in re.split(r"\bFINSF\b", _END.split(text)[0]):
+        body = part.lstrip()
+        first = line + part[: len(part) - len(body)].count("\n")
+        line += part.count("\n")
+        keyword = body.split(maxsplit=1)[0] if body else ""
+        if keyword in ("", "TITRE"):
+            continue
+        headers = dict(_HEADER.findall(body))
+        words = np.array(_HEADER.sub(" ", body).replace("=", " ").split()[1:], dtype=np.str_)
+        name = headers.get("NOM", "")
+        if keyword in _GROUPS and not name and len(words):
+            name, words = str(words[0]), words[1:]
+        found.append(_Section(path=path, line=first, keyword=keyword, name=name, words=words))
+    return found
+
+
+def _nodes(section: _Section) -> tuple[Names, Matrix]:
+    rows = section.rows(4)
+    names = rows[:, 0]
+    again = np.unique(names, return_counts=True)
+    if (again[1] > 1).any():
+        text = f"node '{again[0][again[1] > 1][0]}' is there twice; rename one"
+        raise section.error(text)
+    try:
+        points = np.char.replace(np.char.upper(rows[:, 1:]), "D", "E").astype(np.float64)
+    except ValueError as error:
+        text = f"a coordinate is no number ({error}); expected a name and x, y, z of every node"
+        raise section.error(text) from None
+    return names, points
+
+
+def _with_all_solids(
+    cells: list[Cells], sets: dict[str, list[Indices]]
+) -> dict[str, list[Indices]]:
+    """Put a group of all solids in front, where those of the file leave some out."""
+    solid = [block.type not in _FACES.values() for block in cells]
+    held = [
+        np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(one[k] for one in sets.values())]))
+        for k in range(len(cells))
+    ]
+    if all(len(held[k]) == len(cells[k].data) for k in range(len(cells)) if solid[k]):
+        return sets
+    everything = [
+        np.arange(len(b.data) if is_solid else 0) for b, is_solid in zip(cells, solid, strict=True)
+    ]
+    return {"solids": everything, **sets}
