@@ -244,6 +244,18 @@ def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_
             assert case.reference.path.bolt_forces.keys() == exact.path.bolt_forces.keys()
 
 
+def test_the_joint_is_judged_over_all_increments(results):
+    """A bolt that is loosened and tightened again along a path was loose."""
+    way, bolt = results.cases["way"].reference.path, results.assessment.bolts["bolt"]
+    assert bolt.least == way.bolt_forces["bolt"].min() < 0.8 * bolt.preload
+    assert bolt.least_case == "way"
+    joint = results.assessment.interfaces["joint"]
+    weights = results.interfaces["joint"].weights
+    # Sums of a hundred numbers in another order.
+    assert joint.least_clamp == pytest.approx((way.pressure @ weights).min(), rel=1e-12)
+    assert joint.least_clamp_case == "way"
+
+
 def test_the_report_says_first_what_slips(results, tmp_path):
     page = write_report(results, tmp_path).read_text(encoding="utf-8")
     first = re.search(r'class="verdict">([^.]*\.)', page)[1]

@@ -21,6 +21,7 @@ from faying.joint.model import Model
 from faying.joint.tangential import tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
+from faying.study.comparison import increments
 from faying.study.extras import Extras
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
@@ -118,13 +119,22 @@ def requirements_of(section: RequirementSection) -> Requirements:
 
 
 def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
-    pressure = np.atleast_2d(case.reference.pressure)
+    """Return a load case as it is judged: over all instants, or all increments of its paths."""
+    response, paths = case.reference, increments(case.reference)
+    states = [np.atleast_2d(response.pressure), *(one.pressure for one in paths)]
+    pressure = np.concatenate(states)
+    moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
     return CaseState(
         pressure=pressure,
-        bolt_forces={name: np.atleast_1d(f) for name, f in case.reference.bolt_forces.items()},
+        bolt_forces={
+            name: np.concatenate([np.atleast_1d(force), *(one.bolt_forces[name] for one in paths)])
+            for name, force in response.bolt_forces.items()
+        },
         certified=certified,
+        # Of increments bending is known at the last one, which stands for the others.
         bolt_moments={
-            name: moments.reshape(-1, 2, 2) for name, moments in case.reference.bolt_moments.items()
+            name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
+            for name, ends in moments.items()
         },
     )
 
