@@ -5,6 +5,7 @@ import numpy as np
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
@@ -297,6 +298,18 @@ def fake_results():
         provenance={"faying": "0.1.0", "python": "3.11", "factorization": "superlu"},
         validation=_validation(),
         normal_modes=ModeCount(below=4e4, found=20, counted=20),
+        mode_choices={
+            "LC2-step": NormalModeChoice(
+                count=20,
+                met=False,
+                tolerance=0.02,
+                excited=7957.0,
+                resolved=5e4,
+                counts=np.array([10, 20]),
+                highest=np.array([9524.0, 4e4]),
+                estimates=np.array([np.inf, 0.031]),
+            )
+        },
         factor_bytes=2_500_000,
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
         omissions=("worst-case search, nmf: it met what <nobody> foresaw",),

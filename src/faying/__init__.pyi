@@ -7,6 +7,7 @@ from faying.assessment.backbone import backbone as backbone
 from faying.assessment.best_possible import best_possible_errors as best_possible_errors
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes
+from faying.assessment.choose_normal_modes import choose_normal_modes as choose_normal_modes
 from faying.assessment.decay import free_decay as free_decay
 from faying.assessment.energy import energy_balance as energy_balance
 from faying.assessment.frequencies import count_frequencies_below as count_frequencies_below

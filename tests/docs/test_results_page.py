@@ -10,6 +10,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
@@ -85,6 +86,7 @@ GROUPS = {
     "/validation/penalty": PenaltyRecord,
     "/validation/penalty/sweep": PenaltySweep,
     "/validation/choices/METHOD": JointModeChoice,
+    "/mode_choices/NAME": NormalModeChoice,
     "/` of `recovered_HISTORY.h5": RecoveredRecord,
 }
 MODELS = {

@@ -41,6 +41,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
         if case.get("steps") is not None:
             chosen = {key: value for key, value in case["steps"].items() if key != "met"}
             console.print(choice_sentence(name, StepChoice(**chosen)), highlight=False)
+    for line in _chosen_modes(summary):
+        console.print(line, highlight=False)
     for line in _remedies(summary):
         console.print(line, highlight=False)
     for name, case in cases.items():
@@ -89,6 +91,12 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     largest = max(sizes, key=int)
     found = [case["methods"].get(method, {}).get(largest) for case in cases]
     return [largest, *(_percent(entry) for entry in found)]
+
+
+def _chosen_modes(summary: Mapping[str, Any]) -> list[str]:
+    """Say how many normal modes were chosen for each load case."""
+    found = summary.get("normal_mode_choice")
+    return [] if found is None else [one["reason"] for one in found["load_cases"].values()]
 
 
 def _remedies(summary: Mapping[str, Any]) -> list[str]:

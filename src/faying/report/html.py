@@ -42,6 +42,7 @@ from faying.report.unseen_loads import choice_table, load_space_table, worst_cas
 from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
+from faying.study.mode_choice import mode_sentences
 from faying.study.results import CaseResult, Results
 from faying.study.step_check import StepCheck, step_check
 from faying.study.step_choice import choice_sentence, step_choice
@@ -123,6 +124,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         methods=meanings(results),
         reservations=[
             *doubtful_references(results),
+            *mode_sentences(results.mode_choices, units_of(results.units)),
             *remedies(results),
             *reservations(results),
         ],

@@ -234,6 +234,12 @@ def _mesh_materials(study: Study) -> Iterator[Problem]:
 def _reduction(study: Study) -> Iterator[Problem]:
     reduction, training = study.reduction, study.reduction.training
     modes = reduction.joint_modes
+    if reduction.normal_modes is None and not any(case.transient for case in study.load_cases):
+        text = (
+            "'auto' chooses for load cases over time, and the study has none; give a number, or "
+            'add a [[load_case]] of kind = "step" or "history"'
+        )
+        yield _problem(study, ("reduction", "normal_modes"), text)
     without_basis = [name for name in reduction.methods if METHODS[name].forces is not None]
     if not modes and without_basis:
         text = f"'auto' does not choose for method '{without_basis[0]}'; give a list of numbers"

@@ -16,7 +16,7 @@ from faying.reduction.craig_bampton import classic_basis
 from faying.reduction.method import CLASSIC, Method, OfflineData
 from faying.reduction.methods import METHODS
 from faying.reduction.mode_count import ModeCount, check_modes
-from faying.reduction.normal_modes import fixed_interface_normal_modes
+from faying.reduction.normal_modes import NormalModes
 from faying.reduction.projection import projected
 from faying.reduction.snapshots import static_snapshots
 from faying.simulation.frictional_preload import tighten_with_friction
@@ -175,7 +175,11 @@ class TrainedBases:
 
 
 def build_bases(
-    study: Study, joint: PreparedJoint, stages: Stages, checkpoint: Checkpoint
+    study: Study,
+    joint: PreparedJoint,
+    modes: NormalModes,
+    stages: Stages,
+    checkpoint: Checkpoint,
 ) -> TrainedBases:
     """Build the bases that the study's methods need, and train where one must be.
 
@@ -187,9 +191,6 @@ def build_bases(
     reduction, model = study.reduction, joint.model
     most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
-        # Statics need no mass, and a structure without mass has no vibration modes.
-        count = reduction.normal_modes if model.structure.has_mass else 0
-        modes = fixed_interface_normal_modes(model.structure, count)
         classic = classic_basis(model, modes)
     with stages.stage("mode_count"):
         mode_count = check_modes(model.structure, modes)

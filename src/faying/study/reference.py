@@ -90,12 +90,19 @@ def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
     )
 
 
-def reference_of(study: Study, joint: PreparedJoint, stages: Stages) -> Reference:
+def reference_of(
+    study: Study, joint: PreparedJoint, normal_modes: int, stages: Stages
+) -> Reference:
     """Return what the load cases of a study are compared with.
 
     Without the full model that is method ``compliance`` with twice the normal modes, static
     solutions of which are those of the full model; what the other methods differ from it in
     transients is a check of their number of modes.
+
+    Parameters
+    ----------
+    normal_modes
+        Of the methods.
 
     Notes
     -----
@@ -105,7 +112,7 @@ def reference_of(study: Study, joint: PreparedJoint, stages: Stages) -> Referenc
     if kind == "full":
         return Reference(kind=kind, reason=reason, system=joint.model)
     model: Model = joint.model
-    modes = MORE_MODES * study.reduction.normal_modes if model.structure.has_mass else 0
+    modes = min(MORE_MODES * normal_modes, len(model.structure.interior))
     with stages.stage("reduced reference"):
         rom = projected(model, craig_bampton(model, normal_modes=modes), compliance=True)
         (rom,) = completed(model, [rom])

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
+from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.joint_record import Assessment
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.slip_reserve import SlipReserve
@@ -305,6 +306,8 @@ class Results:
         Why, where the study leaves it open.
     assessment
         The joint judged over the load cases; None where that failed.
+    mode_choices
+        Load case name to the normal modes that were chosen for it.
     """
 
     title: str
@@ -331,3 +334,4 @@ class Results:
     reference: str = "full"
     reference_reason: str = ""
     assessment: Assessment | None = None
+    mode_choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)

@@ -108,6 +108,15 @@ def _step(value: Any) -> float:
     raise refusal(message)
 
 
+def _or_auto(value: Any) -> Any:
+    if value == "auto":
+        return None
+    if isinstance(value, str):
+        message = f"found {shown(value)}, expected a whole number or 'auto'"
+        raise refusal(message)
+    return value
+
+
 def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
     if isinstance(value, (str, Path)):
         return _existing_file(Path(value), info)
@@ -157,6 +166,10 @@ TangentialPenalty = Annotated[
 ]
 StepOrAuto = Annotated[
     float, BeforeValidator(_step, json_schema_input_type=Positive | Literal["auto"])
+]
+CountOrAuto = Annotated[
+    CountOrNone | None,
+    BeforeValidator(_or_auto, json_schema_input_type=CountOrNone | Literal["auto"]),
 ]
 InitialGap = Annotated[
     float | Path, BeforeValidator(_initial_gap, json_schema_input_type=Number | str)

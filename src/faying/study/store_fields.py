@@ -5,6 +5,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
@@ -52,6 +53,7 @@ STORED = (
     Spread,
     Verdict,
     ModeCount,
+    NormalModeChoice,
     RecoveredRecord,
     BoltRecord,
     CaseResult,

@@ -12,12 +12,14 @@ from faying.assessment.backbone import Backbone
 from faying.reduction.methods import METHODS
 from faying.study.comparison import increments, rubbed
 from faying.study.declared import missing_contacts
+from faying.study.mode_choice import chosen_count, mode_sentences
 from faying.study.opening import opening
 from faying.study.path_record import CycleRecord
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Response, Results
 from faying.study.step_check import step_check
 from faying.study.step_choice import step_choice
 from faying.study.validation_record import ValidationRecord
+from faying.units import units_of
 
 TRAINING = ["static training", "step training"]
 """Stages in which methods learn."""
@@ -45,6 +47,7 @@ def summarize(results: Results) -> dict[str, Any]:
             "factor_bytes": results.factor_bytes,
         },
         "normal_modes": None if results.normal_modes is None else asdict(results.normal_modes),
+        "normal_mode_choice": _chosen_modes(results),
         "interfaces": {name: _interface(face) for name, face in results.interfaces.items()},
         "bolts": {
             name: {"preload": bolt.preload, "initial_force": bolt.initial_force}
@@ -75,9 +78,26 @@ def plain(value: Any) -> Any:
         return [plain(one) for one in value]
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
+    if isinstance(value, np.integer):
+        return int(value)
     if isinstance(value, (float, np.floating)):
         return float(value) if np.isfinite(value) else None
     return value
+
+
+def _chosen_modes(results: Results) -> dict[str, Any] | None:
+    """Return what normal modes were chosen for the load cases, and why; None where a study says."""
+    choices = results.mode_choices
+    if not choices:
+        return None
+    said = mode_sentences(choices, units_of(results.units))
+    return {
+        "count": chosen_count(choices),
+        "load_cases": {
+            name: {**plain(asdict(choice)), "error": plain(choice.error), "reason": reason}
+            for (name, choice), reason in zip(choices.items(), said, strict=True)
+        },
+    }
 
 
 def _validation(found: ValidationRecord) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from faying.study.ranges import showable
 from faying.study.requirement_tables import RequirementSection, ScatterSection
 from faying.study.section import (
     Count,
+    CountOrAuto,
     CountOrNone,
     ExistingFile,
     Name,
@@ -153,6 +154,9 @@ class ReductionSection(Section):
 
     Attributes
     ----------
+    normal_modes
+        Number of fixed-interface normal modes; ``"auto"`` is as many as the load cases over time
+        need for their tolerances, kept as None.
     joint_modes
         Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
         meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
@@ -164,7 +168,7 @@ class ReductionSection(Section):
         ``compliance+inertia``, which the study does not name.
     """
 
-    normal_modes: CountOrNone = 20
+    normal_modes: CountOrAuto = 20
     joint_modes: JointModes = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED

@@ -1,6 +1,7 @@
 """Reduce a study's model once, into one file that is solved without the full model."""
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,9 +15,12 @@ from faying.reduction.projection import completed
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.checkpoint import open_checkpoint
 from faying.study.errors import one_of
+from faying.study.mode_choice import mode_sentences
+from faying.study.normal_modes import normal_modes_of
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.tables import Study
+from faying.units import units_of
 
 EXACT = "compliance"
 """Method of a file unless another is asked for: static pressures are those of the full model."""
@@ -31,6 +35,7 @@ def reduce_study(
     joint_modes: int | None = None,
     shapes: bool = True,
     progress: ProgressBar | None = None,
+    told: Callable[[str], object] | None = None,
 ) -> ReducedModel:
     """Reduce the model of a study by one method and write it to a file.
 
@@ -44,6 +49,8 @@ def reduce_study(
         Of methods that have them; by default the most that the study names.
     shapes
         Keep the trial vectors, as :meth:`ReducedModel.save`.
+    told
+        Called with a sentence for each load case that a number of normal modes was chosen for.
 
     Returns
     -------
@@ -57,7 +64,8 @@ def reduce_study(
 
     Notes
     -----
-    The offline part of a run for one method: no load case is solved.
+    The offline part of a run for one method: no load case is solved, but with
+    ``normal_modes = "auto"`` those over time by reduced models.
     """
     chosen = _method(method)
     wanted = [joint_modes] if joint_modes else list(study.reduction.joint_modes)[-1:]
@@ -75,7 +83,11 @@ def reduce_study(
     joint = prepare_joint(alone, stages)
     with TemporaryDirectory() as folder:
         checkpoint = open_checkpoint(Path(folder), study.text, resume=False)
-        trained = build_bases(alone, joint, stages, checkpoint)
+        modes = normal_modes_of(alone, joint, stages, checkpoint)
+        trained = build_bases(alone, joint, modes.modes, stages, checkpoint)
+    if told is not None:
+        for line in mode_sentences(modes.choices, units_of(study.units)):
+            told(line)
     choices = choose_counts(alone, joint.model, trained, stages)
     bare = reduced_models(alone, joint.model, trained, choices, stages)
     (rom,) = (one for one in bare[chosen.name].values() if isinstance(one, ReducedModel))

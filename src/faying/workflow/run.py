@@ -19,6 +19,7 @@ from faying.study.extras import Extras
 from faying.study.full_transients import case_groups
 from faying.study.inertia import InertiaWhenNeeded
 from faying.study.kept_models import Kept, Models, kept_models, with_kept
+from faying.study.normal_modes import normal_modes_of
 from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
@@ -90,7 +91,8 @@ def _computed(
     if executor is not None:
         compute_pieces(study, executor, checkpoint, stages)
     joint = prepare_joint(study, stages)
-    trained = build_bases(study, joint, stages, checkpoint)
+    chosen = normal_modes_of(study, joint, stages, checkpoint)
+    trained = build_bases(study, joint, chosen.modes, stages, checkpoint)
     choices = choose_counts(study, joint.model, trained, stages)
     bare = reduced_models(study, joint.model, trained, choices, stages)
     extras = Extras()
@@ -99,7 +101,7 @@ def _computed(
     with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
         kept = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
     models = with_kept(bare, kept)
-    reference = reference_of(study, joint, stages)
+    reference = reference_of(study, joint, len(chosen.modes.frequencies), stages)
     full = reference.kind == "full"
     runner = CaseRunner(
         joint=joint,
@@ -133,7 +135,7 @@ def _computed(
     assessment = assess_run(study, joint, cases, stages, extras, exact)
     with stages.stage("records"):
         found = record(study, joint, kept, trained, cases, validation, extras, failures, reference)
-    found = replace(found, assessment=assessment)
+    found = replace(found, assessment=assessment, mode_choices=chosen.choices)
     return replace(found, timings=stages.account()), not failures
 
 

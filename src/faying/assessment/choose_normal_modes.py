@@ -1,0 +1,271 @@
+"""The number of normal modes that the pressures of a transient need, by estimated errors.
+
+The residual compliance keeps the static part of what is left out, so that only modes that are
+moved faster than they can follow statically matter. ``docs/theory/transient_accuracy.md`` has what
+was measured.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.assessment.transient_error import LARGE, finer_model, transient_error
+from faying.exceptions import ConvergenceError, ModelError
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.reduction.craig_bampton import classic_basis
+from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
+from faying.reduction.projection import projected
+from faying.simulation.divided_steps import divided_steps
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.static import AT_REST
+from faying.simulation.stepping import check_times
+from faying.simulation.transient import solve_transient
+
+FEWEST, MOST = 5, 320
+"""Normal modes that are tried first, then twice as many, and so on, and last."""
+
+AS_GOOD = 1.25
+"""Estimated error over the least of all from which on fewer modes are not as good as more."""
+
+FREQUENCIES = 200
+"""At which loads are looked at, evenly by their logarithm over four decades."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NormalModeChoice:
+    """How many normal modes a pressure tolerance of a transient needs.
+
+    Attributes
+    ----------
+    count : [1]
+        Chosen number of normal modes: of those tried the fewest within the tolerance, or, where
+        none is, the fewest that are as good as the best (``met``).
+    met
+        Whether the estimated error is within the tolerance.
+    tolerance : [1]
+        Largest pressure error over the peak that was asked for.
+    excited : [1/time]
+        Up to which the loads move an oscillator by more than the tolerance beside its static
+        response, as far as time steps follow.
+    resolved : [1/time]
+        Steps per time: modes above it have periods shorter than a step.
+    counts : (n,) [1]
+        Numbers of normal modes that were tried.
+    highest : (n,) [1/time]
+        Highest frequency of each number.
+    estimates : (n,) [1]
+        Largest pressure error of each over the peak, estimated; infinite where that failed.
+    """
+
+    count: int
+    met: bool
+    tolerance: float
+    excited: float
+    resolved: float
+    counts: Indices
+    highest: Vector
+    estimates: Vector
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "counts", frozen(self.counts, np.int64))
+        object.__setattr__(self, "highest", frozen(self.highest))
+        object.__setattr__(self, "estimates", frozen(self.estimates))
+
+    @property
+    def error(self) -> float:
+        """Estimated error of the chosen number."""
+        return float(self.estimates[self.counts == self.count][0])
+
+
+def choose_normal_modes(
+    model: Model,
+    load: Load,
+    *,
+    step: float,
+    duration: float,
+    integrator: Integrator | None = None,
+    tolerance: float = LARGE,
+    step_tolerance: float | None = None,
+    rest: Callable[[System], Solution] | None = None,
+    modes: Callable[[int], NormalModes] | None = None,
+) -> NormalModeChoice:
+    """Find the normal modes that a transient under residual compliance needs for its pressures.
+
+    Parameters
+    ----------
+    model
+        The full model; no time step of it is solved.
+    load, step, duration, integrator
+        As :func:`faying.solve_transient`.
+    tolerance
+        Largest pressure error of the reduction over the peak.
+    step_tolerance
+        With it time steps are divided as by ``tolerance`` of :func:`faying.solve_transient`; all
+        numbers of modes take those of the first.
+    rest
+        Returns the static solution that a reduced model starts from; by default the joint under
+        its bolts alone.
+    modes
+        Returns so many of the lowest normal modes; unless given they are computed.
+
+    Raises
+    ------
+    ModelError
+        If step, duration or tolerance is not positive, or the structure has no mass.
+
+    Notes
+    -----
+    The first number tried, 5, 10, 20 … 320, is the one whose modes reach up to what the loads
+    excite. Each takes a Lanczos run, a projection and two reduced transients
+    (:func:`faying.transient_error`). More are tried until the estimate is within the tolerance,
+    modes have periods shorter than a step, or the estimates of the last two say that 320 modes
+    would not do either. Estimates are no bounds.
+    """
+    check_times(step, duration)
+    if not tolerance > 0:
+        message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"
+        raise ModelError(message)
+    found = modes or (lambda count: fixed_interface_normal_modes(model.structure, count))
+    trial = _Trial(
+        model=model,
+        load=load,
+        step=step,
+        duration=duration,
+        integrator=integrator,
+        step_tolerance=step_tolerance,
+        rest=rest,
+    )
+    resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
+    counts, highest, estimates = [], [], []
+    steps: Indices | None = None
+    for count in _numbers(len(model.structure.interior)):
+        kept = found(count)
+        if kept.next_frequency <= excited and count < MOST:
+            continue
+        error, steps = trial.estimate(kept, steps)
+        counts.append(count)
+        highest.append(float(kept.frequencies.max(initial=0.0)))
+        estimates.append(error)
+        if steps is not None:
+            resolved = float(steps.max()) / step
+        if error <= tolerance or highest[-1] > resolved or _hopeless(estimates, count, tolerance):
+            break
+    return NormalModeChoice(
+        count=_chosen(counts, estimates, tolerance),
+        met=estimates[-1] <= tolerance,
+        tolerance=tolerance,
+        excited=excited,
+        resolved=resolved,
+        counts=np.array(counts),
+        highest=np.array(highest),
+        estimates=np.array(estimates),
+    )
+
+
+def _numbers(n_interior: int) -> list[int]:
+    """Return the numbers of modes to try, rising; all there are where they are few."""
+    doubled = [FEWEST]
+    while doubled[-1] < MOST:
+        doubled.append(2 * doubled[-1])
+    return sorted({min(count, n_interior) for count in doubled})
+
+
+def _hopeless(estimates: list[float], count: int, tolerance: float) -> bool:
+    """Say whether errors that go on falling as they last did stay above the tolerance."""
+    if len(estimates) < 2 or not np.isfinite(estimates[-1]):
+        return False
+    before, now = estimates[-2:]
+    if now >= before:
+        return len(estimates) > 2  # once may be chance
+    at_most: float = now * (now / before) ** np.log2(MOST / count) if np.isfinite(before) else 0.0
+    return bool(at_most > tolerance)
+
+
+def _chosen(counts: list[int], estimates: list[float], tolerance: float) -> int:
+    enough = max(tolerance, AS_GOOD * min(estimates))
+    return next(n for n, error in zip(counts, estimates, strict=True) if error <= enough)
+
+
+def excited_frequency(
+    model: Model, load: Load, step: float, duration: float, tolerance: float
+) -> float:
+    """Return the frequency [1/time] up to which a load excites what time steps follow.
+
+    An undamped oscillator of frequency f under a load F(t) is beside its static response by
+    ∫ F′(τ) cos 2πf(t − τ) dτ, in terms of what F does statically. Above the frequency returned that
+    is less than the tolerance at all instants, of every load over its own largest value; or a step
+    takes more than a radian of the oscillation.
+    """
+    times: Vector = step * np.arange(round(duration / step) + 1, dtype=np.float64)
+    inputs = load.inputs(model, times) - AT_REST.inputs(model, np.zeros(1))
+    peaks = np.abs(inputs).max(axis=0)
+    forces = inputs[:, peaks > 0] / peaks[peaks > 0]
+    resolved = 1.0 / (2 * np.pi * step)
+    for frequency in resolved * np.geomspace(1.0, 1e-4, FREQUENCIES):
+        if _beside_static(forces, times, frequency) > tolerance:
+            return float(frequency)
+    return 0.0
+
+
+def _beside_static(forces: Matrix, times: Vector, frequency: float) -> float:
+    """Return the largest of the integrals of forces that are linear between instants."""
+    step, turn = times[1], np.exp(2j * np.pi * frequency * times)[:, None]
+    middle = np.sinc(frequency * step) * np.exp(1j * np.pi * frequency * step)
+    changes = np.vstack([forces[:1], middle * np.diff(forces, axis=0)])
+    return float(np.abs((turn * np.cumsum(changes / turn, axis=0)).real).max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Trial:
+    """A transient that is solved with several numbers of modes."""
+
+    model: Model
+    load: Load
+    step: float
+    duration: float
+    integrator: Integrator | None
+    step_tolerance: float | None
+    rest: Callable[[System], Solution] | None
+
+    def estimate(self, modes: NormalModes, steps: Indices | None) -> tuple[float, Indices | None]:
+        """Return the estimated error with some modes, and the steps between instants."""
+        rom = projected(self.model, classic_basis(self.model, modes), compliance=True)
+        try:
+            motion = self._solved(rom, steps)
+            finer = finer_model(self.model, motion)
+            found = transient_error(
+                finer,
+                motion,
+                self.load,
+                integrator=self.integrator,
+                initial=self._initial(finer),
+            )
+        except ConvergenceError:
+            return np.inf, steps
+        return found.max_relative_error, motion.substeps
+
+    def _solved(self, rom: System, steps: Indices | None) -> Solution:
+        initial = self._initial(rom)
+        if self.step_tolerance is None:
+            return solve_transient(
+                rom,
+                self.load,
+                step=self.step,
+                duration=self.duration,
+                integrator=self.integrator,
+                initial=initial,
+            )
+        divided = divided_steps(
+            rom, step=self.step, tolerance=self.step_tolerance, integrator=self.integrator
+        )
+        return divided.solve(self.load, duration=self.duration, initial=initial, substeps=steps)
+
+    def _initial(self, rom: System) -> Solution | None:
+        return None if self.rest is None else self.rest(rom)
