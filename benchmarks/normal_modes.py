@@ -1,0 +1,66 @@
+"""How many normal modes are chosen for a pressure tolerance, and what they are truly worth.
+
+``python benchmarks/normal_modes.py [PART [JOINT…]]`` prints the table of
+docs/theory/transient_accuracy.md: tolerance 3 %, over a part of the longest period (a quarter) at
+100 steps per period; processor seconds of the choice, the normal modes that the joint's other loads
+tried not counted twice, and of the full model. Needs gmsh for the pipe flange.
+"""
+
+import sys
+import tempfile
+import time
+from functools import cache, partial
+from pathlib import Path
+
+from method_ranges import STEPS, joints, rising
+
+import faying as fy
+from faying.reduction.normal_modes import fixed_interface_normal_modes
+from faying.reduction.projection import projected
+
+LOADS = {"jump": 0.0, "rise over T/10": 0.1, "rise over T/4": 0.25, "rise over T": 1.0}
+SCHEMES = {"implicit Euler": fy.ImplicitEuler(), "generalized-α 0.8": fy.GeneralizedAlpha(0.8)}
+
+
+def main(part: float, chosen: set[str]) -> None:
+    """Print a row for each joint, load and scheme."""
+    write = sys.stdout.write
+    write("| joint | load, scheme | tried | chosen | met | estimated | true | seconds | full |\n")
+    write(f"{'|---' * 9}|\n")
+    with tempfile.TemporaryDirectory() as folder:
+        for joint in joints(Path(folder)):
+            if chosen and joint.name not in chosen:
+                continue
+            model = joint.model
+            period = 1.0 / fy.preloaded_frequencies(model, 1)[0]
+            modes = cache(partial(fixed_interface_normal_modes, model.structure))
+            for label, within in LOADS.items():
+                load = fy.Load(joint.bending)
+                if within:
+                    load = rising(joint.bending, period, within)
+                for scheme, integrator in SCHEMES.items():
+                    options = {
+                        "step": period / STEPS,
+                        "duration": part * period,
+                        "integrator": integrator,
+                    }
+                    begin = time.process_time()
+                    found = fy.choose_normal_modes(model, load, modes=modes, **options)
+                    middle = time.process_time()
+                    full = fy.solve_transient(model, load, **options)
+                    end = time.process_time()
+                    basis = fy.craig_bampton(model, normal_modes=found.count)
+                    rom = projected(model, basis, compliance=True)
+                    true = fy.compare(fy.solve_transient(rom, load, **options), full)
+                    write(
+                        f"| {joint.name} | {label}, {scheme} | "
+                        f"{', '.join(map(str, found.counts.tolist()))} | {found.count} | "
+                        f"{'yes' if found.met else 'no'} | {found.error:.2%} | "
+                        f"{true.max_relative_error:.2%} | {middle - begin:.1f} | "
+                        f"{end - middle:.1f} |\n"
+                    )
+                    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main(float(sys.argv[1]) if sys.argv[1:] else 0.25, set(sys.argv[2:]))
