@@ -28,6 +28,9 @@ MEANINGS = {
 """Requirement to what is judged, how it is limited, and the dimension of the limit."""
 
 
+NO_FRICTION = 1e-9
+"""Coefficient needed that is the round-off of loads that press alone."""
+
 METRICS = {
     "max_pressure": "largest pressure of ",
     "max_nodal_pressure": "largest nodal pressure of ",
@@ -158,7 +161,7 @@ def _slip(one: SlipDemand, unit: str) -> Iterator[str]:
         yield from ("—", "—")
         return
     yield number(one.coefficient)
-    yield number(one.safety[case]) if needed > 0 else "nothing to carry"
+    yield number(one.safety[case]) if needed > NO_FRICTION else "nothing to carry"
 
 
 def scatter_table(results: Results) -> Table:
