@@ -52,6 +52,7 @@ def main() -> None:
         )
         if options.budget:
             model = model.with_dense_budget(int(options.budget))
+        _ = model.K
     with stage("factorization"):
         _ = model.structure.boundary_factor
     with stage("compliance between pairs"):

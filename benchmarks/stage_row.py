@@ -109,6 +109,7 @@ def offline(row: Row, options: dict[str, Any]) -> fy.Model:
     stage = row.stage
     with stage("assembly"):
         model = fy.lap_joint(**options, damping=DAMPING)
+        _ = model.K
     structure, inner = model.structure, model.structure.interior
     row.facts |= {
         "dofs": structure.n_dof,

@@ -80,6 +80,7 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
         check_interfaces(study, loaded)
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
         check_loads(study, model)
+        _ = model.K  # formed here, lest another stage be said to take as long
     _condense(model, stages)
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
     if has_friction(model):
