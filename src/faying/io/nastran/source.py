@@ -65,10 +65,10 @@ def read_source(path: Path, lines_of: LinesOf = all_lines) -> Source:
 
 def _sections(lines: Lines, path: Path) -> Source:
     begin, end = 0, len(lines.text)
-    # DMAP in front of CEND has a BEGIN of its own.
-    cend = next((i for i, text in enumerate(lines.text) if _CEND.match(text)), -1)
-    # Only lines that start like the keyword reach the regular expression.
-    begins = [i for i, t in enumerate(lines.text) if _is_begin(t) and i > cend]
+    # Only lines that hold the keyword reach the regular expression; DMAP in front of CEND has a
+    # BEGIN of its own.
+    cend = next((i for i, t in enumerate(lines.text) if b"CEND" in t and _CEND.match(t)), -1)
+    begins = [i for i, t in enumerate(lines.text) if b"BEGIN" in t and i > cend and _BEGIN.match(t)]
     if begins:
         begin = begins[0] + 1
         for i in begins:
@@ -83,15 +83,9 @@ def _sections(lines: Lines, path: Path) -> Source:
     elif any(_CONTROL.match(text) for text in lines.text[:2000]):
         message = f"{path}: executive or case control but no BEGIN BULK line; add it"
         raise FormatError(message)
-    for i in range(begin, end):
-        if lines.text[i].lstrip()[:7] == b"ENDDATA" and _END.match(lines.text[i]):
-            end = i
-            break
+    bulk = enumerate(lines.text[begin:], start=begin)
+    end = next((i for i, t in bulk if b"ENDDATA" in t and _END.match(t)), end)
     return Source(control=lines[: max(begin - 1, 0)], bulk=lines[begin:end])
-
-
-def _is_begin(text: bytes) -> bool:
-    return text.lstrip()[:5] == b"BEGIN" and _BEGIN.match(text) is not None
 
 
 def _shown(line: bytes) -> str:

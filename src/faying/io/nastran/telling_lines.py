@@ -18,6 +18,11 @@ _ZERO, _NINE = ord("0"), ord("9")
 
 _Letters = npt.NDArray[np.uint8]
 
+_UPPER = np.frombuffer(bytes(range(256)).upper(), dtype=np.uint8)
+_ENDS_NAME = np.isin(np.arange(256), (_BLANK, _TAB, _COMMA, _STAR))
+_GOES_ON = np.isin(np.arange(256), (ord("+"), _STAR, _COMMA, _TAB))
+"""First characters of lines that continue the one above."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TellingLines:
@@ -84,13 +89,16 @@ class _Scan:
         comment = visible == _DOLLAR
         self.repeats |= bool((first == ord("=")).any())
         number = (visible >= _ZERO) & (visible <= _NINE)
-        goes_on = blank.all(axis=1) | np.isin(first, (ord("+"), _STAR, _COMMA, _TAB)) | number
+        goes_on = blank.all(axis=1) | _GOES_ON[first] | number
         starts = np.flatnonzero(~goes_on & ~comment)
         codes = _codes_of(heads[starts])
-        passed = np.isin(codes, self.codes)
-        for code in set(np.unique(codes[passed]).tolist()) - self.seen:
-            passed[np.flatnonzero(codes == code)[0]] = False
-            self.seen.add(code)
+        passed = np.zeros(len(codes), dtype=bool)
+        for code in np.intersect1d(codes, self.codes).tolist():
+            these = codes == code
+            if code not in self.seen:
+                these[these.argmax()] = False
+                self.seen.add(code)
+            passed |= these
         owner = np.zeros(len(heads), dtype=np.int64)
         owner[starts] = np.arange(1, len(starts) + 1)
         owner = np.maximum.accumulate(owner)
@@ -106,12 +114,13 @@ def _code(name: str) -> int:
 
 def _codes_of(heads: _Letters) -> npt.NDArray[np.uint64]:
     """Names (n,) of up to eight letters as numbers, without what stands behind them."""
-    lower = (heads >= ord("a")) & (heads <= ord("z"))
-    names = np.where(lower, heads - np.uint8(32), heads)
-    behind = np.maximum.accumulate(np.isin(names, (_BLANK, _TAB, _COMMA, _STAR)), axis=1)
-    # Behind the name of a statement of case control, as in SPC = 1, there is more than fields.
-    names[behind & (names != ord("="))] = 0
-    return np.ascontiguousarray(names).view(np.uint64).ravel()
+    names = _UPPER[heads]
+    behind = np.zeros(len(heads), dtype=bool)
+    for column in names.T:
+        behind |= _ENDS_NAME[column]
+        # Behind the name of a statement of case control, as in SPC = 1, there is more than fields.
+        column[behind & (column != ord("="))] = 0
+    return names.view(np.uint64).ravel()
 
 
 def _line_places(data: bytes) -> Iterator[tuple[Indices, Indices]]:
@@ -131,8 +140,13 @@ def _line_places(data: bytes) -> Iterator[tuple[Indices, Indices]]:
 
 def _heads(data: bytes, begin: Indices, end: Indices) -> _Letters:
     """First eight characters (n_line, 8) of lines, blank where they are shorter."""
-    letters = np.frombuffer(data, dtype=np.uint8)
-    place = begin[:, None] + np.arange(_WIDTH)
-    heads: _Letters = letters[np.minimum(place, len(letters) - 1)]
-    heads[(place >= end[:, None]) | (heads == _RETURN)] = _BLANK
+    last = len(data) - _WIDTH
+    words: npt.NDArray[np.uint64] = np.ndarray(
+        (max(last, 0) + 1,), np.uint64, data.ljust(_WIDTH), strides=(1,)
+    )
+    heads: _Letters = words[np.minimum(begin, max(last, 0))].view(np.uint8).reshape(-1, _WIDTH)
+    for line in np.flatnonzero(begin > last).tolist():
+        heads[line] = np.frombuffer(data[begin[line] :].ljust(_WIDTH)[:_WIDTH], dtype=np.uint8)
+    heads[np.arange(_WIDTH) >= (end - begin)[:, None]] = _BLANK
+    heads[heads == _RETURN] = _BLANK
     return heads
