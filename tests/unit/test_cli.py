@@ -151,7 +151,8 @@ def test_check_tells_what_was_understood(monkeypatch, capsys):
     # 28 faces of 25 mm²; the automatic penalty is 10 E/h = 10 · 210000 / 5
     assert joint.split() == ["joint", "28", "44", "112", "gauss-2", "700", "0", "420000"]
     # The study's own names for the bodies, out of which and into which the normal points.
-    assert ["joint", "lower", "upper"] in [line.split() for line in out.splitlines()]
+    sides = ["joint", "lower", "upper", "(0,", "0,", "1)", "both", "sides"]
+    assert sides in [line.split() for line in out.splitlines()]
 
 
 def test_report_needs_results(monkeypatch, capsys, tmp_path):
