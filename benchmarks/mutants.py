@@ -49,7 +49,7 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "contact/laws/coulomb.py": _LAWS,
     "contact/elastic.py": _CONTACT,
     "contact/dense_points.py": _CONTACT,
-    "contact/newton_steps.py": _FRICTION,
+    "contact/newton_steps.py": ("tests/unit/test_newton_steps.py",),
     "simulation/integrators/implicit_euler.py": _MOTION,
     "simulation/integrators/generalized_alpha.py": _MOTION,
     "simulation/integrators/energy_decaying.py": _MOTION,

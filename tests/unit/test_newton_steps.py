@@ -1,0 +1,185 @@
+"""A Newton step of increments against the same equations written out as dense matrices."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.linalg import LinAlgError, block_diag, qr
+
+from faying.contact.newton_steps import PROXIMAL, NewtonSteps
+
+N_POINT, N_PAIR = 12, 9
+OPEN = [0, 5]
+"""Points that admit nothing; the first alone touches the first pair."""
+
+EXACT = 1e-10
+"""Round-off of systems with conditions up to 1e4."""
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(5)
+
+
+@pytest.fixture
+def steps(random):
+    """Every point moves with two or three of the pairs, turned in some way."""
+    rows = np.zeros((3 * N_POINT, 3 * N_PAIR))
+    for point in range(N_POINT):
+        turn = qr(random.normal(size=(3, 3)))[0]
+        pairs = [0] if point == 0 else [1 + point % 8, 1 + (3 * point + 1) % 8]
+        for pair in pairs:
+            rows[point::N_POINT, 3 * pair : 3 * pair + 3] = random.uniform(0.2, 0.8) * turn
+    root = random.normal(size=(3 * N_PAIR, 3 * N_PAIR))
+    return NewtonSteps(G=sp.csr_array(rows), S=root @ root.T / (3 * N_PAIR) + np.eye(3 * N_PAIR))
+
+
+@pytest.fixture
+def system(random):
+    """F, J, r and c′ of points that stick, slip or are open; a third of them are rigid."""
+    slope = np.stack([half_space(random) for _ in range(N_POINT)])
+    slope[OPEN] = 0.0
+    slope[7] = np.diag([0.7, 0.0, 0.0])  # without friction
+    wrong, scale, compliance = random.uniform(0.5, 2.0, (3, 3, N_POINT))
+    compliance[:, ::3] = 0.0
+    return wrong - 1.2, slope, scale, compliance
+
+
+def half_space(random):
+    """Return the derivative of some projection: symmetric, between zero and one."""
+    turn = qr(random.normal(size=(3, 3)))[0]
+    return turn @ np.diag(random.uniform(0.3, 0.9, 3)) @ turn.T
+
+
+def yielding(steps, compliance):
+    moved = steps.G.toarray() @ steps.S @ steps.G.toarray().T
+    own = np.diag(moved).reshape(3, N_POINT).copy()
+    own[1:] = own[1:].mean(axis=0)
+    return np.maximum(compliance, PROXIMAL * own)
+
+
+def by_points(blocks):
+    """Return blocks (n_point, 3, 3) as a matrix over all normal and all tangential components."""
+    order = np.arange(3 * N_POINT).reshape(N_POINT, 3).T.ravel()
+    return block_diag(*blocks)[np.ix_(order, order)]
+
+
+def dense(steps, system):
+    """Solve (F2): A dx + E G S Gᵀ dx = −F, E = J r, A = I − J + E c′."""
+    wrong, slope, scale, compliance = system
+    E = by_points(slope * scale.T[:, None, :])
+    A = np.eye(3 * N_POINT) - by_points(slope) + E * yielding(steps, compliance).ravel()
+    G = steps.G.toarray()
+    return np.linalg.solve(A + E @ G @ steps.S @ G.T, -wrong.ravel()).reshape(3, N_POINT)
+
+
+def test_step_solves_its_equations(steps, system):
+    found, factors = steps.step(*system)
+    assert found == pytest.approx(dense(steps, system), rel=EXACT, abs=EXACT)
+    assert set(range(3)).isdisjoint(factors.touched)
+    assert len(factors.touched) == 3 * N_PAIR - 3
+
+
+def test_step_where_nothing_is_admissible(steps, system):
+    wrong, slope, scale, compliance = system
+    found, factors = steps.step(wrong, 0 * slope, scale, compliance)
+    assert found == pytest.approx(-wrong, abs=0)
+    assert factors is None
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-12])
+def test_factors_of_a_similar_system_lead_to_the_tolerance(steps, system, tolerance):
+    wrong, slope, scale, compliance = system
+    factors = steps.step(*system)[1]
+    similar = (
+        1e3 * wrong[::-1],
+        slope * np.linspace(0.95, 1.0, N_POINT)[:, None, None],
+        scale,
+        compliance,
+    )
+    found, same = steps.step(*similar, factors, tolerance)
+    assert same is factors
+    wanted = dense(steps, similar)
+    # The residual is measured behind the factors, in whose norm the error is as large.
+    error = np.abs(found - wanted).max() / np.abs(wanted).max()
+    assert error < 30 * tolerance
+    if tolerance > 1e-9:
+        assert error > tolerance / 1e4  # no more corrections than it takes
+
+
+def test_factors_that_do_not_serve_are_replaced(steps, system):
+    wrong, slope, scale, compliance = system
+    factors = steps.step(*system)[1]
+    for other, tolerance in ((slope, 0.0), (slope * 0.4, 1e-9)):
+        changed = (wrong[::-1], other, scale, compliance)
+        found, own = steps.step(*changed, factors, tolerance)
+        assert own is not factors
+        assert found == pytest.approx(dense(steps, changed), rel=EXACT, abs=EXACT)
+
+
+def test_nothing_wrong_needs_no_step(steps, system):
+    factors = steps.step(*system)[1]
+    found, same = steps.step(0 * system[0], *system[1:], factors, 1e-9)
+    assert not found.any()
+    assert same is factors
+
+
+@pytest.mark.parametrize(
+    ("points", "change", "serves"), [(4, 3.0, True), (5, 1.15, False), (12, 1.05, True)]
+)
+def test_factors_serve_where_few_points_change_much(steps, system, points, change, serves):
+    factors = steps.step(*system)[1]
+    K = np.ones_like(factors.K)
+    K[:, 0, 0] = -10.0
+    base = type(factors)(K, factors.touched, factors.lu, factors.pivots)
+    other = K.copy()
+    other[:points] *= change
+    assert base.serve(other) is serves
+
+
+def springs(random):
+    K = np.stack([half_space(random) for _ in range(N_POINT)])
+    K[OPEN] = 0.0
+    K[7] = np.diag([0.7, 0.0, 0.0])
+    return 20.0 * K
+
+
+def test_springs_of_points_between_pairs(steps, random):
+    K = springs(random)
+    K[3, 0, 1] += 1.0  # laws with friction are not symmetric
+    G = steps.G.toarray()
+    assert steps.springs(K).toarray() == pytest.approx(G.T @ by_points(K) @ G, abs=EXACT)
+
+
+def test_compliance_on_springs(steps, random):
+    K = springs(random)
+    K[3, 0, 1] += 1.0
+    G = steps.G.toarray()
+    B = G.T @ by_points(K) @ G
+    exact = steps.S @ np.linalg.inv(np.eye(len(B)) + B @ steps.S)
+    assert steps.supported(K) == pytest.approx(exact, rel=EXACT, abs=EXACT)
+
+
+def test_own_displacements_of_points(steps, random):
+    forces = random.normal(size=(3, N_POINT))
+    G = steps.G.toarray()
+    moved = (G @ steps.S @ G.T @ forces.ravel()).reshape(3, N_POINT)
+    assert steps.moved(forces) == pytest.approx(moved, rel=EXACT)
+    own = np.diag(G @ steps.S @ G.T).reshape(3, N_POINT)
+    assert steps.own[0] == pytest.approx(own[0], rel=EXACT)
+    assert steps.own[1:] == pytest.approx(np.array([own[1:].mean(axis=0)] * 2), rel=EXACT)
+
+
+@pytest.mark.parametrize("row", [[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0]])
+def test_a_pair_whose_directions_weigh_the_same(row):
+    """A point moves with it by 1 along two of its directions: on springs of 2 it yields 1/5."""
+    one = NewtonSteps(G=sp.csr_array(np.array([row]).T), S=np.ones((1, 1)))
+    assert one.supported(2.0 * np.eye(3)[None]) == pytest.approx(1 / 5, rel=EXACT)
+
+
+def test_singular_systems_are_told():
+    one = NewtonSteps(G=sp.csr_array([[1.0], [0.0], [0.0]]), S=np.ones((1, 1)))
+    for spring in (-1.0, np.nan):
+        K = np.zeros((1, 3, 3))
+        K[0, 0, 0] = spring
+        with pytest.raises(LinAlgError, match="singular system of a Newton step"):
+            one.supported(K)
