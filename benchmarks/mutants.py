@@ -38,8 +38,8 @@ SOURCE = ROOT / "src"
 
 _LAWS = ("tests/unit/test_contact_laws.py", "tests/verification/test_laws.py")
 _CONTACT = ("tests/verification/test_contact_problem.py", *_LAWS)
-_FRICTION = (*_LAWS, "tests/verification/test_slip.py")
 _MOTION = ("tests/verification/test_transient.py", "tests/verification/test_energy_decaying.py")
+_STEPS = ("tests/unit/test_integrator_steps.py",)
 _REDUCTION = ("tests/unit/test_basis.py", "tests/verification/test_compliance.py")
 TARGETS: dict[str, tuple[str, ...]] = {
     "contact/active_set.py": _CONTACT,
@@ -50,10 +50,10 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "contact/elastic.py": _CONTACT,
     "contact/dense_points.py": _CONTACT,
     "contact/newton_steps.py": ("tests/unit/test_newton_steps.py",),
-    "simulation/integrators/implicit_euler.py": _MOTION,
-    "simulation/integrators/generalized_alpha.py": _MOTION,
+    "simulation/integrators/implicit_euler.py": _STEPS,
+    "simulation/integrators/generalized_alpha.py": _STEPS,
     "simulation/integrators/energy_decaying.py": _MOTION,
-    "simulation/integrators/spectral_radius.py": _MOTION,
+    "simulation/integrators/spectral_radius.py": _STEPS,
     "simulation/step_contact.py": _MOTION,
     "simulation/energies.py": ("tests/unit/test_energies.py", *_MOTION),
     "reduction/craig_bampton.py": _REDUCTION,
