@@ -1,6 +1,9 @@
 """write → read is the identity; foreign and damaged files end in one message."""
 
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
+from hashlib import sha256
+from types import NoneType
+from typing import get_args, get_type_hints
 
 import h5py
 import numpy as np
@@ -208,3 +211,19 @@ def test_flipped_bit_in_an_array_is_found(tmp_path):
     path.write_bytes(content)
     with pytest.raises(FormatError, match="damaged"):
         read_results(path)
+
+
+REQUIRED = {2: "e88c97831fac9ea9"}
+"""Format of results: digest of what they must hold. A new entry without a default raises it."""
+
+
+def test_entries_that_must_be_there_are_those_of_the_format():
+    required = [
+        f"{kind.__name__}.{field.name}"
+        for kind in sorted(MEANINGS, key=lambda one: one.__name__)
+        for field in fields(kind)
+        if field.name in MEANINGS[kind]
+        and field.default is field.default_factory is MISSING
+        and NoneType not in get_args(get_type_hints(kind)[field.name])
+    ]
+    assert sha256("\n".join(required).encode()).hexdigest()[:16] == REQUIRED[store.RESULTS.version]
