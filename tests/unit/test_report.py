@@ -196,12 +196,23 @@ def test_hard_contact_with_more_points_than_pairs_is_said_to_be_undetermined():
     assert text.startswith(f"joint: hard contact at 29 points of {len(joint.pairs)} node pairs")
 
 
+def test_errors_that_no_method_has_take_no_column():
+    case = RESULTS.cases["LC1"]
+    columns = error_table(case).columns
+    assert "certified: max error" in columns
+    assert "residual of friction" not in columns
+    silent = {
+        name: {count: replace(one, certified_bound=None) for count, one in sizes.items()}
+        for name, sizes in case.methods.items()
+    }
+    assert "certified: max error" not in error_table(replace(case, methods=silent)).columns
+
+
 def test_certified_energy_and_clamp_force_come_before_the_pressure_and_its_loose_bound():
     columns = error_table(RESULTS.cases["LC1"]).columns
     bounds = [name for name in columns if name.startswith("certified")]
     assert bounds == [
         "certified: energy error", "certified: clamp force error", "certified: max error",
-        "certified: increment, bounds fixed",
     ]  # fmt: skip
     results = with_errors(jim_b={5: 0.02, 20: 0.001}, compliance={0: 1e-9})
     # The bound of jim-b with 5 joint modes, 0.1, serves as template: 5 and 100 times the errors;

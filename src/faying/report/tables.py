@@ -254,7 +254,7 @@ def _force(force: dict[str, object], units: Units) -> str:
 
 
 def error_table(case: CaseResult) -> Table:
-    """Return the errors of every method and size in one load case."""
+    """Return the errors of every method and size in one load case, without columns of none."""
     columns = (
         "method", "max error", "rms error", "99.9th percentile", "peak pressure ratio",
         "displacement error", "max error of recovered pressures", "estimated max error",
@@ -283,7 +283,20 @@ def error_table(case: CaseResult) -> Table:
         for name, sizes in case.methods.items()
         for count, result in sorted(sizes.items())
     ]
-    return table(columns, rows)
+    return _told(table(columns, rows))
+
+
+def _told(whole: Table) -> Table:
+    """Return a table without the columns in which nothing stands."""
+    kept = [
+        number
+        for number in range(len(whole.columns))
+        if any(row[number].text != "—" for row in whole.rows)
+    ]
+    return Table(
+        columns=tuple(whole.columns[number] for number in kept),
+        rows=tuple(tuple(row[number] for number in kept) for row in whole.rows),
+    )
 
 
 def _certified(result: MethodResult) -> Iterator[str]:
