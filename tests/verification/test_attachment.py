@@ -10,6 +10,7 @@ import faying as fy
 from faying.assessment.transient_error import HINT
 from faying.cli.outcome import _estimates
 from faying.exceptions import ModelError
+from faying.joint.free_matrices import FreeMatrices
 from faying.linalg.machine_memory import VARIABLE
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.reduction.basis import ModeKind
@@ -179,7 +180,8 @@ def test_a_restart_moves_to_the_same_bits(rom):
 
 
 def test_a_structure_without_mass_is_refused(joint):
-    structure = replace(joint.structure, M=0.0 * joint.M)
+    massless = FreeMatrices.of(0.0 * joint.M, joint.C, joint.K)
+    structure = replace(joint.structure, matrices=massless)
     with pytest.raises(ModelError, match="no mass"):
         fy.attachment_modes(replace(joint, structure=structure))
 
