@@ -45,6 +45,8 @@ class Cut:
         The one the normal is nearest to.
     owner
         Id of one element beside the section.
+    touching
+        Elements of the side that owns the surface which are at it with an edge or a corner only.
     """
 
     section: Section
@@ -56,6 +58,7 @@ class Cut:
     ends: tuple[int, int]
     component: int
     owner: int
+    touching: int
 
 
 def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, Cut]:
@@ -105,6 +108,7 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
         ends=ends,
         component=int(np.abs(normal).argmax()),
         owner=int(surface.elements[0]),
+        touching=len(np.setdiff1d(owners, surface.elements)),
     )
 
 
