@@ -123,7 +123,7 @@ class PairSpace:
 
     @cached_property
     def _spring_pattern(self) -> tuple[Indices, Indices, SparseMatrix]:
-        """Rows and columns of the entries of NᵀN, and the entries per point (n_entry, n_point)."""
+        """Row starts and columns of NᵀN, and the entries of each point (n_entry, n_point)."""
         rows = PaddedRows.of(self.N)
         products = rows.values[:, :, None] * rows.values[:, None, :]
         places = rows.columns[:, :, None] * rows.n_column + rows.columns[:, None, :]
@@ -131,14 +131,14 @@ class PairSpace:
         filled, entry = np.unique(places[points, first, second], return_inverse=True)
         shape = (len(filled), len(self.D))
         each = sp.csr_array((products[points, first, second], (entry, points)), shape=shape)
-        return filled // rows.n_column, filled % rows.n_column, each
+        starts = np.searchsorted(filled // rows.n_column, np.arange(rows.n_column + 1))
+        return starts, filled % rows.n_column, each
 
     def _springs(self, active: Mask) -> "_Springs":
         """Assemble the springs of the active points."""
-        rows, columns, each = self._spring_pattern
+        starts, columns, each = self._spring_pattern
         stiffness = np.divide(active, self.D, out=np.zeros_like(self.D), where=active)
         n = self.N.shape[1]
-        starts = np.searchsorted(rows, np.arange(n + 1))
         B = sp.csr_array((each @ stiffness, columns, starts), shape=(n, n))
         return _Springs(stiffness=stiffness, B=B, touched=np.flatnonzero(B.diagonal()))
 
