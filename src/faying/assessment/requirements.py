@@ -85,3 +85,13 @@ class Verdict:
     case: str
     value: float
     limit: float
+
+    @classmethod
+    def at_least(
+        cls, requirement: str, place: str, case: str, value: float, limit: float
+    ) -> "Verdict":
+        """Return the verdict on a value that must not be below its limit."""
+        met = value >= limit
+        return cls(
+            requirement=requirement, met=met, place=place, case=case, value=value, limit=limit
+        )

@@ -49,14 +49,7 @@ def _clamp_verdict(
     for name, least in wanted_clamps(limit, interfaces).items():
         one = interfaces[name]
         value = one.least_clamp if one.certified is None else float(one.certified[0])
-        yield Verdict(
-            requirement="min_clamp_force",
-            met=value >= least,
-            place=name,
-            case=one.least_clamp_case,
-            value=value,
-            limit=least,
-        )
+        yield Verdict.at_least("min_clamp_force", name, one.least_clamp_case, value, least)
 
 
 def wanted_clamps(
@@ -159,14 +152,7 @@ def _factor_verdict(
         raise ModelError(message)
     name, case = min(factors, key=factors.__getitem__)
     value = factors[name, case]
-    yield Verdict(
-        requirement="min_opening_factor",
-        met=value >= limit,
-        place=name,
-        case=case,
-        value=value,
-        limit=limit,
-    )
+    yield Verdict.at_least("min_opening_factor", name, case, value, limit)
 
 
 def _slip_verdict(
@@ -195,14 +181,7 @@ def _slip_verdict(
         )
         raise ModelError(message)
     place, case = min(found, key=found.__getitem__)
-    yield Verdict(
-        requirement="min_slip_safety",
-        met=found[place, case] >= limit,
-        place=place,
-        case=case,
-        value=found[place, case],
-        limit=limit,
-    )
+    yield Verdict.at_least("min_slip_safety", place, case, found[place, case], limit)
 
 
 def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> str:

@@ -82,14 +82,7 @@ def solved_verdicts(
     sets = {**({} if static is None else {"": static}), **transients}
     for name, least in wanted_clamps(wanted.min_clamp_force, rom.interfaces).items():
         case, value = _extreme(sets, f"clamp_force.{name}", largest=False)
-        yield Verdict(
-            requirement="min_clamp_force",
-            met=value >= least,
-            place=name,
-            case=case,
-            value=value,
-            limit=least,
-        )
+        yield Verdict.at_least("min_clamp_force", name, case, value, least)
     limits = {
         "max_pressure": wanted.max_pressure,
         "max_nodal_pressure": wanted.max_nodal_pressure,
@@ -132,14 +125,7 @@ def _slip(limit: float, wanted: Requirements, rom: ReducedModel, static: Pieces 
         case, needed = _extreme({"": static}, f"needed_friction.{name}")
         found.append((coefficient / needed if needed > 0 else np.inf, name, case))
     value, place, case = min(found)
-    return Verdict(
-        requirement="min_slip_safety",
-        met=value >= limit,
-        place=place,
-        case=case,
-        value=value,
-        limit=limit,
-    )
+    return Verdict.at_least("min_slip_safety", place, case, value, limit)
 
 
 def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -> tuple[str, float]:
@@ -198,11 +184,4 @@ def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator
         for place in rom.interfaces
     }
     place, case = min(lost, key=lost.__getitem__)
-    yield Verdict(
-        requirement="min_opening_factor",
-        met=lost[place, case] >= limit,
-        place=place,
-        case=case,
-        value=lost[place, case],
-        limit=limit,
-    )
+    yield Verdict.at_least("min_opening_factor", place, case, lost[place, case], limit)
