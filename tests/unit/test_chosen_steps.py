@@ -11,16 +11,11 @@ from faying.exceptions import StudyError
 from faying.study.schema import parse_study
 from faying.study.store import read_results
 from faying.workflow.run import run
+from small_study import TINY_JOINT
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
+STUDY = (
+    TINY_JOINT
+    + """
 [damping]
 beta = 1e-6
 
@@ -43,6 +38,7 @@ forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
 duration = 4e-4
 STEP
 """
+)
 AUTO = 'step = "auto"\ntolerance = 0.05\nsteps_per_period = 50'
 
 

@@ -12,16 +12,11 @@ from faying.study import inertia
 from faying.study.schema import parse_study
 from faying.study.store import read_results
 from faying.workflow.run import run
+from small_study import TINY_JOINT
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
+STUDY = (
+    TINY_JOINT
+    + """
 [reduction]
 normal_modes = MODES
 methods = ["compliance"]
@@ -55,6 +50,7 @@ forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
 step = 2e-5
 duration = 4e-4
 """
+)
 
 
 def text(modes=4, reference="full", line="", report="false"):
