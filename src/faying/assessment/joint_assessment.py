@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Mask, Matrix
+from faying._typing import Mask, Matrix, Vector
 from faying.assessment.bolt_bending import bending_of
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
@@ -206,16 +206,31 @@ def judged(
         for name, surface in surfaces.items()
     }
     around = surroundings(surfaces, bolts)
+    nearest = {name: nearest_bolts(one.points, bolts) for name, one in surfaces.items() if bolts}
     clamps: dict[str, dict[str, ClampRange]] = {name: {} for name in bolts}
     for (interface, bolt), points in around.items():
-        clamps[bolt][interface] = _clamp_around((interface, bolt), points, surfaces, rest, cases)
+        surface = surfaces[interface]
+        weights = surface.weights * points[slice(*surface.slice)]
+        certified = {
+            case: one.certified.areas[interface, bolt]
+            for case, one in cases.items()
+            if one.certified is not None
+        }
+        clamps[bolt][interface] = _clamp(surface, weights, rest, cases, certified)
     return Assessment(
         bolts={
             name: replace(
-                _bolt(name, bolts, surfaces, rest, cases, clamps[name]),
+                _bolt(
+                    name,
+                    surfaces,
+                    {place: found == number for place, found in nearest.items()},
+                    rest,
+                    cases,
+                    clamps[name],
+                ),
                 slip_around={place: one for (place, bolt), one in needed.items() if bolt == name},
             )
-            for name in bolts
+            for number, name in enumerate(bolts)
         },
         interfaces=interfaces,
         verdicts=tuple(verdicts(wanted, surfaces, bolts, rest, cases, interfaces, slip or {})),
@@ -230,15 +245,12 @@ def _interface(
     paths: Mapping[str, Openings],
 ) -> InterfaceAssessment:
     own, weights = slice(*surface.slice), surface.weights
-    clamp = clamp_range(
-        float(rest.pressure[0, own] @ weights),
-        {case: one.pressure[:, own] @ weights for case, one in cases.items()},
-        {
-            case: np.asarray(one.certified.interfaces[name])
-            for case, one in cases.items()
-            if one.certified is not None
-        },
-    )
+    certified = {
+        case: one.certified.interfaces[name]
+        for case, one in cases.items()
+        if one.certified is not None
+    }
+    clamp = _clamp(surface, weights, rest, cases, certified)
     areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
     peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
     means = {
@@ -270,31 +282,26 @@ def _interface(
     )
 
 
-def _clamp_around(
-    area: tuple[str, str],
-    points: Mask,
-    surfaces: Mapping[str, ContactSurface],
+def _clamp(
+    surface: ContactSurface,
+    weights: Vector,
     rest: CaseState,
     cases: Mapping[str, CaseState],
+    certified: Mapping[str, Vector],
 ) -> ClampRange:
-    surface = surfaces[area[0]]
+    """Return the clamp forces of an interface, or of an area with weights of its points alone."""
     own = slice(*surface.slice)
-    weights = surface.weights * points[own]
     return clamp_range(
         float(rest.pressure[0, own] @ weights),
         {case: one.pressure[:, own] @ weights for case, one in cases.items()},
-        {
-            case: np.asarray(one.certified.areas[area])
-            for case, one in cases.items()
-            if one.certified is not None
-        },
+        certified,
     )
 
 
 def _bolt(
     name: str,
-    bolts: Mapping[str, Bolt],
     surfaces: Mapping[str, ContactSurface],
+    near: Mapping[str, Mask],
     rest: CaseState,
     cases: Mapping[str, CaseState],
     clamps: Mapping[str, ClampRange],
@@ -306,7 +313,7 @@ def _bolt(
     axial: dict[str, float] = {}
     factors: dict[str, float] = {}
     for case, one in cases.items():
-        load, gain = _axial_load(name, bolts, surfaces, rest, one)
+        load, gain = _axial_load(name, surfaces, near, rest, one)
         axial[case] = load
         if abs(load) > FEEBLE * abs(preload):
             factors[case] = gain / load
@@ -330,18 +337,17 @@ def _bolt(
 
 def _axial_load(
     name: str,
-    bolts: Mapping[str, Bolt],
     surfaces: Mapping[str, ContactSurface],
+    near: Mapping[str, Mask],
     rest: CaseState,
     case: CaseState,
 ) -> tuple[float, float]:
     """Return F_A = ΔF_S − ΔF_K and ΔF_S where F_A is largest."""
     gains = case.bolt_forces[name] - rest.bolt_forces[name]
     found = [(0.0, 0.0)]
-    for surface in surfaces.values():
+    for place, surface in surfaces.items():
         own = slice(*surface.slice)
-        around = nearest_bolts(surface.points, bolts) == list(bolts).index(name)
-        lost = (case.pressure[:, own] - rest.pressure[:, own]) @ (surface.weights * around)
+        lost = (case.pressure[:, own] - rest.pressure[:, own]) @ (surface.weights * near[place])
         loads = gains - lost
         worst = int(np.abs(loads).argmax())
         found.append((float(loads[worst]), float(gains[worst])))

@@ -23,7 +23,7 @@ def surroundings(
     Of all points of the joint. A bolt that is nearest to no point of an interface has no area
     there, and several bolts have none where the axis of any of them is unknown.
     """
-    if len(bolts) > 1 and any(bolt.ends is None for bolt in bolts.values()):
+    if not told_apart(bolts):
         return {}
     n_point = max((surface.slice[1] for surface in surfaces.values()), default=0)
     found: dict[tuple[str, str], Mask] = {}
@@ -33,6 +33,11 @@ def surroundings(
         for number in np.unique(nearest[nearest >= 0]):
             found[interface, list(bolts)[number]] = nearest == number
     return found
+
+
+def told_apart(bolts: Mapping[str, Bolt]) -> bool:
+    """Say whether the areas around bolts are known: a single one has all, others need axes."""
+    return len(bolts) < 2 or all(bolt.ends is not None for bolt in bolts.values())
 
 
 def axis_distances(points: Matrix, bolt: Bolt) -> Vector:

@@ -6,7 +6,7 @@ does, sticking springs share with that, and without them nothing tells the share
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.interface.interface import Interface
 from faying.interface.relative import tangents_of
-from faying.joint.bolt_surroundings import nearest_bolts
+from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_forces
 from faying.joint.system import elongations
@@ -98,17 +98,7 @@ def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:
     inputs = np.vstack([first, bolts, loads]).T.reshape(len(found), 3, -1)
     pairs = (model.contact.relative_operator @ moved).T.reshape(len(found), 3, -1)
     return tuple(
-        one
-        if one.unknown
-        else TangentialRows(
-            interface=one.interface,
-            bolt=one.bolt,
-            unknown="",
-            origin=one.origin,
-            tangents=one.tangents,
-            per_input=inputs[number],
-            per_pair=pairs[number],
-        )
+        one if one.unknown else replace(one, per_input=inputs[number], per_pair=pairs[number])
         for number, (one, _) in enumerate(found)
     )
 
@@ -124,8 +114,7 @@ def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, Spa
     unknown = _unknown(model, name, pierced)
     springs, pairs = _springs(model, name)
     areas = [("", np.ones(len(pairs), dtype=bool))]
-    placed = len(model.bolts) == 1 or all(bolt.ends is not None for bolt in model.bolts.values())
-    if model.bolts and placed:
+    if model.bolts and told_apart(model.bolts):
         nearest = nearest_bolts(places[pairs], model.bolts)
         near = np.unique(nearest_bolts(interface.points, model.bolts)).tolist()
         areas += [(list(model.bolts)[number], nearest == number) for number in near]
