@@ -1,4 +1,4 @@
-"""Errors meant for people: one message that names the culprit and the remedy."""
+"""Errors meant for people: one message that names what is wrong and the remedy."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -29,13 +29,13 @@ class CampaignError(FayingError):
 
 
 @contextmanager
-def naming(culprit: str) -> Iterator[None]:
+def naming(subject: str) -> Iterator[None]:
     """Put what a model or convergence error raised inside speaks of in front of its message."""
     try:
         yield
     except ModelError as error:
-        message = f"{culprit}: {error}"
+        message = f"{subject}: {error}"
         raise ModelError(message) from None
     except ConvergenceError as error:
-        message = f"{culprit}: {error}"
+        message = f"{subject}: {error}"
         raise ConvergenceError(message) from None

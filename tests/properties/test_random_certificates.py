@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import faying as fy
-from faying.assessment.certificate import enclose, flexibility
+from faying.assessment.enclosure import enclose
+from faying.assessment.flexibility import flexibility
 from faying.assessment.tresca import tresca_gap
 
 ROUND_OFF = 1e-10

@@ -1,12 +1,8 @@
 """Certified error of any contact pressure, without the full solution, (C6).
 
-For a candidate λ̂ ≥ 0 of the problem s = Hλ + g_free ≥ 0, λ ≥ 0, λᵀs = 0 and *any* z ≥ 0,
-
-    ½ ‖λ̂ − λ*‖²_H  ≤  B(z) = λ̂ᵀ z + ½ (s − z)ᵀ H⁻¹ (s − z),   s = Hλ̂ + g_free,
-
-is the gap between the energy of λ̂ and a lower bound of the least energy. ``docs/theory/
-certificate.md`` derives it, the choices of z, and the intervals of forces that follow; equation
-numbers (C…) are of that page.
+The exact contact forces lie in a ball around the candidate's (:mod:`faying.assessment.enclosure`);
+pressures, total forces and largest errors follow as intervals. ``docs/theory/certificate.md``
+derives them; equation numbers (C…) are of that page.
 """
 
 from collections.abc import Mapping
@@ -15,10 +11,10 @@ from functools import cached_property
 from typing import Literal, final
 
 import numpy as np
-import scipy.linalg as la
 
 from faying._typing import Mask, Matrix, Vector, frozen
-from faying.contact.dense_points import SINGULAR_PIVOT
+from faying.assessment.enclosure import Enclosure, enclose
+from faying.assessment.flexibility import Flexibility, flexibility
 from faying.exceptions import ModelError
 from faying.joint.system import Joint
 from faying.reduction.recovery import static_displacements
@@ -27,163 +23,8 @@ from faying.simulation.load import Load
 Measure = Literal["energy_error", "contact_force_error", "max_relative_error"]
 """Certified quantities that a tolerance or a search may refer to."""
 
-NULL = 1e-12
-"""Eigenvalues of H below this fraction of the largest are zeros of a singular H."""
-
 POWERS = (1, 2, 4)
 """Powers of the candidate that weigh the means from which the largest pressure is bounded."""
-
-OUT_OF_RANGE = 1e-8
-"""A force functional that misses the range of a singular H by this fraction is unbounded."""
-
-
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Flexibility:
-    """H = (T Tᵀ)⁺ with what certificates need of it.
-
-    Attributes
-    ----------
-    H : (n_point, n_point) [length/force]
-    half_inverse : (n_point, rank)
-        T with H⁺ = T Tᵀ.
-    range_basis : (n_point, rank) or None
-        Orthonormal columns that span the range of a singular H; None where H is definite.
-    """
-
-    H: Matrix
-    half_inverse: Matrix
-    range_basis: Matrix | None
-
-    def energy(self, gaps: Matrix) -> Vector:
-        """Return xᵀ H⁺ x (...) of gaps x (..., n_point) in the range of H."""
-        energy: Vector = ((gaps @ self.half_inverse) ** 2).sum(axis=-1)
-        return energy
-
-    def forces(self, gaps: Matrix) -> Matrix:
-        """Return H⁺ x (..., n_point)."""
-        forces: Matrix = (gaps @ self.half_inverse) @ self.half_inverse.T
-        return forces
-
-    def norms(self, functionals: Matrix) -> Vector:
-        """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
-        norms = np.sqrt(self.energy(functionals))
-        missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
-        return np.where(missed > OUT_OF_RANGE * np.linalg.norm(functionals, axis=-1), np.inf, norms)
-
-    @cached_property
-    def point_norms(self) -> Vector:
-        """√((H⁺)_kk) (n_point,) [√(force/length)], infinite where a point's force is not unique."""
-        own = np.sqrt((self.half_inverse**2).sum(axis=1))
-        if self.range_basis is None:
-            return np.asarray(own)
-        missed = 1.0 - (self.range_basis**2).sum(axis=1)
-        return np.where(missed > OUT_OF_RANGE, np.inf, own)
-
-    def projected(self, gaps: Matrix) -> Matrix:
-        """Return gaps projected onto the range of H."""
-        if self.range_basis is None:
-            return gaps
-        projected: Matrix = (gaps @ self.range_basis) @ self.range_basis.T
-        return projected
-
-    def admissible(self, slack: Matrix, wanted: Matrix) -> tuple[Matrix, Matrix]:
-        """Return z ≥ 0 near ``wanted`` with s − z in the range of H, and whether it exists (...).
-
-        A definite H admits every z. Otherwise the wish is projected and then lifted along the
-        uniform opening until no entry is negative, (C16).
-        """
-        if self.range_basis is None:
-            return wanted, np.ones(wanted.shape[:-1], dtype=bool)
-        z = slack + self.projected(wanted - slack)
-        opening = self.projected(np.ones(z.shape[-1]))
-        deficit = np.maximum(-z, 0.0).max(axis=-1, keepdims=True)
-        possible = (deficit[..., 0] == 0) | bool(opening.min() > 0)
-        lifted = z + deficit * opening / max(opening.min(), np.finfo(float).tiny)
-        return np.maximum(lifted, 0.0), possible
-
-
-def flexibility(H: Matrix) -> Flexibility:
-    """Factorize H for certificates: Cholesky, or the eigenvectors of a singular one.
-
-    Notes
-    -----
-    About ⅔ n³ multiplications; milliseconds for hundreds of points, 0.7 s for three thousand on
-    one thread. Singular H (hard contact with more contact points than relative displacements) needs
-    all its eigenvectors and takes tens of times as long.
-    """
-    H = np.asarray(H, dtype=float)
-    try:
-        factor = la.cholesky(H, lower=True)
-        pivots = np.diag(factor)
-        definite = bool(pivots.min() > SINGULAR_PIVOT * pivots.max())
-    except la.LinAlgError:
-        definite = False
-    if definite:
-        inverse, _ = la.lapack.dtrtri(factor, lower=1)
-        return Flexibility(H=H, half_inverse=inverse.T, range_basis=None)
-    values, vectors = la.eigh(H)
-    kept = values > NULL * values[-1]
-    basis = vectors[:, kept]
-    return Flexibility(H=H, half_inverse=basis / np.sqrt(values[kept]), range_basis=basis)
-
-
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Enclosure:
-    """Where the exact contact forces λ* must lie, of one or many candidates.
-
-    Attributes
-    ----------
-    energy : (...) [force·length]
-        B ≥ ½ ‖λ̂ − λ*‖²_H.
-    centre : (..., n_point) [force]
-        c of the ball ‖λ* − c‖_H ≤ r, (C12).
-    radius : (...) [√(force·length)]
-        r.
-    """
-
-    energy: Vector
-    centre: Matrix
-    radius: Vector
-
-
-def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosure:
-    """Enclose the exact contact forces of bare contact problems.
-
-    Parameters
-    ----------
-    g_free : (..., n_point) [length]
-    forces : (..., n_point) [force]
-        Candidates λ̂ ≥ 0.
-
-    Notes
-    -----
-    The best of three z: s⁺, (C18); s⁺ where λ̂ = 0 and 0 elsewhere, (C8), second order in the
-    error and usually the sharpest; and the minimizer point by point, (s − λ̂/(H⁻¹)_kk)⁺, (C9).
-    O(n²) a candidate.
-    """
-    slack = forces @ flexibility.H + g_free
-    open_gap = np.maximum(slack, 0.0)
-    wishes = (
-        open_gap,
-        np.where(forces > 0, 0.0, open_gap),
-        np.maximum(slack - forces / flexibility.point_norms**2, 0.0),
-    )
-    pairs = [flexibility.admissible(slack, wish) for wish in wishes]
-    works = np.array([(forces * z).sum(axis=-1) for z, _ in pairs])
-    energies = np.array([flexibility.energy(slack - z) for z, _ in pairs])
-    possible = np.array([exists for _, exists in pairs])
-    bounds = np.where(possible, works + 0.5 * energies, np.inf)
-    best = np.argmin(bounds, axis=0)[None]
-    z = np.take_along_axis(np.array([z for z, _ in pairs]), best[..., None], axis=0)[0]
-    energy = np.take_along_axis(bounds, best, axis=0)[0]
-    squared = np.take_along_axis(works + 0.25 * energies, best, axis=0)[0]
-    return Enclosure(
-        energy=energy,
-        centre=forces - 0.5 * flexibility.forces(slack - z),
-        radius=np.where(np.isfinite(energy), np.sqrt(squared), np.inf),
-    )
 
 
 @final

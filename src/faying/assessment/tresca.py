@@ -17,7 +17,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.assessment.certificate import Flexibility, flexibility
+from faying.assessment.flexibility import Flexibility, flexibility
 from faying.assessment.slip import slip_history
 from faying.exceptions import ModelError
 from faying.joint.system import Joint

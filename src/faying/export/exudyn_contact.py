@@ -18,8 +18,8 @@ DRIFT = 1e-11
 """Gap left at closed points, over the largest, from which the inverse is formed anew."""
 
 
-class Contact:
-    """Contact forces for free gaps: a complementarity problem with a remembered active set.
+class CoupledPoints:
+    """Contact points that feel each other: a complementarity problem with a remembered active set.
 
     The inverse of the active block is kept, at full size with zeros elsewhere, and changed by as
     many ranks as points open or close.
@@ -84,7 +84,7 @@ class Contact:
         return P
 
 
-class Springs(Contact):
+class Springs(CoupledPoints):
     """Contact points that do not feel each other: penalty without flexible surroundings."""
 
     def solve(self, gap: Array) -> Array:
@@ -98,7 +98,7 @@ class Springs(Contact):
         return np.diag(active / self.diagonal)
 
 
-class Joint:
+class ReducedJoint:
     """What the data file holds, and the user functions that Exudyn calls."""
 
     def __init__(self, path: Path) -> None:
@@ -122,13 +122,13 @@ class Joint:
         """Return the loads of the deck that the study applied."""
         return [str(name) for name in self.data["load_names"]]
 
-    def _law(self, flexibility: Array) -> Contact:
+    def _law(self, flexibility: Array) -> CoupledPoints:
         own = np.diag(flexibility)
         penalty = np.maximum(1.0 / (self.data["cn"] * self.weights), NEARLY_RIGID * own)
         if not penalty.all():
             message = "hard contact needs a model with the compliance its trial vectors lack"
             raise ValueError(message)
-        kind = Contact if own.any() else Springs
+        kind = CoupledPoints if own.any() else Springs
         return kind(flexibility + np.diag(penalty))
 
     def contact_forces(self, q: Array) -> Array:

@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from faying.export.exudyn_contact import FORCES, Array, Joint
+from faying.export.exudyn_contact import FORCES, Array, ReducedJoint
 
 # Exudyn is typed in part only; as Any it pleases type checkers.
 exu: Any = import_module("exudyn")
@@ -225,7 +225,7 @@ def add_sensors(mbs: Any, added: Added, **options: Any) -> Watched:
 def frame_fields(
     acceleration: Array, angular_velocity: Array, angular_acceleration: Array
 ) -> Array:
-    """Return what :meth:`Joint.recover` needs of a moving frame (n_time, 12).
+    """Return what :meth:`ReducedJoint.recover` needs of a moving frame (n_time, 12).
 
     Parameters
     ----------
@@ -273,9 +273,9 @@ def inertia(invariants: Array, origin: Array) -> dict[str, Any]:
 
 
 @cache
-def joint() -> Joint:
+def joint() -> ReducedJoint:
     """Return the joint of the data file beside this one."""
-    return Joint(Path(__file__).with_suffix(".npz"))
+    return ReducedJoint(Path(__file__).with_suffix(".npz"))
 
 
 def _coordinates(mbs: Any) -> int:

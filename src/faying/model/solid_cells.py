@@ -27,9 +27,9 @@ def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], 
     properties, which = np.unique(block.properties, return_inverse=True)
     for position, number in enumerate(properties.tolist()):
         if number not in assembly.materials:
-            culprit = block.ids[int(np.argmax(which == position))]
+            element = block.ids[int(np.argmax(which == position))]
             message = (
-                f"property {number} (of element {culprit}, {block.kind}) has no material; give "
+                f"property {number} (of element {element}, {block.kind}) has no material; give "
                 "E, nu and rho in the deck or in a [material] table of the study"
             )
             raise ModelError(message)

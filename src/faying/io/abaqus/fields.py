@@ -135,7 +135,7 @@ def integers(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Indice
             return values
         except ValueError:
             pass
-    raise _culprit(texts, _INTEGER, keyword, row, f"{what}, a whole number")
+    raise _unreadable_field(texts, _INTEGER, keyword, row, f"{what}, a whole number")
 
 
 def reals(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Vector:
@@ -157,7 +157,7 @@ def reals(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Vector:
     try:
         values: Vector = plain.astype(np.float64)
     except ValueError:
-        raise _culprit(texts, _REAL, keyword, row, f"{what}, a number") from None
+        raise _unreadable_field(texts, _REAL, keyword, row, f"{what}, a number") from None
     if not np.isfinite(values).all():
         bad = int(np.flatnonzero(~np.isfinite(values))[0])
         message = f"{what}: '{texts[bad].decode('latin-1')}' is too large for a number"
@@ -175,7 +175,7 @@ def _check_letters(texts: Fields, allowed: Mask, keyword: Keyword, row: Indices,
         raise keyword.error(message, int(row[first]))
 
 
-def _culprit(
+def _unreadable_field(
     texts: Fields, form: re.Pattern[str], keyword: Keyword, row: Indices, what: str
 ) -> Exception:
     found = (i for i, t in enumerate(texts) if not form.fullmatch(t.decode("latin-1")))

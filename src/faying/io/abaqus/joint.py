@@ -53,7 +53,7 @@ def read_joint(
     """
     path = Path(path)
     ignored: list[str] = []
-    # Overflow is caught by the finiteness checks, where the culprit can be named.
+    # Overflow is caught by the finiteness checks, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"), naming(path):
         deck = read_keyword_deck(path, checked_ignore(ignore))
         chosen = step_before_changes(deck, ignored) if step is None else step

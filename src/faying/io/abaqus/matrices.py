@@ -112,7 +112,7 @@ def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
                 raise FormatError(message)
         data = b"\n".join(b"" if line.lstrip()[:2] == b"**" else line for line in lines)
     if not _ALLOWED.fullmatch(data):
-        raise _culprit(path, name, data, widths)
+        raise _unreadable_row(path, name, data, widths)
     plain = data.translate(bytes.maketrans(b",Dd", b" EE"))
     texts = plain.split()
     if not texts:
@@ -126,17 +126,17 @@ def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
     at_line = np.cumsum(letters[:-1] == ord("\n"))[starts]
     counts = np.bincount(at_line)
     if width not in widths or ((counts != width) & (counts != 0)).any():
-        raise _culprit(path, name, data, (width,) if width in widths else widths)
+        raise _unreadable_row(path, name, data, (width,) if width in widths else widths)
     try:
         table = np.array(texts).astype(np.float64).reshape(-1, width)
     except ValueError:
-        raise _culprit(path, name, data, widths) from None
+        raise _unreadable_row(path, name, data, widths) from None
     if not np.isfinite(table).all():
-        raise _culprit(path, name, data, widths)
+        raise _unreadable_row(path, name, data, widths)
     return table
 
 
-def _culprit(path: Path, name: str, data: bytes, widths: tuple[int, ...]) -> FormatError:
+def _unreadable_row(path: Path, name: str, data: bytes, widths: tuple[int, ...]) -> FormatError:
     """Error for the first line that is not a row of finite numbers."""
     wished = " or ".join(map(str, widths))
     for number, line in enumerate(data.splitlines(), start=1):

@@ -139,7 +139,7 @@ def read_parts(
     ignored: list[str] = []
     control = read_case_control(source.control, ignored, subcase)
     _check_supported(cards, ignored, ignore, path)
-    # Overflow is caught by the finiteness checks, where the culprit can be named.
+    # Overflow is caught by the finiteness checks, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"):
         parameters = read_cards(parameter_lines(source.control))
         factor = mass_factor(cards, parameters, ignored)

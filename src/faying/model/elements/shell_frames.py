@@ -134,8 +134,8 @@ def laws_in(
     numbers, which = np.unique(block.properties[part], return_inverse=True)
     for position, number in enumerate(numbers.tolist()):
         if number not in sections:
-            culprit = block.ids[part][int(np.argmax(which == position))]
-            message = f"property {number} (of shell {culprit}) has no section; define it"
+            shell = block.ids[part][int(np.argmax(which == position))]
+            message = f"property {number} (of shell {shell}) has no section; define it"
             raise ModelError(message)
     own = [sections[number] for number in numbers.tolist()]
     which = np.repeat(which, repeat)
@@ -146,9 +146,9 @@ def laws_in(
         np.linalg.norm(along, axis=1) > _UPRIGHT * np.linalg.norm(direction, axis=1)
     )
     if upright.any():
-        culprit = np.repeat(block.ids[part], repeat)[upright][0]
+        shell = np.repeat(block.ids[part], repeat)[upright][0]
         message = (
-            f"shell {culprit}: the direction of its material's x axis is "
+            f"shell {shell}: the direction of its material's x axis is "
             "normal to it; give one that lies in the surface"
         )
         raise ModelError(message)

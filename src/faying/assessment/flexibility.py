@@ -1,0 +1,111 @@
+"""The contact flexibility H factorized as certificates need it; a singular H with its range.
+
+Equation numbers (C…) are of ``docs/theory/certificate.md``.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Matrix, Vector
+from faying.contact.dense_points import SINGULAR_PIVOT
+
+NULL = 1e-12
+"""Eigenvalues of H below this fraction of the largest are zeros of a singular H."""
+
+OUT_OF_RANGE = 1e-8
+"""A force functional that misses the range of a singular H by this fraction is unbounded."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Flexibility:
+    """H = (T Tᵀ)⁺ with what certificates need of it.
+
+    Attributes
+    ----------
+    H : (n_point, n_point) [length/force]
+    half_inverse : (n_point, rank)
+        T with H⁺ = T Tᵀ.
+    range_basis : (n_point, rank) or None
+        Orthonormal columns that span the range of a singular H; None where H is definite.
+    """
+
+    H: Matrix
+    half_inverse: Matrix
+    range_basis: Matrix | None
+
+    def energy(self, gaps: Matrix) -> Vector:
+        """Return xᵀ H⁺ x (...) of gaps x (..., n_point) in the range of H."""
+        energy: Vector = ((gaps @ self.half_inverse) ** 2).sum(axis=-1)
+        return energy
+
+    def forces(self, gaps: Matrix) -> Matrix:
+        """Return H⁺ x (..., n_point)."""
+        forces: Matrix = (gaps @ self.half_inverse) @ self.half_inverse.T
+        return forces
+
+    def norms(self, functionals: Matrix) -> Vector:
+        """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
+        norms = np.sqrt(self.energy(functionals))
+        missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
+        return np.where(missed > OUT_OF_RANGE * np.linalg.norm(functionals, axis=-1), np.inf, norms)
+
+    @cached_property
+    def point_norms(self) -> Vector:
+        """√((H⁺)_kk) (n_point,) [√(force/length)], infinite where a point's force is not unique."""
+        own = np.sqrt((self.half_inverse**2).sum(axis=1))
+        if self.range_basis is None:
+            return np.asarray(own)
+        missed = 1.0 - (self.range_basis**2).sum(axis=1)
+        return np.where(missed > OUT_OF_RANGE, np.inf, own)
+
+    def projected(self, gaps: Matrix) -> Matrix:
+        """Return gaps projected onto the range of H."""
+        if self.range_basis is None:
+            return gaps
+        projected: Matrix = (gaps @ self.range_basis) @ self.range_basis.T
+        return projected
+
+    def admissible(self, slack: Matrix, wanted: Matrix) -> tuple[Matrix, Matrix]:
+        """Return z ≥ 0 near ``wanted`` with s − z in the range of H, and whether it exists (...).
+
+        A definite H admits every z. Otherwise the wish is projected and then lifted along the
+        uniform opening until no entry is negative, (C16).
+        """
+        if self.range_basis is None:
+            return wanted, np.ones(wanted.shape[:-1], dtype=bool)
+        z = slack + self.projected(wanted - slack)
+        opening = self.projected(np.ones(z.shape[-1]))
+        deficit = np.maximum(-z, 0.0).max(axis=-1, keepdims=True)
+        possible = (deficit[..., 0] == 0) | bool(opening.min() > 0)
+        lifted = z + deficit * opening / max(opening.min(), np.finfo(float).tiny)
+        return np.maximum(lifted, 0.0), possible
+
+
+def flexibility(H: Matrix) -> Flexibility:
+    """Factorize H for certificates: Cholesky, or the eigenvectors of a singular one.
+
+    Notes
+    -----
+    About ⅔ n³ multiplications; milliseconds for hundreds of points, 0.7 s for three thousand on
+    one thread. Singular H (hard contact with more contact points than relative displacements) needs
+    all its eigenvectors and takes tens of times as long.
+    """
+    H = np.asarray(H, dtype=float)
+    try:
+        factor = la.cholesky(H, lower=True)
+        pivots = np.diag(factor)
+        definite = bool(pivots.min() > SINGULAR_PIVOT * pivots.max())
+    except la.LinAlgError:
+        definite = False
+    if definite:
+        inverse, _ = la.lapack.dtrtri(factor, lower=1)
+        return Flexibility(H=H, half_inverse=inverse.T, range_basis=None)
+    values, vectors = la.eigh(H)
+    kept = values > NULL * values[-1]
+    basis = vectors[:, kept]
+    return Flexibility(H=H, half_inverse=basis / np.sqrt(values[kept]), range_basis=basis)
