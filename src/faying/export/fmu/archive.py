@@ -25,7 +25,16 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.results import Results
 
 SOURCES = Path(__file__).parent / "sources"
-SHARED = ("linalg.c", "joint.c", "contact.c", "motion.c", "mean.c", "steps.c", "variables.c")
+SHARED = (
+    "linalg.c",
+    "joint.c",
+    "contact.c",
+    "motion.c",
+    "mean.c",
+    "steps.c",
+    "variables.c",
+    "fmi.c",
+)
 
 STEPS_PER_PERIOD = 100
 """Of the lowest mode of the closed joint, where the run has no time step."""

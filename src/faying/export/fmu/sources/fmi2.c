@@ -1,78 +1,40 @@
-/* FMI 2.0 for co-simulation. The declarations that FMI prescribes are written out here, so that
- * these sources need no other header than those of the C library. */
+/* FMI 2.0 for co-simulation. */
 
 #include "identifier.h"
-
-#include "linalg.c"
-#include "joint.c"
-#include "contact.c"
-#include "motion.c"
-#include "mean.c"
-#include "steps.c"
-#include "variables.c"
-
-#if defined(_WIN32)
-#define EXPORTED __declspec(dllexport)
-#elif defined(__GNUC__)
-#define EXPORTED __attribute__((visibility("default")))
-#else
-#define EXPORTED
-#endif
 
 /* Source distributions carry the name of the model before those of the functions; shared libraries,
  * compiled with FMI2_OVERRIDE_FUNCTION_PREFIX, do not. */
 #if defined(FMI2_OVERRIDE_FUNCTION_PREFIX)
-#define NAMED(name) name
+#define FUNCTION(name) fmi2##name
 #else
-#define JOINED(a, b) a##b
-#define EXPANDED(a, b) JOINED(a, b)
-#define NAMED(name) EXPANDED(FMI2_FUNCTION_PREFIX, name)
+#define FUNCTION(name) EXPANDED(FMI2_FUNCTION_PREFIX, fmi2##name)
 #endif
+#define OF_STATE(action) FUNCTION(action##FMUstate)
+#define STATE_SIZE SerializedFMUstateSize
+#define DESERIALIZE DeSerializeFMUstate
+#define N_VALUES
+#define IS_ROOM 1
 
-typedef void *fmi2Component;
-typedef void *fmi2ComponentEnvironment;
-typedef void *fmi2FMUstate;
-typedef unsigned int fmi2ValueReference;
-typedef double fmi2Real;
-typedef int fmi2Integer;
-typedef int fmi2Boolean;
-typedef const char *fmi2String;
-typedef char fmi2Byte;
-typedef enum { fmi2OK, fmi2Warning, fmi2Discard, fmi2Error, fmi2Fatal, fmi2Pending } fmi2Status;
-typedef enum { fmi2ModelExchange, fmi2CoSimulation } fmi2Type;
-typedef enum {
-    fmi2DoStepStatus,
-    fmi2PendingStatus,
-    fmi2LastSuccessfulTime,
-    fmi2Terminated
-} fmi2StatusKind;
-typedef struct {
-    void (*logger)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
-    void *(*allocateMemory)(size_t, size_t);
-    void (*freeMemory)(void *);
-    void (*stepFinished)(fmi2ComponentEnvironment, fmi2Status);
-    fmi2ComponentEnvironment componentEnvironment;
-} fmi2CallbackFunctions;
+typedef int fmi_boolean;
 
-#define FMI2(type) EXPORTED type
+#include "fmi.c"
 
-static fmi2Status status_of(enum outcome outcome)
-{
-    return outcome == OUTCOME_OK ? fmi2OK : fmi2Error;
-}
+enum fmu_type { MODEL_EXCHANGE, CO_SIMULATION };
+enum status_kind { DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, IS_TERMINATED };
 
-static fmi2Status refuse(fmi2Component c, const char *what)
-{
-    report(c, "%s", what);
-    return fmi2Error;
-}
+struct callbacks {
+    void (*logger)(void *, const char *, enum status, const char *, const char *, ...);
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*step_finished)(void *, enum status);
+    void *environment;
+};
 
-/* The environment is a copy of the callbacks: importers need not keep theirs. */
 static void log_message(void *environment, const char *name, int is_error, const char *message)
 {
-    const fmi2CallbackFunctions *callbacks = environment;
+    const struct callbacks *callbacks = environment;
     if (callbacks && callbacks->logger)
-        callbacks->logger(callbacks->componentEnvironment, name, is_error ? fmi2Error : fmi2OK,
+        callbacks->logger(callbacks->environment, name, is_error ? STATUS_ERROR : STATUS_OK,
                           is_error ? "logStatusError" : "logAll", "%s", message);
 }
 
@@ -84,10 +46,9 @@ static int digit_of(char c)
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* The path of resources/joint.bin from the URI of resources; NULL without memory. */
-static char *path_of(const char *uri)
+/* The folder that a URI names; NULL without memory. */
+static char *folder_of(const char *uri)
 {
-    static const char file[] = "/joint.bin";
     const char *from = uri;
     if (strncmp(from, "file:", 5) == 0) {
         from += 5;
@@ -98,8 +59,8 @@ static char *path_of(const char *uri)
         if (from[0] == '/' && from[1] && from[2] == ':')
             from++;
     }
-    char *path = malloc(strlen(from) + sizeof file), *to = path;
-    if (!path)
+    char *folder = malloc(strlen(from) + 1), *to = folder;
+    if (!folder)
         return NULL;
     for (; *from; from++) {
         if (*from == '%' && digit_of(from[1]) >= 0 && digit_of(from[2]) >= 0) {
@@ -109,240 +70,69 @@ static char *path_of(const char *uri)
             *to++ = *from;
         }
     }
-    if (to > path && to[-1] == '/')
-        to--;
-    memcpy(to, file, sizeof file);
-    return path;
+    *to = '\0';
+    return folder;
 }
 
-FMI2(const char *) NAMED(fmi2GetTypesPlatform)(void) { return "default"; }
+EXPORTED const char *FUNCTION(GetTypesPlatform)(void) { return "default"; }
 
-FMI2(const char *) NAMED(fmi2GetVersion)(void) { return "2.0"; }
+EXPORTED const char *FUNCTION(GetVersion)(void) { return "2.0"; }
 
-FMI2(fmi2Status)
-NAMED(fmi2SetDebugLogging)(fmi2Component c, fmi2Boolean on, size_t n, const fmi2String names[])
+EXPORTED void *FUNCTION(Instantiate)(const char *name, enum fmu_type type, const char *guid,
+                                     const char *resources, const struct callbacks *callbacks,
+                                     fmi_boolean visible, fmi_boolean logging)
 {
-    (void)c, (void)on, (void)n, (void)names;
-    return fmi2OK; /* only errors are logged, and those always */
-}
-
-FMI2(fmi2Component)
-NAMED(fmi2Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
-                       const fmi2CallbackFunctions *callbacks, fmi2Boolean visible,
-                       fmi2Boolean logging)
-{
+    static const struct callbacks silent;
     (void)visible, (void)logging;
-    fmi2CallbackFunctions *own = callbacks ? malloc(sizeof *own) : NULL;
-    char *path = resources ? path_of(resources) : NULL;
-    struct motion *m = NULL;
-    if (own)
-        *own = *callbacks;
-    if (path && type == fmi2CoSimulation)
-        m = create_motion(name, path, guid, log_message, own);
-    else
-        log_message(own, name, 1, "there is only co-simulation, and it needs its resources");
-    free(path);
-    if (!m)
-        free(own);
+    char *folder = resources && type == CO_SIMULATION ? folder_of(resources) : NULL;
+    struct motion *m = instantiate(name, folder, guid, log_message, callbacks ? callbacks : &silent,
+                                   sizeof silent);
+    free(folder);
     return m;
 }
 
-FMI2(void) NAMED(fmi2FreeInstance)(fmi2Component c)
+FMI(SetupExperiment)(void *instance, fmi_boolean tolerance_defined, double tolerance, double start,
+                     fmi_boolean stop_defined, double stop)
 {
-    struct motion *m = c;
-    if (m)
-        free(m->environment);
-    destroy_motion(m);
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2SetupExperiment)(fmi2Component c, fmi2Boolean tolerance_defined, fmi2Real tolerance,
-                           fmi2Real start, fmi2Boolean stop_defined, fmi2Real stop)
-{
-    struct motion *m = c;
+    struct motion *m = instance;
     (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
     if (!is_mode(m, MODE_INSTANTIATED))
-        return refuse(c, "the experiment is set up after instantiation only");
+        return refuse(instance, "the experiment is set up after instantiation only");
     m->state[AT_TIME] = start;
-    return fmi2OK;
+    return STATUS_OK;
 }
 
-FMI2(fmi2Status) NAMED(fmi2EnterInitializationMode)(fmi2Component c)
+FMI(EnterInitializationMode)(void *instance)
 {
-    struct motion *m = c;
+    struct motion *m = instance;
     if (!is_mode(m, MODE_INSTANTIATED))
-        return refuse(c, "initialization follows instantiation only");
+        return refuse(instance, "initialization follows instantiation only");
     m->state[AT_MODE] = MODE_INITIALIZING;
-    return fmi2OK;
+    return STATUS_OK;
 }
 
-FMI2(fmi2Status) NAMED(fmi2ExitInitializationMode)(fmi2Component c)
-{
-    struct motion *m = c;
-    if (!is_mode(m, MODE_INITIALIZING))
-        return refuse(c, "there is no initialization to end");
-    const enum outcome outcome = start_motion(m);
-    if (outcome == OUTCOME_OK)
-        m->state[AT_MODE] = MODE_STEPPING;
-    return status_of(outcome);
-}
-
-FMI2(fmi2Status) NAMED(fmi2Terminate)(fmi2Component c)
-{
-    struct motion *m = c;
-    m->state[AT_MODE] = MODE_TERMINATED;
-    return fmi2OK;
-}
-
-FMI2(fmi2Status) NAMED(fmi2Reset)(fmi2Component c)
-{
-    reset_motion(c);
-    return fmi2OK;
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2GetReal)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                   fmi2Real values[])
+FMI(GetReal)(void *instance, const unsigned int references[], size_t n, double values[])
 {
     for (size_t i = 0; i < n; i++)
-        if (size_of(c, references[i]) > 1)
-            return refuse(c, "arrays are read by element");
-    return status_of(read_values(c, references, n, values, n));
+        if (size_of(instance, references[i]) > 1)
+            return refuse(instance, "arrays are read by element");
+    return status_of(read_values(instance, references, n, values, n));
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2SetReal)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                   const fmi2Real values[])
+FMI(SetReal)(void *instance, const unsigned int references[], size_t n, const double values[])
 {
-    enum outcome outcome = OUTCOME_OK;
-    for (size_t i = 0; outcome == OUTCOME_OK && i < n; i++)
-        outcome = write_real(c, references[i], values[i]);
-    return status_of(outcome);
+    return write_reals(instance, references, n, values);
 }
 
-static fmi2Status read_integers(fmi2Component c, enum kind kind, const fmi2ValueReference refs[],
-                                size_t n, int values[])
-{
-    for (size_t i = 0; i < n; i++) {
-        double value;
-        if (read_choice(c, kind, refs[i], &value) != OUTCOME_OK)
-            return fmi2Error;
-        values[i] = (int)value;
-    }
-    return fmi2OK;
-}
+CHOICE(Integer, int, KIND_INTEGRATOR)
+CHOICE(Boolean, int, KIND_START_LOADED)
 
-static fmi2Status write_integers(fmi2Component c, enum kind kind, const fmi2ValueReference refs[],
-                                 size_t n, const int values[])
-{
-    for (size_t i = 0; i < n; i++)
-        if (write_choice(c, kind, refs[i],
-                         kind == KIND_START_LOADED ? (double)(values[i] != 0) : (double)values[i])
-            != OUTCOME_OK)
-            return fmi2Error;
-    return fmi2OK;
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2GetInteger)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                      fmi2Integer values[])
-{
-    return read_integers(c, KIND_INTEGRATOR, references, n, values);
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2SetInteger)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                      const fmi2Integer values[])
-{
-    return write_integers(c, KIND_INTEGRATOR, references, n, values);
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2GetBoolean)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                      fmi2Boolean values[])
-{
-    return read_integers(c, KIND_START_LOADED, references, n, values);
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2SetBoolean)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                      const fmi2Boolean values[])
-{
-    return write_integers(c, KIND_START_LOADED, references, n, values);
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2GetString)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                     fmi2String values[])
-{
-    (void)references, (void)values;
-    return n ? refuse(c, "there are no strings") : fmi2OK;
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2SetString)(fmi2Component c, const fmi2ValueReference references[], size_t n,
-                     const fmi2String values[])
-{
-    (void)references, (void)values;
-    return n ? refuse(c, "there are no strings") : fmi2OK;
-}
-
-FMI2(fmi2Status) NAMED(fmi2GetFMUstate)(fmi2Component c, fmi2FMUstate *state)
-{
-    struct saved_state *saved = save_state(c, *state);
-    if (!saved)
-        return refuse(c, "not enough memory for the state");
-    *state = saved;
-    return fmi2OK;
-}
-
-FMI2(fmi2Status) NAMED(fmi2SetFMUstate)(fmi2Component c, fmi2FMUstate state)
-{
-    return status_of(restore_state(c, state));
-}
-
-FMI2(fmi2Status) NAMED(fmi2FreeFMUstate)(fmi2Component c, fmi2FMUstate *state)
-{
-    (void)c;
-    if (state) {
-        free(*state);
-        *state = NULL;
-    }
-    return fmi2OK;
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2SerializedFMUstateSize)(fmi2Component c, fmi2FMUstate state, size_t *size)
-{
-    (void)state;
-    *size = serialized_size(c);
-    return fmi2OK;
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2SerializeFMUstate)(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
-{
-    return status_of(serialize_state(c, state, bytes, size));
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2DeSerializeFMUstate)(fmi2Component c, const fmi2Byte bytes[], size_t size,
-                               fmi2FMUstate *state)
-{
-    struct saved_state *saved = deserialize_state(c, bytes, size, *state);
-    if (!saved)
-        return fmi2Error;
-    *state = saved;
-    return fmi2OK;
-}
-
-FMI2(fmi2Status)
-NAMED(fmi2GetDirectionalDerivative)(fmi2Component c, const fmi2ValueReference unknowns[],
-                                    size_t n_unknowns, const fmi2ValueReference knowns[],
-                                    size_t n_knowns, const fmi2Real seed[], fmi2Real result[])
+FMI(GetDirectionalDerivative)(void *instance, const unsigned int unknowns[], size_t n_unknowns,
+                              const unsigned int knowns[], size_t n_knowns, const double seed[],
+                              double result[])
 {
     (void)unknowns, (void)n_unknowns, (void)knowns, (void)n_knowns, (void)seed, (void)result;
-    return refuse(c, "directional derivatives are not provided");
+    return refuse(instance, "directional derivatives are not provided");
 }
 
 /* Set the first derivative of an input by time, for the next communication step. */
@@ -359,77 +149,71 @@ static enum outcome write_rate(struct motion *m, unsigned int reference, double 
     return OUTCOME_OK;
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2SetRealInputDerivatives)(fmi2Component c, const fmi2ValueReference references[],
-                                   size_t n, const fmi2Integer orders[], const fmi2Real values[])
+FMI(SetRealInputDerivatives)(void *instance, const unsigned int references[], size_t n,
+                             const int orders[], const double values[])
 {
     for (size_t i = 0; i < n; i++) {
         if (orders[i] != 1)
-            return refuse(c, "inputs are interpolated by their first derivative only");
-        if (write_rate(c, references[i], values[i]) != OUTCOME_OK)
-            return fmi2Error;
+            return refuse(instance, "inputs are interpolated by their first derivative only");
+        if (write_rate(instance, references[i], values[i]) != OUTCOME_OK)
+            return STATUS_ERROR;
     }
-    return fmi2OK;
+    return STATUS_OK;
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2GetRealOutputDerivatives)(fmi2Component c, const fmi2ValueReference references[],
-                                    size_t n, const fmi2Integer orders[], fmi2Real values[])
+FMI(GetRealOutputDerivatives)(void *instance, const unsigned int references[], size_t n,
+                              const int orders[], double values[])
 {
     (void)references, (void)n, (void)orders, (void)values;
-    return refuse(c, "output derivatives are not provided; velocities are outputs");
+    return refuse(instance, "output derivatives are not provided; velocities are outputs");
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real length, fmi2Boolean no_return)
+FMI(DoStep)(void *instance, double time, double length, fmi_boolean no_return)
 {
     (void)no_return;
-    if (!is_mode(c, MODE_STEPPING))
-        return refuse(c, "steps follow initialization only");
-    return status_of(advance_motion(c, time, length));
+    if (!is_mode(instance, MODE_STEPPING))
+        return refuse(instance, "steps follow initialization only");
+    return status_of(advance_motion(instance, time, length));
 }
 
-FMI2(fmi2Status) NAMED(fmi2CancelStep)(fmi2Component c)
+static enum status not_asynchronous(void *instance)
 {
-    return refuse(c, "steps are not asynchronous");
+    return refuse(instance, "steps are not asynchronous");
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2GetStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value)
+FMI(CancelStep)(void *instance) { return not_asynchronous(instance); }
+
+FMI(GetStatus)(void *instance, enum status_kind kind, enum status *value)
 {
     (void)kind, (void)value;
-    return refuse(c, "steps are not asynchronous");
+    return not_asynchronous(instance);
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2GetRealStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value)
+FMI(GetRealStatus)(void *instance, enum status_kind kind, double *value)
 {
-    const struct motion *m = c;
-    if (kind != fmi2LastSuccessfulTime)
-        return refuse(c, "steps are not asynchronous");
+    const struct motion *m = instance;
+    if (kind != LAST_SUCCESSFUL_TIME)
+        return not_asynchronous(instance);
     *value = m->state[AT_TIME];
-    return fmi2OK;
+    return STATUS_OK;
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2GetIntegerStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value)
+FMI(GetIntegerStatus)(void *instance, enum status_kind kind, int *value)
 {
     (void)kind, (void)value;
-    return refuse(c, "steps are not asynchronous");
+    return not_asynchronous(instance);
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2GetBooleanStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value)
+FMI(GetBooleanStatus)(void *instance, enum status_kind kind, fmi_boolean *value)
 {
-    if (kind != fmi2Terminated)
-        return refuse(c, "steps are not asynchronous");
+    if (kind != IS_TERMINATED)
+        return not_asynchronous(instance);
     *value = 0;
-    return fmi2OK;
+    return STATUS_OK;
 }
 
-FMI2(fmi2Status)
-NAMED(fmi2GetStringStatus)(fmi2Component c, const fmi2StatusKind kind, fmi2String *value)
+FMI(GetStringStatus)(void *instance, enum status_kind kind, const char **value)
 {
     (void)kind, (void)value;
-    return refuse(c, "steps are not asynchronous");
+    return not_asynchronous(instance);
 }
