@@ -102,6 +102,16 @@ def results(finished):
     return read_results(finished / "results.h5")
 
 
+@pytest.mark.parametrize("name", ["pull", "way", "shake"])
+def test_nodes_move_as_those_of_the_full_model(results, name):
+    """With what friction moves behind the residual compliance."""
+    case = results.cases[name]
+    exact = case.reference.nodal_displacement
+    found = case.methods["compliance"][0].response.nodal_displacement
+    # Both paths end to the same 1e-10 of the largest force.
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())
+
+
 def test_check_shows_friction_and_what_loads_do(study, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["faying", "check", str(study.path)])
     monkeypatch.setenv("COLUMNS", "200")  # wide enough that rich does not wrap what is looked for

@@ -6,16 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Matrix
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.tresca import IncrementCertificate
 from faying.joint.model import Model
-from faying.joint.system import input_forces
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
-from faying.simulation.static import relative_forces
 from faying.study.backbone_record import packed_backbone, unpacked_backbone
 from faying.study.nodal_motion import NodalMotion, nodal_motion
 from faying.study.path_record import (
@@ -65,7 +63,7 @@ def respond(
         substeps=solution.substeps,
         step_error=solution.step_error,
         nodal_displacement=(
-            model.dofs.nodal(_displacement(model, solution))[:, :3] if static else None
+            model.dofs.nodal(full_displacement(model, solution))[:, :3] if static else None
         ),
         motion=nodal_motion(model, solution) if moves and not static else motion,
         friction=None
@@ -77,18 +75,6 @@ def respond(
         cycles=cycles or {},
         backbones=backbones or {},
     )
-
-
-def _displacement(model: Model, solution: Solution) -> Vector:
-    """Return the displacements of the full model (n_dof,) in a static state."""
-    kept = solution.system.contact.residual_compliance
-    if solution.shear_forces is None or kept is None:
-        return full_displacement(model, solution)
-    # What a residual compliance moves is what the full model does under the same forces.
-    forces = input_forces(model, solution.inputs)
-    forces = forces + relative_forces(model, solution.contact_forces, solution.shear_forces)
-    moved: Vector = model.structure.solve(forces[:, None])[:, 0]
-    return moved
 
 
 MAPPINGS = ("displacements", "bolt_forces", "bolt_moments", "contact_forces", "open_fraction")
