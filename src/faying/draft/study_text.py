@@ -68,6 +68,8 @@ class Findings:
         Holes that bolts are made for.
     held, pins
         Sets and nodes that are held beside the supports of the file.
+    soft
+        Bodies that only contact of the file holds, to the stiffness of soft springs.
     loaded_set, loaded_node
         Where the load enters where the file has none.
     component, force
@@ -82,6 +84,7 @@ class Findings:
     made: tuple[Hole, ...] = ()
     held: tuple[str, ...] = ()
     pins: tuple[Pin, ...] = ()
+    soft: Mapping[int, float] = field(default_factory=dict)
     loaded_set: str | None = None
     loaded_node: int | None = None
     component: str = "Fz"
@@ -293,6 +296,17 @@ def _held(found: Findings) -> Iterator[str]:
     for name in found.held:
         yield "[[support]]"
         yield f"set = {quoted(name)}  # {MARK} held only for its name"
+        yield ""
+    if found.soft:
+        yield from _comment(
+            f"{MARK} contact alone holds these bodies, where statics need more: soft springs, a "
+            "millionth of E times their size, whose forces must stay small beside the loads"
+        )
+    names = body_names(mesh) if found.soft else []
+    for number, stiffness in found.soft.items():
+        yield "[[support]]"
+        yield f"set = {quoted(_body(names, found, number))}"
+        yield f"stiffness = {_number(stiffness)}"
         yield ""
     if found.pins:
         sets = ", ".join(map(quoted, [*mesh.node_sets][:12])) or "none"

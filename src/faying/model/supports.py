@@ -1,4 +1,4 @@
-"""Supports by the name of what they hold."""
+"""Supports by the name of what they hold, and soft springs in place of them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -7,7 +7,10 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import ModelError
-from faying.model.assembly import Assembly, Support
+from faying.model.assembly import Assembly, Spring, Support
+from faying.model.bodies import bodies, body_names
+
+_CORNERS = np.array([(x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)])
 
 
 def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> Assembly:
@@ -43,18 +46,55 @@ def with_held_nodes(assembly: Assembly, held: Iterable[tuple[Indices, Iterable[i
     return replace(assembly, supports=(*assembly.supports, *own))
 
 
+def with_soft_springs(
+    assembly: Assembly, nodes: Indices, components: Iterable[int], stiffness: float
+) -> Assembly:
+    """Return the assembly with springs to ground at those of some nodes that lie farthest out.
+
+    Parameters
+    ----------
+    nodes
+        Of which up to eight get springs: those farthest along the diagonals of space, so that a
+        body is held against turning too.
+    components
+        Components 0..5 of the springs.
+    stiffness : [force/length] or [moment/rad]
+        Of all springs of one component together.
+    """
+    along = _CORNERS @ (assembly.mesh.nodes[nodes] - assembly.mesh.nodes[nodes].mean(axis=0)).T
+    chosen = np.unique(nodes[along.argmax(axis=1)]).tolist()
+    places = [(node, component) for component in sorted({*components}) for node in chosen]
+    own = tuple(
+        Spring(id=number, ends=(place,), stiffness=stiffness / len(chosen))
+        for number, place in enumerate(places, start=assembly.largest_id + 1)
+    )
+    return replace(assembly, springs=(*assembly.springs, *own))
+
+
 def nodes_of_set(assembly: Assembly, name: str) -> Indices:
-    """Return the node indices of a node set, or of the facets of a face set.
+    """Return the node indices of a node set, of the facets of a face set, or of solids.
+
+    Parameters
+    ----------
+    name
+        Of a node set, else of a face set, an element set or a body.
 
     Raises
     ------
     ModelError
         If there is no such set; the message lists those there are.
     """
-    if name in assembly.mesh.node_sets:
-        return assembly.mesh.node_sets[name]
+    mesh = assembly.mesh
+    if name in mesh.node_sets:
+        return mesh.node_sets[name]
     if name in assembly.face_sets:
         return np.unique(assembly.face_sets[name].nodes)
-    known = ", ".join([*assembly.mesh.node_sets, *assembly.face_sets]) or "none"
-    message = f"there is no node set '{name}'; known are {known}"
+    if name in mesh.element_sets:
+        return mesh.element_nodes(mesh.element_sets[name])
+    parts = body_names(mesh)
+    if name in parts:
+        return np.flatnonzero(bodies(mesh) == parts.index(name))
+    sets = [*mesh.node_sets, *assembly.face_sets, *mesh.element_sets, *parts]
+    known = ", ".join(dict.fromkeys(sets)) or "none"
+    message = f"there is no node set '{name}', nor another set or body; known are {known}"
     raise ModelError(message)

@@ -219,12 +219,14 @@ class BoltSection(Section):
 
 
 class SupportSection(Section):
-    """[[support]]: nodes held at zero, beside what the source holds itself.
+    """[[support]]: nodes held at zero, or softly, beside what the source holds itself.
 
     Attributes
     ----------
     components
         Displacements ``ux`` … and rotations ``rx`` … that are held.
+    stiffness : [force/length]
+        Of soft springs, all together in each component, in place of holding at zero.
     """
 
     set: Name | None = None
@@ -234,6 +236,7 @@ class SupportSection(Section):
         "uy",
         "uz",
     )
+    stiffness: Positive | None = None
 
 
 class BoundarySection(Section):

@@ -111,7 +111,10 @@ def _needs(
     elif not loaded.interfaces:
         yield "an interface in the study; those found are above, with what to paste below"
     if free.count:
-        yield "supports: something can move, as the rigid-body modes say"
+        yield (
+            "supports: something can move, as the rigid-body modes say; where contact holds it, "
+            "soft springs let statics run ([[support]] with stiffness, which faying init writes)"
+        )
     for spec in loaded.bolts:
         if spec.name not in loaded.preloads and spec.name not in loaded.initial_forces:
             yield f"the preload of bolt '{spec.name}'"
