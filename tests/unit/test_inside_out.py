@@ -23,17 +23,17 @@ def test_the_mirror_image_of_an_element_is_turned(kind):
     element = SOLIDS[kind]
     mirrored = element.reference_nodes * [1.0, 1.0, -1.0]
     cells = np.arange(element.n_nodes)[None]
-    nodes, turned = right_side_out(kind, cells, mirrored[None])
+    nodes, turned = right_side_out(kind, cells, mirrored)
     assert turned.all()
     # Mid-side nodes lie between the same corners: the shape is that of the mirror image.
     points = mirrored[nodes[0]]
     middle = element.reference_nodes[: element.n_corners].mean(axis=0, keepdims=True)
     centre = shape_values(element, middle) @ points
     np.testing.assert_allclose(centre, middle * [1.0, 1.0, -1.0], atol=1e-12)  # rounding
-    again, turned = right_side_out(kind, nodes, points[None])
+    again, turned = right_side_out(kind, nodes, mirrored)
     assert not turned.any()
     np.testing.assert_array_equal(again, nodes)
-    kept, turned = right_side_out(kind, cells, element.reference_nodes[None])
+    kept, turned = right_side_out(kind, cells, element.reference_nodes)
     assert kept is cells
     assert not turned.any()
 

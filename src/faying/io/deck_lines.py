@@ -10,6 +10,7 @@ from pathlib import Path
 from faying._typing import Indices
 from faying.exceptions import FormatError, ModelError
 from faying.files.contents import check_room, file_bytes
+from faying.io.line_texts import LineTexts
 
 _PLACED = re.compile(r"^\S.*:\d+: ")
 MOST_FILES = 1000
@@ -31,7 +32,7 @@ class Lines:
         Line number, counted from 1, in the file ``files[file]``.
     """
 
-    text: list[bytes]
+    text: LineTexts
     number: Indices
     file: Indices
     files: tuple[str, ...]

@@ -18,6 +18,7 @@ from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
 from faying.io.labelled_matrix import LabelledMatrix
+from faying.io.line_texts import split_lines
 from faying.io.named_matrices import DamageError, chosen_name
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards
@@ -83,7 +84,7 @@ def read_dmig(path: Path, name: str) -> LabelledMatrix:
 def _cards(path: Path) -> tuple[Cards, dict[str, int]]:
     """Return the DMIG cards of a file and the header of each matrix."""
     try:
-        text = file_bytes(path).upper().splitlines()
+        text = split_lines(file_bytes(path).upper())
     except OSError as error:
         message = f"DMIG file '{path}' cannot be read ({error.strerror}); check the path"
         raise FormatError(message) from error

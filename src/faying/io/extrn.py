@@ -8,6 +8,7 @@ from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
+from faying.io.line_texts import split_lines
 from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import integer
 from faying.io.nastran.tokenizer import read_cards
@@ -27,7 +28,7 @@ def read_extrn(path: Path) -> Indices:
     FormatError
         With file and line: no EXTRN card, several, a malformed one, or a row named twice.
     """
-    text = file_bytes(path).upper().splitlines()
+    text = split_lines(file_bytes(path).upper())
     lines = Lines(
         text=text,
         number=np.arange(1, len(text) + 1, dtype=np.int64),

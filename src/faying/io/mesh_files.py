@@ -186,7 +186,7 @@ def _blocks(
             raise FormatError(message)
         element = SOLID_KINDS[block.type]
         given = element.elsewhere.ours(_connectivity(path, block, len(points)))
-        nodes, inside_out = right_side_out(element.kind, given, points[given])
+        nodes, inside_out = right_side_out(element.kind, given, points)
         turned += int(inside_out.sum())
         blocks.append(
             CellBlock(

@@ -127,19 +127,30 @@ def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
         turning[shells.nodes] |= bodies(assembly.mesh)[shells.nodes] < 0
     rigid = (labels[node] >= 0) & ((component < 3) | turning[node])
     single = np.flatnonzero(~rigid)
-    columns = [
-        sp.csr_array(
-            (np.ones(len(single)), (single, np.arange(len(single)))),
-            shape=(len(node), len(single)),
-        )
-    ]
+    groups = [(single, np.ones((len(single), 1)), np.arange(len(single))[:, None])]
+    n_column = len(single)
     for label in range(int(labels.max(initial=-1)) + 1):
         rows = np.flatnonzero(rigid & (labels[node] == label))
         motions = _independent(assembly.mesh.nodes[node[rows]], component[rows])
-        place = (np.repeat(rows, motions.shape[1]), np.tile(np.arange(motions.shape[1]), len(rows)))
-        shape = (len(node), motions.shape[1])
-        columns.append(sp.csr_array((motions.ravel(), place), shape=shape))
-    return sp.hstack(columns, format="csr")
+        columns = np.broadcast_to(n_column + np.arange(motions.shape[1]), motions.shape)
+        groups.append((rows, motions, columns))
+        n_column += motions.shape[1]
+    return _of_groups(groups, (len(node), n_column))
+
+
+def _of_groups(
+    groups: list[tuple[Indices, Matrix, Indices]], shape: tuple[int, int]
+) -> SparseMatrix:
+    """Return the matrix of groups of rows, the entries of each group and their columns."""
+    count = np.zeros(shape[0], dtype=np.int64)
+    for rows, values, _ in groups:
+        count[rows] = values.shape[1]
+    start = np.concatenate([[0], np.cumsum(count)])
+    data, indices = np.empty(start[-1]), np.empty(start[-1], dtype=np.int64)
+    for rows, values, columns in groups:
+        place = start[rows][:, None] + np.arange(values.shape[1])
+        data[place], indices[place] = values, columns
+    return sp.csr_array((data, indices, start), shape=shape)
 
 
 def _independent(points: Matrix, components: Indices) -> Matrix:

@@ -6,6 +6,7 @@ from pathlib import Path
 from faying.exceptions import FormatError
 from faying.io.abaqus.pieces import Piece, TextFile
 from faying.io.deck_lines import DeckFiles
+from faying.io.line_texts import with_usual_ends
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
@@ -29,7 +30,7 @@ def read_pieces(path: Path) -> list[Piece]:
 def _expand(
     path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
 ) -> list[Piece]:
-    text = _with_usual_ends(files.read(path, included_from))
+    text = with_usual_ends(files.read(path, included_from))
     here = path.resolve()
     if here in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: *INCLUDE of '{path}' goes in a circle; remove one of them"
@@ -49,13 +50,6 @@ def _expand(
         start = min(end + 1, len(text))
     pieces.append(Piece(file=file, start=start, end=len(text)))
     return pieces
-
-
-def _with_usual_ends(text: bytes) -> bytes:
-    """Return text whose lines end as usual, also where a carriage return alone ended them."""
-    if b"\r" in text and text.count(b"\r") != text.count(b"\r\n"):
-        return b"\n".join(text.splitlines())
-    return text
 
 
 def _is_file(path: Path, origin: str) -> bool:

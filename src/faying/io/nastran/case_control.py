@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
+from faying.io.line_texts import joined
 
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
@@ -59,7 +60,7 @@ def parameter_lines(lines: Lines) -> Lines:
     start = _behind_cend(lines)
     kept = [i for i in range(start, len(lines.text)) if lines.text[i].lstrip()[:5] == b"PARAM"]
     return Lines(
-        text=[lines.text[i].lstrip() for i in kept],
+        text=joined([[lines.text[i].lstrip() for i in kept]]),
         number=lines.number[kept],
         file=lines.file[kept],
         files=lines.files,

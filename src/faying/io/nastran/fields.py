@@ -7,11 +7,13 @@ Fields are byte strings of one width, padded with blanks or NUL.
 import math
 import re
 from collections.abc import Callable
+from functools import reduce
 
 import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Mask, Vector
+from faying.io.nastran.eight_columns import plain_integers
 
 Fields = npt.NDArray[np.bytes_]
 
@@ -20,6 +22,7 @@ _INTEGER = re.compile(r"[+-]?\d{1,18}")
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")
 _BLANK, _PLUS, _MINUS, _POINT, _ZERO, _NINE = (ord(c) for c in " +-.09")
 _D, _E = ord("D"), ord("E")
+_BLANKS = np.frombuffer(b" " * 8, dtype=np.uint64)[0]
 
 
 def real(text: str) -> float | None:
@@ -41,14 +44,15 @@ def integer(text: str) -> int | None:
 def characters(fields: Fields) -> npt.NDArray[np.uint8]:
     """Characters (n, width) of fields (n,), blank where there is nothing."""
     width = fields.dtype.itemsize
-    result = np.ascontiguousarray(fields).view(np.uint8).reshape(len(fields), width)
-    return np.where(result <= _BLANK, np.uint8(_BLANK), result)
+    letters = np.ascontiguousarray(fields).view(np.uint8).reshape(len(fields), width)
+    return np.maximum(letters, np.uint8(_BLANK))
 
 
 def is_blank(fields: Fields) -> Mask:
     """Where nothing is written."""
-    blank: Mask = (characters(fields) == _BLANK).all(axis=1)
-    return blank
+    # Columns are few: a loop over them is faster than a reduction along each short row.
+    highest = reduce(np.maximum, characters(fields).T)
+    return np.asarray(highest == _BLANK)
 
 
 def _texts(letters: npt.NDArray[np.uint8]) -> Fields:
@@ -59,6 +63,19 @@ def _texts(letters: npt.NDArray[np.uint8]) -> Fields:
 def integers(fields: Fields) -> tuple[Indices, Mask]:
     """Values of integer fields, and where there is no integer (blank included; value 0 there)."""
     letters = characters(fields)
+    values = np.zeros(len(fields), dtype=np.int64)
+    bad = np.ones(len(fields), dtype=bool)
+    if letters.shape[1] % 8 == 0:
+        words = letters.view(np.uint64)
+        short = np.logical_and.reduce([word == _BLANKS for word in words.T[1:]], axis=0)
+        values, plain = plain_integers(words[:, 0])
+        bad = ~(plain & short)
+    rest = np.flatnonzero(bad)
+    values[rest], bad[rest] = _other_integers(fields[rest], letters[rest])
+    return values, bad
+
+
+def _other_integers(fields: Fields, letters: npt.NDArray[np.uint8]) -> tuple[Indices, Mask]:
     digit = (letters >= _ZERO) & (letters <= _NINE)
     allowed = digit | (letters == _BLANK) | (letters == _PLUS) | (letters == _MINUS)
     count = digit.sum(axis=1)

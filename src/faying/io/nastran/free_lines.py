@@ -1,8 +1,11 @@
 """Free-field lines as programs fold them, and equations that are no fields at all."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from faying._typing import Indices
+from faying.io.line_texts import LineTexts, joined
 
 _DATA = 8
 """Data fields of a line."""
@@ -11,7 +14,7 @@ _LONG = frozenset((b"CORD2R", b"CORD2C", b"CORD2S"))
 """Cards whose eleven fields are written in one line; in others a ninth is likely a slip."""
 
 
-def unfolded(text: list[bytes]) -> tuple[list[bytes], Indices]:
+def unfolded(text: LineTexts) -> tuple[LineTexts, Indices]:
     """Return lines of bulk data with one way of continuing free-field cards, and where they were.
 
     A line that ends with a comma goes on in the next one, which then begins with data and not with
@@ -23,35 +26,39 @@ def unfolded(text: list[bytes]) -> tuple[list[bytes], Indices]:
     text
         Without comments.
     """
-    lines: list[bytes] = []
+    lines: list[Sequence[bytes]] = []
     origin: list[Indices] = []
-    done = 0
+    done = copied = 0
     for start in _special(text):
         if start < done:
             continue
-        end, found = start + 1, [text[start]]
+        end = start + 1
+        found: list[bytes] | None = [b"DEQATN"]
         if text[start][:6] == b"DEQATN":
-            found = [b"DEQATN"]
             while end < len(text) and text[end][:1] in (b" ", b"+", b"*", b"\t", b""):
                 end += 1
         else:
             while end < len(text) and _folded(text[end - 1], text[end]):
                 end += 1
             found = _rows(text[start:end])
-        lines += text[done:start] + found
-        origin += [np.arange(done, start), np.minimum(start + np.arange(len(found)), end - 1)]
         done = end
-    return lines + text[done:], np.concatenate([*origin, np.arange(done, len(text))])
+        if found is not None:
+            lines += [text[copied:start], found]
+            origin += [np.arange(copied, start), np.minimum(start + np.arange(len(found)), end - 1)]
+            copied = end
+    lines.append(text[copied:])
+    return joined(lines), np.concatenate([*origin, np.arange(copied, len(text))])
 
 
-def _special(text: list[bytes]) -> list[int]:
+def _special(text: LineTexts) -> list[int]:
     """Return the lines that may need another form, of which a deck has few."""
-    return [
+    free = [
         i
-        for i, line in enumerate(text)
-        if (b"," in line and (line.rstrip().endswith(b",") or line[:5] == b"CORD2"))
-        or line[:6] == b"DEQATN"
+        for i in text.holding(b",").tolist()
+        if (line := text[i]).rstrip().endswith(b",") or line[:5] == b"CORD2"
     ]
+    equations = [i for i in text.holding(b"DEQATN").tolist() if text[i][:6] == b"DEQATN"]
+    return sorted({*free, *equations})
 
 
 def _folded(line: bytes, following: bytes) -> bool:
@@ -60,15 +67,15 @@ def _folded(line: bytes, following: bytes) -> bool:
     return line.rstrip().endswith(b",") and b"," in following and first.isdigit()
 
 
-def _rows(lines: list[bytes]) -> list[bytes]:
-    """Fold the fields of one card, or of one line of it, into lines of eight."""
+def _rows(lines: LineTexts) -> list[bytes] | None:
+    """Fold the fields of one card, or of one line of it, into lines of eight, None if they are."""
     parts = [part.strip() for line in lines for part in line.rstrip().rstrip(b",").split(b",")]
     name, data = parts[0], parts[1:]
     if len(data) <= _DATA or (len(lines) == 1 and name not in _LONG):
-        return lines
+        return None
     marked = len(data) == _DATA + 1 and data[_DATA][:1] in (b"+", b"*")
     if marked or b"*" in name or b" " in name:
-        return lines
+        return None
     rows = [data[k : k + _DATA] for k in range(0, len(data), _DATA)]
     heads = [name] + [b""] * (len(rows) - 1)
     return [b",".join([head, *row]) for head, row in zip(heads, rows, strict=True)]

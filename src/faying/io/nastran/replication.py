@@ -1,6 +1,7 @@
 """Cards made of the card above: fields repeated (=, ==) and counted on (*d), some times (=n)."""
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
@@ -9,6 +10,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
+from faying.io.line_texts import LineTexts, joined
 from faying.io.nastran import fields as numbers
 
 _TIMES = re.compile(rb"=\(?(\d+)\)?")
@@ -26,7 +28,7 @@ class _Above:
     steps: dict[int, Decimal]
 
 
-def replicated(text: list[bytes], origin: Indices, lines: Lines) -> tuple[list[bytes], Indices]:
+def replicated(text: LineTexts, origin: Indices, lines: Lines) -> tuple[LineTexts, Indices]:
     """Return lines of bulk data with cards that repeat the one above written out, in free field.
 
     ``=`` repeats a field of the card above, ``==`` this and all behind it, ``*d`` adds d to it; a
@@ -44,28 +46,29 @@ def replicated(text: list[bytes], origin: Indices, lines: Lines) -> tuple[list[b
     FormatError
         If there is no card of one line above, or nothing that can be counted on.
     """
-    here = [i for i, line in enumerate(text) if line[:1] == b"="]
+    here = [i for i in text.holding(b"=").tolist() if text[i][:1] == b"="]
     if not here:
         return text, origin
-    made: list[bytes] = []
+    made: list[Sequence[bytes]] = []
     places: list[Indices] = []
     done = 0
     above: _Above | None = None
     for i in here:
         where = lines.where(int(origin[i]))
-        between = [k for k in range(done, i) if text[k].strip()]
-        if between:
-            above = _card(text, between[-1], where)
+        before = next((k for k in range(i - 1, done - 1, -1) if text[k].strip()), None)
+        if before is not None:
+            above = _card(text, before, where)
         if above is None:
             message = f"{where}: a line of '=' without a card above it; write the card out"
             raise FormatError(message)
         _check_one_line(text, i, where)
         cards, above = _repeated(_split(text[i]), above, where)
-        made += text[done:i] + cards
+        made += [text[done:i], cards]
         places += [np.asarray(origin[done:i]), np.full(len(cards), origin[i], dtype=np.int64)]
         done = i + 1
     places.append(np.asarray(origin[done:]))
-    return made + text[done:], np.concatenate(places)
+    made.append(text[done:])
+    return joined(made), np.concatenate(places)
 
 
 def _split(line: bytes) -> list[bytes]:
@@ -82,7 +85,7 @@ def _continues(line: bytes) -> bool:
     return line[:1] in (b" ", b"+", b"*", b",", b"\t")
 
 
-def _card(text: list[bytes], i: int, where: str) -> _Above:
+def _card(text: LineTexts, i: int, where: str) -> _Above:
     if _continues(text[i]) or b"*" in text[i].partition(b",")[0][:8]:
         message = (
             f"{where}: the card above has several lines or fields of sixteen columns, which is not "
@@ -92,7 +95,7 @@ def _card(text: list[bytes], i: int, where: str) -> _Above:
     return _Above(fields=_split(text[i]), steps={})
 
 
-def _check_one_line(text: list[bytes], i: int, where: str) -> None:
+def _check_one_line(text: LineTexts, i: int, where: str) -> None:
     following = next((line for line in text[i + 1 :] if line.strip()), b"")
     if _continues(following):
         message = f"{where}: a repeated card with a second line is not supported; write it out"

@@ -116,7 +116,7 @@ def _blocks(
         if len(these):
             nodes = _nodes(these, element, grids, straight, ignored)
             check_distinct(these, nodes)
-            places = np.vstack([grids.nodes, straight.nodes])[nodes]
+            places = np.vstack([grids.nodes, straight.nodes])
             nodes, turned = right_side_out(element.kind, nodes, places)
             if turned.any():
                 first = these.words(0)[int(turned.argmax())]

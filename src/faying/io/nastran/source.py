@@ -1,7 +1,7 @@
 """The lines of a deck with its INCLUDE files spliced in, split into case control and bulk data."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.deck_lines import DeckFiles, Lines
+from faying.io.line_texts import LineTexts, joined, split_lines
 
 _INCLUDE = re.compile(rb"^[ \t]*INCLUDE[ \t]*['\"]?", re.IGNORECASE)
 _BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
@@ -27,13 +28,13 @@ class Source:
     bulk: Lines
 
 
-LinesOf = Callable[[bytes], tuple[list[bytes], Indices]]
+LinesOf = Callable[[bytes], tuple[LineTexts, Indices]]
 """From the text of a file to the lines of it that are read, and their numbers from 1."""
 
 
-def all_lines(data: bytes) -> tuple[list[bytes], Indices]:
+def all_lines(data: bytes) -> tuple[LineTexts, Indices]:
     """Split text into its lines."""
-    lines = data.splitlines()
+    lines = split_lines(data)
     return lines, np.arange(1, len(lines) + 1, dtype=np.int64)
 
 
@@ -55,7 +56,7 @@ def read_source(path: Path, lines_of: LinesOf = all_lines) -> Source:
     files = DeckFiles("Nastran deck", "INCLUDE")
     parts = _expand(path, files, lines_of, ())
     lines = Lines(
-        text=[line for text, _, _ in parts for line in text],
+        text=joined([text for text, _, _ in parts]),
         number=np.concatenate([number for _, number, _ in parts]),
         file=np.repeat([f for _, _, f in parts], [len(t) for t, _, _ in parts]).astype(np.int64),
         files=tuple(files.names),
@@ -64,11 +65,10 @@ def read_source(path: Path, lines_of: LinesOf = all_lines) -> Source:
 
 
 def _sections(lines: Lines, path: Path) -> Source:
-    begin, end = 0, len(lines.text)
-    # Only lines that hold the keyword reach the regular expression; DMAP in front of CEND has a
-    # BEGIN of its own.
-    cend = next((i for i, t in enumerate(lines.text) if b"CEND" in t and _CEND.match(t)), -1)
-    begins = [i for i, t in enumerate(lines.text) if b"BEGIN" in t and i > cend and _BEGIN.match(t)]
+    begin = 0
+    # DMAP in front of CEND has a BEGIN of its own.
+    cend = next(_matching(lines.text, b"CEND", _CEND), -1)
+    begins = [i for i in _matching(lines.text, b"BEGIN", _BEGIN) if i > cend]
     if begins:
         begin = begins[0] + 1
         for i in begins:
@@ -83,16 +83,21 @@ def _sections(lines: Lines, path: Path) -> Source:
     elif any(_CONTROL.match(text) for text in lines.text[:2000]):
         message = f"{path}: executive or case control but no BEGIN BULK line; add it"
         raise FormatError(message)
-    bulk = enumerate(lines.text[begin:], start=begin)
-    end = next((i for i, t in bulk if b"ENDDATA" in t and _END.match(t)), end)
+    ends = _matching(lines.text, b"ENDDATA", _END)
+    end = next((i for i in ends if i >= begin), len(lines.text))
     return Source(control=lines[: max(begin - 1, 0)], bulk=lines[begin:end])
+
+
+def _matching(text: LineTexts, keyword: bytes, pattern: re.Pattern[bytes]) -> Iterator[int]:
+    """Yield the lines that match a pattern, of those that hold its keyword."""
+    return (i for i in text.holding(keyword).tolist() if pattern.match(text[i]))
 
 
 def _shown(line: bytes) -> str:
     return line.decode("latin-1").strip()[:60]
 
 
-_Part = tuple[list[bytes], Indices, int]
+_Part = tuple[LineTexts, Indices, int]
 """Lines in upper case, their numbers, and the index of their file."""
 
 
@@ -111,10 +116,10 @@ def _expand(
         message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
     original, number = lines_of(data)
-    upper = [line.upper() for line in original]
+    upper = original.upper()
     parts: list[_Part] = []
     start = line = 0
-    for found in [i for i, text in enumerate(upper) if b"INCLUDE" in text]:
+    for found in upper.holding(b"INCLUDE").tolist():
         match = _INCLUDE.match(original[found])
         if match is None or found < line:
             continue
@@ -138,7 +143,7 @@ def _included(name: str, path: Path, parents: tuple[Path, ...]) -> Path:
         return beside
 
 
-def _file_name(lines: list[bytes], line: int, at: int, origin: str) -> tuple[str, int]:
+def _file_name(lines: LineTexts, line: int, at: int, origin: str) -> tuple[str, int]:
     """File name of an INCLUDE (quoted, over several lines perhaps, or bare) and the next line."""
     quote = lines[line][at - 1 : at]
     if quote not in (b"'", b'"'):

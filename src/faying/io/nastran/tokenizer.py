@@ -5,6 +5,7 @@ lines at once; a Python loop touches only free-field lines.
 """
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
+from faying.io.line_texts import LineTexts, joined
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields
@@ -19,6 +21,7 @@ from faying.io.nastran.free_lines import unfolded
 from faying.io.nastran.replication import replicated
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
+_BLANKS = np.frombuffer(b" " * 8, dtype=np.uint64)[0]
 _COLUMNS = 80
 _DATA = 72
 _NAME_AND_ID = re.compile(rb"([A-Z][A-Z0-9]{0,7}\*?) +(\d+)")
@@ -41,23 +44,24 @@ def read_cards(lines: Lines) -> Bulk:
     -----
     About 1 µs a line, 130 bytes of memory a line.
     """
-    text, origin = unfolded(
-        [line.partition(b"$")[0] if b"$" in line else line for line in lines.text]
-    )
+    text, origin = unfolded(lines.text.cut_at(b"$"))
     text, origin = replicated(text, origin, lines)
-    for i, line in enumerate(text):
-        if b"\t" in line:
-            text[i] = _without_tabs(line, lines, int(origin[i]))
-    letters = _letters(text)
-    rows = np.flatnonzero((letters != _BLANK).any(axis=1))
-    letters, kept = letters[rows], origin[rows]
-    free = (letters == _COMMA).any(axis=1)
+    text = _without_tabs(text, origin, lines)
+    letters = text.letters(_COLUMNS)
+    np.maximum(letters, np.uint8(_BLANK), out=letters)  # below the blank nothing is printable
+    rows = np.flatnonzero((_words(letters) != _BLANKS).any(axis=1))
+    if len(rows) < len(letters):
+        letters, origin = letters[rows], origin[rows]
+    kept = origin
+    free = np.zeros(len(rows), dtype=bool)
+    maybe = np.flatnonzero(np.isin(rows, text.holding(b",")))
+    free[maybe] = (letters[maybe] == _COMMA).any(axis=1)
     split = {int(i): _split_free(text[rows[i]], lines, int(kept[i])) for i in np.flatnonzero(free)}
     head = letters[:, :8].copy()
     for i, parts in split.items():
         head[i] = np.frombuffer(parts[0].ljust(8)[:8], dtype=np.uint8)
     first = head[:, 0]
-    continued = (first == _PLUS) | (first == _STAR) | (head == _BLANK).all(axis=1)
+    continued = (first == _PLUS) | (first == _STAR) | (_words(head)[:, 0] == _BLANKS)
     if len(kept) and continued[0]:
         message = f"{lines.where(int(kept[0]))}: a continuation line without a card above it"
         raise FormatError(message)
@@ -78,19 +82,27 @@ def read_cards(lines: Lines) -> Bulk:
     )
 
 
-def _without_tabs(line: bytes, lines: Lines, i: int) -> bytes:
+def _words(letters: _Letters) -> npt.NDArray[np.uint64]:
+    """Eight characters in one number."""
+    return letters.view(np.uint64)
+
+
+def _without_tabs(text: LineTexts, origin: Indices, lines: Lines) -> LineTexts:
+    parts: list[Sequence[bytes]] = []
+    done = 0
+    for i in text.holding(b"\t").tolist():
+        parts += [text[done:i], [_without_tab(text[i], lines, int(origin[i]))]]
+        done = i + 1
+    return joined([*parts, text[done:]])
+
+
+def _without_tab(line: bytes, lines: Lines, i: int) -> bytes:
     if b"," in line:
         return line.replace(b"\t", b" ")
     if b"*" in line[:8]:
         message = f"{lines.where(i)}: tabs in a large-field line; replace them by blanks"
         raise FormatError(message)
     return line.expandtabs(8)
-
-
-def _letters(text: list[bytes]) -> _Letters:
-    """Characters (n_line, 80), blank where there is nothing printable."""
-    table = np.array(text or [b""], dtype=f"S{_COLUMNS}")[: len(text)]
-    return numbers.characters(table)
 
 
 def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
@@ -122,6 +134,8 @@ def _check_markers(
     """Refuse continuations whose mark belongs to another card, as in a deck sorted by name."""
     below = np.flatnonzero(continued & ~free)
     below = below[(below > 0) & ~free[below - 1]]
+    words = _words(letters)
+    below = below[(words[below, 0] != _BLANKS) & (words[below - 1, 9] != _BLANKS)]
     mark = np.ascontiguousarray(letters[below, :8]).view("S8").ravel()
     expected = np.ascontiguousarray(letters[below - 1, 72:80]).view("S8").ravel()
     # Nastran looks at seven of the eight columns only, whatever stands in the first.
@@ -183,15 +197,17 @@ def _fields(
     letters: _Letters, large: Mask, free: Mask, split: dict[int, list[bytes]], start: Indices
 ) -> Fields:
     longest = max((len(part) for parts in split.values() for part in parts[1:]), default=0)
-    width = max(16, longest)
-    table = np.full((int(start[-1]), width), _BLANK, dtype=np.uint8)
-    rows = np.flatnonzero(~large & ~free)
-    at = start[rows][:, None] + np.arange(8)
-    table[at, :8] = letters[rows, 8:72].reshape(-1, 8, 8)
-    rows = np.flatnonzero(large & ~free)
-    at = start[rows][:, None] + np.arange(4)
-    table[at, :16] = letters[rows, 8:72].reshape(-1, 4, 16)
-    fields: Fields = table.view(f"S{width}").ravel()
+    size = max(-(-longest // 8), 2 if large.any() else 1)
+    table = np.full((int(start[-1]), size), _BLANKS)
+    words = _words(letters)
+    if large.any():
+        rows = np.flatnonzero(~large)
+        table[start[rows][:, None] + np.arange(8), 0] = words[rows, 1:9]
+        rows = np.flatnonzero(large & ~free)
+        table[start[rows][:, None] + np.arange(4), :2] = words[rows, 1:9].reshape(-1, 4, 2)
+    else:
+        table.reshape(-1, 8, size)[:, :, 0] = words[:, 1:9]
+    fields: Fields = table.view(f"S{8 * size}").ravel()
     for i, parts in split.items():
         fields[start[i] : start[i] + len(parts) - 1] = parts[1:]
     return fields

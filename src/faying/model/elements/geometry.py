@@ -1,5 +1,7 @@
 """Jacobians of isoparametric elements, in batches, and the check that elements are not inverted."""
 
+from functools import reduce
+
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
@@ -90,8 +92,13 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
         "a stiffness quadrature point": stiffness_gradients(element),
         "a mass quadrature point": mass_tables(element)[1],
     }
-    extent = np.ptp(coordinates, axis=1).max(axis=1)
+    by_node = coordinates.transpose(1, 0, 2)
+    extent = (reduce(np.maximum, by_node) - reduce(np.minimum, by_node)).max(axis=1)
+    seen: list[Matrix] = []
     for place, gradients in places.items():
+        if any(np.array_equal(gradients, other) for other in seen):
+            continue
+        seen.append(gradients)
         determinant = volume_factors(gradients, coordinates)
         least = np.maximum(COLLAPSED * np.abs(determinant).max(axis=0), FLAT * extent**3)
         _check_above(least, determinant.min(axis=0), element, ids, place)

@@ -7,8 +7,11 @@ from faying.model.elements import SOLIDS
 from faying.model.elements.geometry import volume_factors
 from faying.model.elements.solid_element import SolidElement, corner_gradients
 
+# Cells of a batch whose few numbers at a point fill the processor's cache.
+_CELLS = 2048
 
-def right_side_out(kind: str, nodes: Indices, coordinates: Matrix) -> tuple[Indices, Mask]:
+
+def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, Mask]:
     """Turn elements whose every corner is inside out.
 
     Some programs number the other way round (MED), others accept either.
@@ -16,7 +19,8 @@ def right_side_out(kind: str, nodes: Indices, coordinates: Matrix) -> tuple[Indi
     Parameters
     ----------
     nodes : (n_cell, n_node)
-    coordinates : (n_cell, n_node, 3) [length]
+    places : (n, 3) [length]
+        Of all nodes.
 
     Returns
     -------
@@ -25,9 +29,12 @@ def right_side_out(kind: str, nodes: Indices, coordinates: Matrix) -> tuple[Indi
         Elements that were inside out. Those that are at some corners only are left as they are.
     """
     element = SOLIDS[kind]
+    turned: Mask = np.zeros(len(nodes), dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
-        determinant = volume_factors(corner_gradients(element), coordinates)
-    turned: Mask = np.asarray((determinant < 0).all(axis=0))
+        for start in range(0, len(nodes), _CELLS):
+            part = slice(start, start + _CELLS)
+            determinant = volume_factors(corner_gradients(element), places[nodes[part]])
+            turned[part] = (determinant < 0).all(axis=0)
     if not turned.any():
         return nodes, turned
     return np.where(turned[:, None], nodes[:, _mirrored(element)], nodes), turned
