@@ -339,13 +339,13 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
 
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
     solved = []
-    original, together = case_solution.solve_transient, full_transients.step_responses
+    original, together = case_solution.solve_transient, full_transients.transient_pieces
 
     def full(solver, loads, **options):
         solved.extend(load.name for load in loads)
         return together(solver, loads, **options)
 
-    monkeypatch.setattr(full_transients, "step_responses", full)
+    monkeypatch.setattr(full_transients, "transient_pieces", full)
 
     def interrupted(system, load, **options):
         if len(solved) == 2:

@@ -1,6 +1,7 @@
 """Steps divided until pressures hold a tolerance: what was asked for is reached, and said."""
 
 import logging
+import tracemalloc
 
 import h5py
 import numpy as np
@@ -118,6 +119,23 @@ def test_energy_of_rejected_steps_is_no_warning(joint, caplog):
     with caplog.at_level(logging.WARNING, logger="faying"):
         found = fy.solve_transient(poor, load, **options, tolerance=1.0)
     assert bool(caplog.records) == (found.energy_gain > 0.1)
+
+
+def test_what_is_between_the_instants_is_not_held(joint):
+    divided, load = divided_steps(joint, step=STEP, tolerance=1.0), rising(0.25)
+
+    def most(count):
+        tracemalloc.start()
+        found = divided.solve(load, duration=count * STEP, substeps=np.full(count + 1, 4))
+        _, highest = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert (found.substeps[1:] == 4).all()
+        return highest
+
+    most(5)  # imports, and the factors
+    instants = 8 * 30 * (3 * joint.structure.n_dof + 2 * joint.contact.n_points)
+    # Of 30 instants more each one and all as one, 2.4 times; with the steps between them 5.5.
+    assert most(35) - most(5) < 3 * instants
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, float("nan")])

@@ -14,6 +14,7 @@ from faying.exceptions import ConvergenceError
 from faying.model.bolt import Bolt
 from faying.simulation.energy_guard import EVERY, MOST_GAIN
 from faying.simulation.stepping import transient_solver
+from pieces_of_one import pieces_of_one
 from small_system import small_system
 
 WILD = fy.GeneralizedAlpha(1.0)
@@ -120,12 +121,12 @@ def test_pieces_and_restarts_keep_the_ledger(caplog):
     caplog.clear()
     solver = transient_solver(system, step=0.1, integrator=WILD)
     # Of whole numbers of looks, so that both look at the same instants.
-    pieces = list(solver.pieces(late, duration=40.0, length=4 * EVERY))
+    pieces = list(pieces_of_one(solver, late, duration=40.0, length=4 * EVERY))
     gains = [piece.energy_gain for piece, _ in pieces]
     assert gains[0] < MOST_GAIN < gains[-1] == pytest.approx(whole, rel=1e-12)
     assert gains == sorted(gains)
     assert len(caplog.messages) == 1
-    rest = solver.pieces(late, duration=40.0, length=None, restart=pieces[1][1])
+    rest = pieces_of_one(solver, late, duration=40.0, length=None, restart=pieces[1][1])
     assert next(rest)[0].energy_gain == pytest.approx(whole, rel=1e-12)
 
 

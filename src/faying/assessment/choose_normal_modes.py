@@ -24,7 +24,7 @@ from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
-from faying.simulation.stepping import check_times
+from faying.simulation.times import check_times
 from faying.simulation.transient import solve_transient
 
 FEWEST, MOST = 5, 320

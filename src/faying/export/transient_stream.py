@@ -12,12 +12,14 @@ from faying.exceptions import FormatError, ModelError
 from faying.files.described import member_name
 from faying.files.reserve import growing, reserve
 from faying.joint.system import System
-from faying.simulation.divided_steps import DividedSteps, divided_steps
+from faying.simulation.divided_steps import divided_steps
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, kept_restart, restart_from
 from faying.simulation.solution import Solution
-from faying.simulation.stepping import TransientSolver, check_times, transient_solver
+from faying.simulation.stepping import transient_solver
+from faying.simulation.times import check_times
+from faying.simulation.transient_pieces import Steps, transient_pieces
 
 FORMAT = "faying transient"
 PIECE = 2000
@@ -106,7 +108,7 @@ def stream_transient(
     kept = {name: FIELDS[name] for name in (*ALWAYS, *fields)}
     kept |= {} if tolerance is None else DIVIDED
     check_times(step, duration)
-    solver: TransientSolver | DividedSteps
+    solver: Steps
     if tolerance is None:
         solver = transient_solver(system, step=step, integrator=scheme, compiled=compiled)
     else:
@@ -124,10 +126,15 @@ def stream_transient(
             restart = _restart(file, system, began) if resume and len(file) else None
             if restart is None:
                 file.attrs.update({**began, "load": load.name, "complete": False})
-            pieces = solver.pieces(
-                load, duration=duration, length=PIECE, restart=restart, progress=progress
+            pieces = transient_pieces(
+                solver,
+                [load],
+                duration=duration,
+                length=PIECE,
+                restarts=None if restart is None else [restart],
+                progress=progress,
             )
-            for piece, end in pieces:
+            for (piece,), (end,) in pieces:
                 _append(file, piece, kept)
                 _mark(file, end)
             file.attrs["complete"] = True

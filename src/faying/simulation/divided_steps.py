@@ -6,9 +6,8 @@ the other, the finer is kept, and the largest change of a pressure between them 
 ``docs/theory/time_integration.md``.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -16,13 +15,15 @@ from faying._typing import Indices
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.energy_guard import warn_of_gain
-from faying.simulation.instants import require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
-from faying.simulation.start import begun, starting_states
-from faying.simulation.stepping import TransientSolver, check_times, transient_solver
+from faying.simulation.solution_parts import joined, some_states
+from faying.simulation.start import begun
+from faying.simulation.stepping import TransientSolver, transient_solver
+from faying.simulation.times import check_times
+from faying.simulation.transient_pieces import transient_pieces
 
 FINEST = 6
 """Halvings of an interval at most: 64 steps between two instants."""
@@ -55,6 +56,8 @@ class DividedSteps:
         interval makes, over the largest pressure so far.
     compiled
         Whether steps of reduced models are compiled.
+    given : (n_time,) or None
+        Steps that lead to each instant; chosen unless given.
     """
 
     system: System
@@ -62,6 +65,7 @@ class DividedSteps:
     step: float
     tolerance: float
     compiled: bool = False
+    given: Indices | None = None
     _solvers: dict[int, TransientSolver] = field(default_factory=dict)
 
     def solve(
@@ -74,49 +78,61 @@ class DividedSteps:
         progress: Callable[[int], object] | None = None,
     ) -> Solution:
         """Integrate one response; with given ``substeps`` by these, without a look at errors."""
-        pieces = self.pieces(
-            load,
+        pieces = transient_pieces(
+            replace(self, given=substeps),
+            [load],
             duration=duration,
             length=None,
-            initial=initial,
-            substeps=substeps,
+            initial=None if initial is None else [initial],
             progress=progress,
         )
-        return next(piece for piece, _ in pieces)
+        return next(piece for (piece,), _ in pieces)
 
-    def pieces(
+    def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
+        """Return where responses stand that start from static solutions."""
+        finest = self.step / 2**FINEST
+        return [
+            replace(here, peak=float(start.pressure.max(initial=0.0)))
+            for here, start in zip(
+                begun(self.system, self.scheme, finest, loads, starts), starts, strict=True
+            )
+        ]
+
+    def advanced(
         self,
-        load: Load,
+        here: Sequence[Restart],
+        loads: Sequence[Load],
+        starts: Sequence[Solution],
         *,
-        duration: float,
-        length: int | None,
-        initial: Solution | None = None,
-        restart: Restart | None = None,
-        substeps: Indices | None = None,
-        progress: Callable[[int], object] | None = None,
-    ) -> Iterator[tuple[Solution, Restart]]:
-        """Integrate a piece of the instants at a time, as :meth:`TransientSolver.pieces`."""
-        check_times(self.step, duration)
-        last = round(duration / self.step)
-        require_history_room(1, (last if length is None else min(length, last)) + 1, self.system)
-        here, first = restart, None
-        if here is None:
-            (first,) = starting_states(self.system, [load], None if initial is None else [initial])
-            finest = self.step / 2**FINEST
-            (here,) = begun(self.system, self.scheme, finest, [load], [first])
-            here = replace(here, peak=float(first.pressure.max(initial=0.0)))
-        while here.done < last:
-            found: list[Solution] = []
-            end = last if length is None else min(here.done + length, last)
-            while here.done < end:
-                done = here.done
-                given = None if substeps is None else int(substeps[done + 1]).bit_length() - 1
-                one, here = self._interval(load, here, last, given)
-                found.append(one)
-                if progress is not None:
-                    progress(1)
-            yield _joined(found, first), here
-            first = None
+        end: int,
+        last: int,
+        progress: Callable[[int], object] | None,
+    ) -> tuple[list[Solution], list[Restart]]:
+        """Integrate up to instant ``end``, one response after the other, each by its own steps."""
+        before = [[_started(start)] for start in starts] or [[] for _ in loads]
+        walked = [
+            self._walked(one, load, found, end, last, progress)
+            for one, load, found in zip(here, loads, before, strict=True)
+        ]
+        return [solution for solution, _ in walked], [after for _, after in walked]
+
+    def _walked(
+        self,
+        here: Restart,
+        load: Load,
+        found: list[Solution],
+        end: int,
+        last: int,
+        progress: Callable[[int], object] | None,
+    ) -> tuple[Solution, Restart]:
+        """Return one response up to an instant, after what is found of it already."""
+        while here.done < end:
+            given = None if self.given is None else int(self.given[here.done + 1]).bit_length() - 1
+            one, here = self._interval(load, here, last, given)
+            found.append(one)
+            if progress is not None:
+                progress(1)
+        return joined(found), here
 
     def _interval(
         self, load: Load, here: Restart, last: int, given: int | None
@@ -150,8 +166,9 @@ class DividedSteps:
         """Integrate over one interval in 2 to the power ``level`` steps."""
         count, solver = 2**level, self._solver(level)
         start = replace(here if here.level == level else _renewed(here), done=here.done * count)
-        ((piece, end),) = solver.pieces(
-            load, duration=(here.done + 1) * count * solver.step, length=count, restart=start
+        first = start.done
+        (piece,), (end,) = solver.advanced(
+            [start], [load], [], end=first + count, last=first + count, progress=None
         )
         return piece, replace(end, done=here.done + 1, peak=here.peak)
 
@@ -221,27 +238,10 @@ def _warn(load: Load, before: Restart, after: Restart) -> None:
         warn_of_gain(load.name, before.ledger, after.ledger)
 
 
-ALONG = (
-    "states",
-    "contact_forces",
-    "gap",
-    "inputs",
-    "times",
-    "velocities",
-    "accelerations",
-    "shear_forces",
-    "shear_slip",
-)
-"""Fields of a solution that have one entry for each instant."""
-
-
 def _ended(piece: Solution, level: int, error: float) -> Solution:
     """Return the last instant of an interval, with what its steps took together."""
-    known = {name: getattr(piece, name) for name in ALONG}
-    ends: dict[str, Any] = {n: None if value is None else value[-1:] for n, value in known.items()}
     return replace(
-        piece,
-        **ends,
+        some_states(piece, np.array([-1])),
         iterations=piece.iterations.sum(keepdims=True),
         contact_error=np.max(piece.contact_error, keepdims=True),
         dissipation=np.atleast_1d(np.sum(piece.dissipation)),
@@ -250,33 +250,24 @@ def _ended(piece: Solution, level: int, error: float) -> Solution:
     )
 
 
-def _joined(found: list[Solution], first: Solution | None) -> Solution:
-    """Return the instants as one solution, after the start where there is one."""
-    whole = found[-1]
-    parts = {
-        name: [getattr(one, name) for one in found]
-        for name in (*ALONG, "iterations", "contact_error", "dissipation", "substeps", "step_error")
-        if getattr(whole, name) is not None
-    }
-    if first is not None:
-        n = first.states.shape[-1]
-        begin = {
-            "states": first.states,
-            "contact_forces": first.contact_forces,
-            "gap": first.gap,
-            "inputs": first.inputs,
-            "times": 0.0,
-            "velocities": np.zeros(n),
-            "accelerations": np.zeros(n),
-            "shear_forces": first.shear_forces,
-            "shear_slip": first.shear_slip,
-            "iterations": 0,
-            "contact_error": 0.0,
-            "dissipation": 0.0,
-            "substeps": 0,
-            "step_error": 0.0,
-        }
-        for name, rows in parts.items():
-            rows.insert(0, np.asarray(begin[name])[None])
-    joined: dict[str, Any] = {name: np.concatenate(rows) for name, rows in parts.items()}
-    return replace(whole, **joined)
+def _started(first: Solution) -> Solution:
+    """Return the static solution that a transient starts from as its first instant."""
+    shear, slip = first.shear_forces, first.shear_slip
+    nothing = np.zeros(1)
+    return replace(
+        first,
+        states=first.states[None],
+        contact_forces=first.contact_forces[None],
+        gap=first.gap[None],
+        inputs=first.inputs[None],
+        times=nothing,
+        velocities=np.zeros((1, len(first.states))),
+        accelerations=np.zeros((1, len(first.states))),
+        shear_forces=None if shear is None else shear[None],
+        shear_slip=None if slip is None else slip[None],
+        iterations=np.zeros(1, dtype=np.int64),
+        contact_error=nothing,
+        dissipation=nothing,
+        substeps=np.zeros(1, dtype=np.int64),
+        step_error=nothing,
+    )

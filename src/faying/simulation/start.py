@@ -15,6 +15,7 @@ from faying.simulation.load import Load
 from faying.simulation.path import solve_path
 from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import OF_EACH_STATE
 from faying.simulation.static import AT_REST, relative_forces, solve_static
 
 INITIAL_FRACTION = 1e-3
@@ -23,20 +24,6 @@ INITIAL_FRACTION = 1e-3
 It bounds the acceleration of massless degrees of freedom; modes the step resolves see a relative
 error of its square.
 """
-
-
-OF_EACH_STATE = (
-    "states",
-    "contact_forces",
-    "gap",
-    "inputs",
-    "iterations",
-    "contact_error",
-    "shear_forces",
-    "shear_slip",
-    "dissipation",
-)
-"""Arrays of a solution that begin with the case, where there are several."""
 
 
 def at_rest(system: System) -> Solution:

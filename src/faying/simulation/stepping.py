@@ -11,7 +11,7 @@ from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
 from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization, factorize
@@ -34,12 +34,10 @@ from faying.simulation.solution import Solution
 from faying.simulation.start import begun, stacked_forces, starting_states
 from faying.simulation.static import relative_forces
 from faying.simulation.step_contact import StepContact, compiled_contact
+from faying.simulation.times import check_times
 
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
-
-MOST_STEPS = 10**9
-"""Steps of a response; even instants alone are eight gigabytes of them."""
 
 AT_ONCE = 2000
 """Steps of the compiled loop between two looks at progress and the keyboard: a second at most."""
@@ -97,22 +95,6 @@ def _dense_ports(system: System) -> SparseMatrix | None:
     if isinstance(ports, np.ndarray) or not pairs_fit(ports.shape[0], contact.dense_budget):
         return None
     return ports
-
-
-def check_times(step: float, duration: float) -> None:
-    """Refuse steps that are none."""
-    if not 0 < step <= duration:
-        message = (
-            f"the time step is {step:g} and the duration {duration:g}; "
-            "the step must be positive and no longer than the duration"
-        )
-        raise ModelError(message)
-    if not duration / step <= MOST_STEPS:
-        message = (
-            f"the duration {duration:g} takes {duration / step:.4g} steps of {step:g}, and "
-            f"{MOST_STEPS} are the most; enlarge the step"
-        )
-        raise ModelError(message)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -178,33 +160,23 @@ class TransientSolver:
             )[0]
         return solutions
 
-    def pieces(
+    def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
+        """Return where responses stand that start from static solutions."""
+        return begun(self.system, self.scheme, self.step, loads, starts)
+
+    def advanced(
         self,
-        load: Load,
+        here: Sequence[Restart],
+        loads: Sequence[Load],
+        starts: Sequence[Solution],
         *,
-        duration: float,
-        length: int | None,
-        initial: Solution | None = None,
-        restart: Restart | None = None,
-        progress: Callable[[int], object] | None = None,
-    ) -> Iterator[tuple[Solution, Restart]]:
-        """Integrate a piece of the instants at a time; see :func:`transient_pieces`."""
-        check_times(self.step, duration)
-        last = round(duration / self.step)
-        starts: list[Solution] = []
-        here = restart
-        if here is None:
-            given = None if initial is None else [initial]
-            starts = starting_states(self.system, [load], given)
-            here = begun(self.system, self.scheme, self.step, [load], starts)[0]
-        size = max(last - here.done, 1) if length is None else length
-        require_history_room(1, min(size, last) + 1, self.system)
-        while here.done < last:
-            end = min(here.done + size, last)
-            times = self.step * np.arange(here.done + 1, end + 1, dtype=np.float64)
-            (piece,), (here,) = self._advanced([here], [load], times, starts, progress, last)
-            starts = []
-            yield piece, here
+        end: int,
+        last: int,
+        progress: Callable[[int], object] | None,
+    ) -> tuple[list[Solution], list[Restart]]:
+        """Integrate up to instant ``end``; see :class:`~.transient_pieces.Steps`."""
+        times = self.step * np.arange(here[0].done + 1, end + 1, dtype=np.float64)
+        return self._advanced(here, loads, times, starts, progress, len(loads) * last)
 
     def _advanced(
         self,

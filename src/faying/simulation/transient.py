@@ -7,7 +7,8 @@ from faying.simulation.divided_steps import divided_steps
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.stepping import check_times, transient_solver
+from faying.simulation.stepping import transient_solver
+from faying.simulation.times import check_times
 
 
 def solve_transient(

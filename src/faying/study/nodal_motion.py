@@ -1,6 +1,6 @@
 """How all nodes move over the states of a load case: a few shapes, and how much of each when."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as la
@@ -9,6 +9,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.joint.model import Model
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import some_states
 
 MOST_STATES = 41
 """States of a load case whose displacements are kept, that of the largest pressure aside."""
@@ -43,6 +44,13 @@ class NodalMotion:
     missed: float
 
 
+def even_states(count: int) -> Indices:
+    """Choose states that stand for ``count`` of them, evenly."""
+    even = np.linspace(0, count - 1, min(MOST_STATES, count))
+    chosen: Indices = np.unique(np.rint(even).astype(np.int64))
+    return chosen
+
+
 def shown_states(peaks: Vector) -> Indices:
     """Choose states that stand for all: evenly, and the one of the largest pressure.
 
@@ -51,8 +59,7 @@ def shown_states(peaks: Vector) -> Indices:
     peaks : (n,)
         Largest pressure of each instant or increment.
     """
-    even = np.linspace(0, len(peaks) - 1, min(MOST_STATES, len(peaks)))
-    chosen: Indices = np.unique(np.append(np.rint(even).astype(np.int64), int(peaks.argmax())))
+    chosen: Indices = np.unique(np.append(even_states(len(peaks)), int(peaks.argmax())))
     return chosen
 
 
@@ -65,13 +72,11 @@ def nodal_motion(model: Model, solution: Solution) -> NodalMotion:
     residual compliance.
     """
     chosen = shown_states(solution.max_pressure)
-    shear = solution.shear_forces
-    some = replace(
-        solution,
-        states=solution.states[chosen],
-        contact_forces=solution.contact_forces[chosen],
-        shear_forces=None if shear is None else shear[chosen],
-    )
+    return motion_in(model, some_states(solution, chosen), chosen)
+
+
+def motion_in(model: Model, some: Solution, chosen: Indices) -> NodalMotion:
+    """Return how the nodes move in the states of a solution, which are the ``chosen`` of all."""
     moved = model.dofs.translations @ full_displacement(model, some).T
     amplitudes, shapes, missed = few_shapes(moved)
     return NodalMotion(

@@ -26,6 +26,9 @@ from faying.study.path_record import (
 from faying.study.results import Response
 from faying.study.slip_record import SlipRecord, slip_fields
 
+Seen = dict[str, dict[str, Matrix]]
+"""What is seen of displacements, by member of a response and name of a boundary or bolt."""
+
 
 def respond(
     solution: Solution,
@@ -38,23 +41,25 @@ def respond(
     motion: NodalMotion | None = None,
     certificate: IncrementCertificate | None = None,
     moves: bool = False,
+    seen: Seen | None = None,
 ) -> Response:
     """Take from a solution what a run keeps, with what led to it or was found from it.
 
     Parameters
     ----------
+    seen
+        Result of :func:`seen_of`, of a solution without states.
     moves
         Whether the displacements of all nodes are kept of a transient, for pictures.
     """
     static = solution.times is None
+    seen = seen_of(solution, model) if seen is None else seen
     return Response(
         pressure=solution.pressure,
         gap=solution.gap,
-        displacements={name: solution.displacement(name) for name in model.boundaries},
-        bolt_forces={name: np.asarray(solution.bolt_force(name)) for name in model.bolts},
-        bolt_moments={
-            name: solution.bolt_bending(name) for name in bent_bolts(solution.system.bolts)
-        },
+        displacements=seen["displacements"],
+        bolt_forces=seen["bolt_forces"],
+        bolt_moments=seen["bolt_moments"],
         contact_forces={name: solution.contact_force(name) for name in model.interfaces},
         open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
         iterations=solution.iterations,
@@ -75,6 +80,17 @@ def respond(
         cycles=cycles or {},
         backbones=backbones or {},
     )
+
+
+def seen_of(solution: Solution, model: Model) -> Seen:
+    """Return what a run keeps of displacements: by member of a response, then by name."""
+    return {
+        "displacements": {name: solution.displacement(name) for name in model.boundaries},
+        "bolt_forces": {name: np.asarray(solution.bolt_force(name)) for name in model.bolts},
+        "bolt_moments": {
+            name: solution.bolt_bending(name) for name in bent_bolts(solution.system.bolts)
+        },
+    }
 
 
 MAPPINGS = ("displacements", "bolt_forces", "bolt_moments", "contact_forces", "open_fraction")

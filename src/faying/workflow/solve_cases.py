@@ -19,6 +19,7 @@ from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
 from faying.simulation.stepping import transient_solver
+from faying.simulation.transient_pieces import transient_pieces
 from faying.study.extras import Extras
 from faying.study.load_set import LoadSet, TimedLoad
 from faying.study.progress import Stages
@@ -170,15 +171,16 @@ class CaseSolver:
         with self.stages.stage(name, n_steps(one)) as advance:
             first = 0 if restart is None else restart.done + 1
             advance(max(first - 1, 0))
-            pieces = solver.pieces(
-                one.load,
+            pieces = transient_pieces(
+                solver,
+                [one.load],
                 duration=one.duration,
                 length=self._length,
-                restart=restart,
+                restarts=None if restart is None else [restart],
                 progress=advance,
             )
             try:
-                for piece, end in pieces:
+                for (piece,), (end,) in pieces:
                     rows = range(first, first + len(piece.states))
                     own = np.arange(rows.start, rows.stop)
                     arrays = piece_of(

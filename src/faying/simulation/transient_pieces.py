@@ -1,0 +1,101 @@
+"""Transients a piece of their instants at a time: memory is that of one piece."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+from faying.joint.system import System
+from faying.simulation.instants import require_history_room
+from faying.simulation.load import Load
+from faying.simulation.restart import Restart
+from faying.simulation.solution import Solution
+from faying.simulation.start import starting_states
+from faying.simulation.times import check_times
+
+Progress = Callable[[int], object]
+
+
+class Steps(Protocol):
+    """What advances transients of a system from instant to instant."""
+
+    @property
+    def system(self) -> System:
+        """Full or reduced model."""
+        ...
+
+    @property
+    def step(self) -> float:
+        """Between two instants [time]."""
+        ...
+
+    def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
+        """Return where transients stand that start from static solutions."""
+        ...
+
+    def advanced(
+        self,
+        here: Sequence[Restart],
+        loads: Sequence[Load],
+        starts: Sequence[Solution],
+        *,
+        end: int,
+        last: int,
+        progress: Progress | None,
+    ) -> tuple[list[Solution], list[Restart]]:
+        """Return the instants up to ``end``, after the starts where there are any, and their ends.
+
+        Parameters
+        ----------
+        end, last
+            Number of the last instant of the piece, and of the run.
+        """
+        ...
+
+
+def transient_pieces(
+    steps: Steps,
+    loads: Sequence[Load],
+    *,
+    duration: float,
+    length: int | None,
+    initial: Sequence[Solution] | None = None,
+    restarts: Sequence[Restart] | None = None,
+    progress: Progress | None = None,
+) -> Iterator[tuple[list[Solution], list[Restart]]]:
+    """Integrate responses side by side, a piece of their instants at a time.
+
+    Parameters
+    ----------
+    length
+        Intervals of a piece; all that are left unless given.
+    initial
+        Static solutions to start from, one for each load; the joint under its bolts unless given.
+    restarts
+        Where the responses stand, to go on from there. The start is then not among the instants.
+    progress
+        Called with the number of steps done since the last call, those of all loads together.
+
+    Yields
+    ------
+    solutions, restarts
+        Of each load the instants of the piece, and where it stands after them. Pieces of a run
+        that was resumed are the same, to the bit, as those it would have had.
+
+    Raises
+    ------
+    ModelError
+        As :func:`~.transient.solve_transient_cases`.
+    """
+    check_times(steps.step, duration)
+    last = round(duration / steps.step)
+    starts: list[Solution] = []
+    if restarts is None:
+        starts = starting_states(steps.system, loads, initial)
+        restarts = steps.begun(loads, starts)
+    here = list(restarts)
+    size = max(last - here[0].done, 1) if length is None else min(length, last)
+    require_history_room(len(loads), size + 1, steps.system)
+    while here[0].done < last:
+        end = min(here[0].done + size, last)
+        found, here = steps.advanced(here, loads, starts, end=end, last=last, progress=progress)
+        starts = []
+        yield found, here
