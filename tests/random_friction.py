@@ -107,9 +107,9 @@ class Counted:
     def __getattr__(self, name):
         return getattr(self.plain, name)
 
-    def solve(self, z_free, start=None):
+    def solve(self, z_free, start=None, similar=None):
         self.calls += start is not None
-        return self.plain.solve(z_free, start)
+        return self.plain.solve(z_free, start, similar)
 
 
 def outcomes(index, joints, *, compiled=False):

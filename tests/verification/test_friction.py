@@ -203,6 +203,29 @@ def test_turning_the_tangents_changes_nothing(gauss):
     np.testing.assert_allclose(back, mine[1:], rtol=0, atol=small)
 
 
+def test_an_increment_begins_as_a_similar_one_ended(coarse):
+    """What is expected changes the way to the solution and not the solution, right or wrong."""
+    solver, rng = coarse.static_contact.frictional, np.random.default_rng(4)
+    n = coarse.contact.n_points
+    start = solver.solve(np.vstack([np.full((1, n), -1e-3), np.zeros((2, n))]))
+    z_free = start.slack + 3e-4 * rng.standard_normal((3, n)) - np.array([[1e-3], [0], [0]])
+    plain = solver.solve(z_free, start.forces)
+    same = solver.solve(z_free, start.forces, plain)
+    assert same.iterations == 1  # the one that finds nothing to do
+    assert plain.iterations > 3
+    wrong = replace(plain, forces=plain.forces[:, ::-1].copy(), slack=-plain.slack)
+    for found in (same, solver.solve(z_free, start.forces, wrong)):
+        small = 1e-9 * plain.forces.max()  # the residual, times the condition
+        np.testing.assert_allclose(found.forces, plain.forces, rtol=0, atol=small)
+
+
+def test_cycles_take_fewer_newton_steps_when_repeated(coarse):
+    load = fy.Load({"tip.Fx": 1e3})
+    tight = fy.solve_path(coarse, [fy.Load()])
+    first, third = (fy.solve_cycles(coarse, load, 2.0, tight, count=k) for k in (1, 3))
+    assert third.cycle.iterations.mean() < 0.75 * first.cycle.iterations.mean()
+
+
 def test_a_path_goes_on_from_an_earlier_one(coarse):
     loads = [fy.Load({"tip.Fx": f}) for f in (0.0, 1e3, -1e3, 500.0)]
     whole = fy.solve_path(coarse, loads)

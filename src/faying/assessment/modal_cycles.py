@@ -165,9 +165,11 @@ class Swing:
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
 
-        def walk(shares: Vector, here: PathStep) -> list[PathStep]:
+        def walk(
+            shares: Vector, here: PathStep, similar: Sequence[PathStep] = ()
+        ) -> list[PathStep]:
             targets = self.start.relative + load * np.outer(shares, self.moved)
-            return list(follow(self.solver, targets, here))
+            return list(follow(self.solver, targets, here, similar))
 
         steps = walk(rise, self.start)
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
@@ -177,7 +179,7 @@ class Swing:
         stationary, count, energy = False, 0, np.inf
         while not stationary and count < MOST_CYCLES:
             before, last = steps[-1], energy
-            steps, count = walk(factors, before), count + 1
+            steps, count = walk(factors, before, steps if count else ()), count + 1
             modal = self._modal([before, *steps], loads)
             energy = sum(step.dissipation for step in steps)
             left = np.abs(steps[-1].slip - before.slip) * np.abs(steps[-1].increment.forces[1:])

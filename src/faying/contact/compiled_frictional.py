@@ -49,18 +49,27 @@ class CompiledFrictionalContact:
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
         return self.plain.S
 
-    def solve(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
+    def solve(
+        self, z_free: Matrix, start: Matrix | None = None, similar: Increment | None = None
+    ) -> Increment:
         """Solve one increment; see :meth:`.FrictionalContact.solve`."""
         if start is None:
             return self.plain.solve(z_free)
         forces = np.ascontiguousarray(self.plain.laws.admissible(start, None))
-        slack = np.empty(z_free.shape)
+        slack, expected = np.empty(z_free.shape), np.empty((0, z_free.shape[1]))
+        if similar is not None:
+            expected = np.ascontiguousarray(self.plain.trial(similar))
         steps, left = self._loop.solve(
-            **self._arrays, **self._state, z_free=np.ascontiguousarray(z_free), x=forces, z=slack
+            **self._arrays,
+            **self._state,
+            z_free=np.ascontiguousarray(z_free),
+            expected=expected,
+            x=forces,
+            z=slack,
         )
-        if not left <= self._loop.ENOUGH:
-            return self.plain.solve(z_free, start)
-        return Increment(forces=forces, slack=slack, iterations=int(steps), residual=left)
+        if left <= self._loop.ENOUGH:
+            return Increment(forces=forces, slack=slack, iterations=int(steps), residual=left)
+        return self.plain.solve(z_free, start) if similar is None else self.solve(z_free, start)
 
     def gap(self, increment: Increment) -> Vector:
         """Return the gap (n_point,) [length] after an increment."""

@@ -24,7 +24,8 @@ from faying.contact.compiled_points import (
     slopes,
     substitute,
 )
-from faying.contact.frictional import AT_BOUND, FEW_BACK, MOST_HALVINGS, MOST_STEPS
+from faying.contact.frictional import MOST_HALVINGS, MOST_STEPS
+from faying.contact.predictor import AT_BOUND, FEW_BACK
 
 ENOUGH = 1e-11
 """Natural residual over the largest force at which an increment is solved."""
@@ -177,7 +178,7 @@ SIGNATURE = (
     "UniTuple(float64, 2)(uint64, uint64, uint8[::1], int64[:,::1], float64[:,::1],"
     " float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[::1],"
     " float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64[:,::1])"
+    " float64[:,::1], float64[:,::1], float64[:,::1])"
 )
 
 
@@ -198,6 +199,7 @@ def solve(
     stiff0: Matrix,
     inverse0: Matrix,
     z_free: Matrix,
+    expected: Matrix,
     x: Matrix,
     z: Matrix,
 ) -> tuple[float, float]:
@@ -217,6 +219,8 @@ def solve(
     slope0, stiff0, inverse0 : (n_point, 9)
         J, K and A⁻¹ of the state of U.
     z_free : (3, n_point)
+    expected : (3, n_point) or (0, n_point)
+        What x − r z is expected to be, if anything is.
     x : (3, n_point)
         Forces of the increment before, admissible; those of this one.
     z : (3, n_point)
@@ -238,10 +242,14 @@ def solve(
     z[:] = y + closure * x + z_free
     start, count, n_past = x.copy(), 0.0, 0
     norm, left = np.inf, np.inf
-    renew, exact, predicting, based = False, False, 2, True
+    renew, exact, first, based = False, False, True, True
+    predicting = 2 if len(expected) == 0 else 1
     while count < MOST_STEPS:
-        # The first two are no Newton steps: they say where forces go if no point changes sides.
-        if predicting:
+        # The first one or two are no Newton steps: they say where forces go if no point changes
+        # sides, or if all are on those expected.
+        if predicting and len(expected):
+            trial[:] = expected
+        elif predicting:
             for p in range(n):
                 outward = 1.0 - AT_BOUND if stuck[p] else 1.0 + AT_BOUND
                 trial[0, p] = start[0, p]
@@ -250,7 +258,8 @@ def solve(
             count += 1
             trial[:] = x - scale * z
         slopes(trial, friction, slope)
-        if predicting == 2 and based:
+        if first:
+            first = False
             others = touched(columns, values, differing(slope, slope0, COUNTED), n_pair)
             closed = touched(columns, values, np.flatnonzero(slope[:, 0]), n_pair)
             based = len(others) <= MOST_OTHERS * len(closed)
@@ -272,11 +281,12 @@ def solve(
             pivots = np.empty(len(at), dtype=np.int32)
             if len(at) and (not factorize(getrf, lu, pivots) or not np.isfinite(lu).all()):
                 return count, np.inf
-        alone[:] = 0.0
         if predicting:
-            blockwise(K, z, -1.0, alone)
-        else:
-            blockwise(inverse, wrong, -1.0, alone)
+            residual(trial, start, friction, wrong)
+            tried[:] = trial - start + scale * z
+            blockwise(slope, tried, 1.0, wrong)
+        alone[:] = 0.0
+        blockwise(inverse, wrong, -1.0, alone)
         share_out(columns, values, alone, between)
         if len(at):
             interpolate(columns, values, np.dot(supported, between), dy)

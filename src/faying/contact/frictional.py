@@ -25,6 +25,7 @@ from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import Factors, NewtonSteps
+from faying.contact.predictor import Predictor
 from faying.exceptions import ConvergenceError
 
 ROUND_OFF = 1e-13
@@ -53,12 +54,6 @@ TANGENTIAL_SCALE = 10.0
 Steps of increments of a tenth of the load that make the default cantilever slip: 8.2 in the mean
 and 12 at most, with 1 9.5 and 15, with 100 more again.
 """
-
-AT_BOUND = 1e-6
-"""Distance from the friction bound, over it, within which a point is taken to slip on."""
-
-FEW_BACK = 0.1
-"""Share of points at their bound that may slip back before all of them are tried as stuck."""
 
 EARLY, LOOSE, TIGHT = 0.1, 1e-2, 1e-7
 """Relative residuals to which first and last linear systems of an increment are solved."""
@@ -144,6 +139,11 @@ class FrictionalContact:
         rows.sum_duplicates()
         return NewtonSteps(G=read_only(rows), S=self.S)
 
+    @cached_property
+    def predictor(self) -> Predictor:
+        """Where Newton's method begins."""
+        return Predictor(laws=self.laws, steps=self.steps, scale=self.scale)
+
     @property
     def G(self) -> SparseMatrix:
         """Rows (3 n_point, n_relative): all normal ones, first tangents, second tangents."""
@@ -173,7 +173,9 @@ class FrictionalContact:
         scale[1:] *= TANGENTIAL_SCALE
         return np.asarray(scale)
 
-    def solve(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
+    def solve(
+        self, z_free: Matrix, start: Matrix | None = None, similar: Increment | None = None
+    ) -> Increment:
         """Solve one increment.
 
         Parameters
@@ -183,6 +185,9 @@ class FrictionalContact:
         start : (3, n_point) [force]
             Forces to begin with, those of the increment before; by default all points that are
             pressed together close and stick.
+        similar
+            Increment that this one is expected to be like, as the same one of the cycle before:
+            Newton's method begins with every point on the side where it was there.
 
         Raises
         ------
@@ -195,9 +200,13 @@ class FrictionalContact:
         neither existence nor uniqueness is certain. What is returned solves (F1) to its residual.
         """
         x, factors = np.zeros_like(z_free), None
-        if start is not None:
-            x, factors = self._predicted(z_free, start)
+        if start is not None and similar is not None:
+            x, factors = self.predictor.as_in(self.trial(similar), z_free, start)
+        elif start is not None:
+            x, factors = self.predictor.as_before(z_free, start)
         x, steps, left = self._newton(z_free, x, None, factors=factors)
+        if left > SOLVED and similar is not None:
+            return self.solve(z_free, start)
         others = (
             self._boldly,
             self._from_smooth_contact,
@@ -232,31 +241,9 @@ class FrictionalContact:
         slack: Matrix = self.steps.moved(x) + self.laws.closure(x)[0] + z_free
         return slack + added * self.steps.own * x if added else slack
 
-    def _predicted(self, z_free: Matrix, start: Matrix) -> tuple[Matrix, Factors | None]:
-        """Return where forces go in an increment if no point changes sides.
-
-        Points at their friction bound slip on. Those that would slip back, as all do where a load
-        reverses, stick, and it is tried once more.
-        """
-        start = self.laws.admissible(start, None)
-        z, compliance = self._slack(start, z_free), self.laws.closure(start)[1]
-        outward, x = np.full(start.shape[1], 1.0 + AT_BOUND), start
-        for _ in range(2):
-            trial = np.stack([start[0], outward * start[1], outward * start[2]])
-            slope = self.laws.derivative(trial, None)
-            wrong = np.einsum("pij,jp->ip", slope, self.scale * z)
-            try:
-                dx, factors = self.steps.step(wrong, slope, self.scale, compliance)
-            except la.LinAlgError:
-                return start, None
-            x = start + dx
-            slip = self._slack(x, z_free)[1:]
-            slips = (slope[:, 0, 0] > 0) & ((slope[:, 1, 1] < 1) | (slope[:, 2, 2] < 1))
-            back = slips & ((slip * start[1:]).sum(axis=0) > 0)
-            if np.count_nonzero(back) <= FEW_BACK * np.count_nonzero(slips):
-                break
-            outward[back] = 1.0 - AT_BOUND
-        return x, factors
+    def trial(self, increment: Increment) -> Matrix:
+        """Return x − r z (3, n_point) of an increment, which says on what side every point is."""
+        return np.asarray(increment.forces - self.scale * increment.slack)
 
     def _residual(self, x: Matrix, z: Matrix, pressing: Vector | None) -> Matrix:
         """F of (F1), with tangential forces held by fixed normal ones where they are given."""
@@ -322,7 +309,7 @@ class FrictionalContact:
     def _from_smooth_contact(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Begin where contact without friction is, with all that it presses sticking."""
         smooth, steps, _ = self._smooth(z_free)
-        stuck, factors = self._predicted(z_free, smooth)
+        stuck, factors = self.predictor.as_before(z_free, smooth)
         found, more, left = self._newton(z_free, stuck, None, WATCHED, factors=factors)
         return found if left <= SOLVED else x, steps + more, left
 

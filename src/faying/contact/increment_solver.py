@@ -20,7 +20,9 @@ class IncrementSolver(Protocol):
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
         ...
 
-    def solve(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
+    def solve(
+        self, z_free: Matrix, start: Matrix | None = None, similar: Increment | None = None
+    ) -> Increment:
         """Solve one increment; see :meth:`.FrictionalContact.solve`."""
         ...
 

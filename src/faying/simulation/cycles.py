@@ -153,7 +153,7 @@ def _repeated(
     start, energies, stationary = steps[-1], list[float](), False
     while len(energies) < (count or MOST_CYCLES) and (count is not None or not stationary):
         start = steps[-1]
-        steps = list(follow(solver, relative, start))
+        steps = list(follow(solver, relative, start, steps if energies else ()))
         energies.append(float(np.sum([step.dissipation for step in steps])))
         reversals = assembled(system, ends, [steps[len(steps) // 2 - 1], steps[-1]], "reversals")
         work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import final
 
 import numpy as np
@@ -172,8 +173,15 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     return PathStep(relative=relative, increment=replace(nothing, forces=forces), slip=slip)
 
 
-def follow(solver: IncrementSolver, relative: Matrix, here: PathStep) -> Iterator[PathStep]:
+def follow(
+    solver: IncrementSolver,
+    relative: Matrix,
+    here: PathStep,
+    similar: Sequence[PathStep] = (),
+) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
+
+    Where it is expected to go as another did, as a cycle after the one before, that may be given.
 
     Raises
     ------
@@ -181,21 +189,27 @@ def follow(solver: IncrementSolver, relative: Matrix, here: PathStep) -> Iterato
         If an increment is not solved even when it is divided; the message names its load.
     """
     with threads_for(len(solver.S)):
-        for number, target in enumerate(relative):
+        for number, (target, like) in enumerate(zip_longest(relative, similar)):
             try:
-                here = _to(solver, here, target, MOST_DIVISIONS)
+                here = _to(solver, here, target, MOST_DIVISIONS, like and like.increment)
             except ConvergenceError as error:
                 message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None
             yield here
 
 
-def _to(solver: IncrementSolver, here: PathStep, target: Vector, divisions: int) -> PathStep:
+def _to(
+    solver: IncrementSolver,
+    here: PathStep,
+    target: Vector,
+    divisions: int,
+    similar: Increment | None = None,
+) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
     z_free = solver.contact.free_slack(target, here.slip)
     pressed = here.increment.forces[0].any()
     try:
-        found = solver.solve(z_free, here.increment.forces if pressed else None)
+        found = solver.solve(z_free, here.increment.forces if pressed else None, similar)
     except ConvergenceError:
         if divisions == 0:
             raise
