@@ -72,6 +72,35 @@ def test_generalized_alpha(system, start, rho):
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.3, 0.8, 1.0])
+def test_energy_decaying(system, start, rho):
+    """The four equations of docs/theory/time_integration.md, between means over the step."""
+    scheme = fy.EnergyDecaying(rho)
+    end = stepped(scheme, system, start, FORCE)
+    lag = (1 - rho) / (2 * (1 + rho))
+    u, v, a, w, f = (
+        ((new + old) / 2, new - old)
+        for new, old in (
+            (end.u, start.u),
+            (end.v, start.v),
+            (end.a, start.a),
+            (end.lagging, start.lagging),
+            (FORCE, start.force),
+        )
+    )
+    left = system.M @ v[1] / STEP + system.C @ u[1] / STEP
+    left += system.K @ (u[0] + lag**2 * STEP * w[1])
+    assert left == pytest.approx(f[0], abs=1e-10)
+    assert u[1] / STEP == pytest.approx(v[0] + lag**2 * STEP * a[1], abs=1e-10)
+    assert u[1] / STEP == pytest.approx(w[0] + 2 * lag * w[1], abs=1e-10)
+    assert v[1] / STEP == pytest.approx(a[0] + 2 * lag * a[1], abs=1e-10)
+    assert (end.force == FORCE).all()
+    assert end.contact is start.contact
+    assert scheme.needs_acceleration
+    assert scheme.force_weight == 0.5
+    assert (scheme.kept_force(FORCE, 2 * FORCE) == FORCE).all()
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.8, 1.0])
 def test_spectral_radius_at_infinite_frequency(rho):
     """Of generalized-α, from its steps of a stiff oscillator; a double root is off by 1e-3."""
     scheme = fy.GeneralizedAlpha(rho)

@@ -93,15 +93,11 @@ class MeanContact:
     def _at_end(self, mean: ContactForces, last: Vector) -> ContactForces:
         D = self.condensed.contact.flexibility
         forces = mean.forces - last
-        wrong = (forces < 0) | ((mean.slack > 0) & (forces > 0))
+        pulling = np.minimum(forces, 0.0)
         if self._law is None:
-            stiff = D == 0
-            overlap = D * forces - mean.slack
-            elastic = np.maximum(overlap, 0.0) / np.where(stiff, 1.0, D)
-            forces = np.where(stiff, 0.5 * mean.forces, np.where(wrong, elastic, forces))
-            slack = np.where(wrong & ~stiff, np.maximum(-overlap, 0.0), mean.slack)
-            return replace(mean, forces=forces, slack=slack, active=forces > 0)
-        if not wrong.any():
+            forces = np.where(D == 0, 0.5 * mean.forces, forces - pulling)
+            return replace(mean, forces=forces, slack=mean.slack - D * pulling, active=forces > 0)
+        if not pulling.any():
             return replace(mean, forces=forces, active=forces > 0)
         gap = mean.slack - self._given_way(forces[None])[0]
         end, _ = self._law.solve(gap, ContactState(active=forces > 0))
