@@ -108,6 +108,22 @@ def test_modes_are_nested():
     np.testing.assert_array_equal(pod(Y, count=4).vectors, pod(Y, count=9).vectors[:, :4])
 
 
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_gram_matrix_gives_vectors_orthonormal_in_the_inner_product(size):
+    rng = np.random.default_rng(2)
+    Y, root = size * rng.standard_normal((9, 5)), rng.standard_normal((9, 9))
+    W = root @ root.T + np.eye(9)
+    direct, gram = pod(Y, inner=W), pod_of_gram_matrix(Y, inner=W)
+    # Round-off times the square of the condition of the snapshots.
+    np.testing.assert_allclose(np.abs(gram.vectors.T @ W @ direct.vectors), np.eye(5), atol=1e-11)
+
+
+@pytest.mark.parametrize(("decompose", "rank"), [(pod, 1e-12), (pod_of_gram_matrix, 1e-7)])
+def test_what_is_left_of_round_off_is_no_mode(decompose, rank):
+    assert len(decompose(np.diag([1.0, 1.5 * rank])).singular_values) == 2
+    assert len(decompose(np.diag([1.0, 0.9 * rank])).singular_values) == 1
+
+
 @pytest.mark.parametrize("decompose", [pod, pod_of_gram_matrix])
 @pytest.mark.parametrize(
     "bad", [np.zeros((3, 2)), np.full((3, 2), np.nan), np.ones(3), np.full((2, 2), np.inf)]

@@ -1,5 +1,7 @@
 """Trial vectors that remember what kind they are."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -89,6 +91,100 @@ def test_orthonormalizing_survives_nearly_parallel_shapes():
 def test_a_column_of_zeros_is_dropped():
     basis = Basis(vectors=np.array([[0.0, 1.0]]).T @ np.array([[1.0, 0.0]]), kinds=(N, J))
     assert basis.orthonormalized(sp.eye_array(2).tocsr()).kinds == (N,)
+
+
+@pytest.mark.parametrize(("share", "kinds"), [(1.5e-8, (N, J)), (0.9e-8, (N,))])
+def test_a_shape_is_new_from_a_hundred_millionth_of_its_norm(share, kinds):
+    vectors = np.array([[1.0, 1.0], [0.0, share]])
+    K = sp.eye_array(2).tocsr()
+    assert Basis(vectors=vectors, kinds=(N, J)).orthonormalized(K).kinds == kinds
+
+
+def test_extending_by_blocks():
+    """What is new in shapes of any size is orthonormal in K; what is not is left out."""
+    rng = np.random.default_rng(2)
+    root = rng.standard_normal((9, 9))
+    K = root @ root.T + np.eye(9)
+    raw = Basis(vectors=rng.standard_normal((9, 3)), kinds=(C, N, B))
+    basis = raw.orthonormalized(K)
+    a, b = rng.standard_normal((2, 9))
+    known = basis.of_kind(N, B)
+    shapes = np.stack([1e-6 * a, 0 * a, known[:, 1], 1e6 * b, b - known[:, 0], known[:, 0]], axis=1)
+    longer = basis.extended(shapes, J, K)
+    assert longer.kinds == (C, N, B, J, J)
+    np.testing.assert_array_equal(longer.vectors[:, :3], basis.vectors)
+    held = longer.of_kind(N, B, J)
+    # Round-off of the second pass, which the first cannot have amplified.
+    np.testing.assert_allclose(held.T @ K @ held, np.eye(4), rtol=0, atol=1e-12)
+    unit = shapes[:, [0, 3]] / np.linalg.norm(shapes[:, [0, 3]], axis=0)
+    np.testing.assert_allclose(held @ (held.T @ K @ unit), unit, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize(("share", "new"), [(1.5e-12, 1), (0.9e-12, 0)])
+def test_a_block_has_what_is_new_from_1e_12_of_its_energy(share, new):
+    basis = Basis(vectors=np.eye(3, 1), kinds=(N,))
+    shapes = np.array([[1.0], [np.sqrt(share)], [0.0]])
+    longer = basis.extended(shapes, J, sp.eye_array(3).tocsr())
+    assert longer.count(J) == new
+
+
+def chain(n, mass=None):
+    """Fixed chain of unit springs whose first joint is the boundary."""
+    K = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)).tocsr()
+    M = sp.diags_array(np.ones(n) if mass is None else mass).tocsr()
+    inner = np.arange(1, n)
+    return SimpleNamespace(
+        K=K,
+        M=M,
+        n_dof=n,
+        interior=inner,
+        has_mass=bool(M.diagonal().any()),
+        interior_factor=fy.factorize(K[inner][:, inner]),
+    )
+
+
+def chain_frequencies(n):
+    """Of the fixed chain of unit masses: ω = 2 sin(k π / (2 (n + 1)))."""
+    return np.sin(np.arange(1, n + 1) * np.pi / (2 * (n + 1))) / np.pi
+
+
+@pytest.mark.parametrize("count", [1, 3, 29])  # by Lanczos, dense, and next to all there are
+@pytest.mark.parametrize("n", [31, 120])
+def test_normal_modes_of_a_chain(n, count):
+    structure = chain(n)
+    modes = fixed_interface_normal_modes(structure, count)
+    expected = chain_frequencies(n - 1)
+    np.testing.assert_allclose(modes.frequencies, expected[:count], rtol=1e-9)  # eigsh
+    assert modes.next_frequency == pytest.approx(expected[count], rel=1e-9)
+    assert modes.vectors.shape == (n, count)
+    np.testing.assert_array_equal(modes.vectors[0], 0.0)
+    mass = modes.vectors.T @ (structure.M @ modes.vectors)
+    np.testing.assert_allclose(mass, np.eye(count), atol=1e-9)
+
+
+def test_all_normal_modes_there_are():
+    modes = fixed_interface_normal_modes(chain(8), 7)
+    np.testing.assert_allclose(modes.frequencies, chain_frequencies(7), rtol=1e-12)
+    assert modes.next_frequency == np.inf
+    with pytest.raises(ModelError, match="8 normal modes asked for, but the structure has 7"):
+        fixed_interface_normal_modes(chain(8), 8)
+
+
+def test_massless_joints_have_no_modes_of_their_own():
+    """Every second mass is none: the others on springs of half the stiffness, frequency by hand."""
+    modes = fixed_interface_normal_modes(chain(4, mass=[1.0, 0.0, 1.0, 0.0]), 1)
+    np.testing.assert_allclose(modes.frequencies, 1 / (2 * np.pi), rtol=1e-12)
+    np.testing.assert_allclose(np.abs(modes.vectors[:, 0]), [0.0, 0.5, 1.0, 0.5], rtol=1e-12)
+
+
+def test_statics_need_neither_modes_nor_mass():
+    none = chain(5, mass=np.zeros(5))
+    modes = fixed_interface_normal_modes(none, 0)
+    assert modes.vectors.shape == (5, 0)
+    assert modes.frequencies.shape == (0,)
+    assert modes.next_frequency == np.inf
+    with pytest.raises(ModelError, match="2 normal modes asked for, but the structure has no mass"):
+        fixed_interface_normal_modes(none, 2)
 
 
 def test_craig_bampton_has_a_mode_for_everything(joint):

@@ -205,6 +205,21 @@ class TestDeim:
         solution = fy.solve_static(with_deim(soft, deim(training, count=10)), LC2)
         assert solution.pressure.min() < 0.0
 
+    def test_forces_are_answered_with_what_they_press(self, soft, training):
+        """Closed where they press, open where they pull or are zero."""
+        contact = with_deim(soft, deim(training, count=10)).static_contact
+        forces = np.zeros(soft.contact.n_points)
+        forces[[3, 8, 20]] = 2.0, 0.5, -1.0
+        found, state = contact.answered(forces, np.ones(len(forces)), 4)
+        np.testing.assert_array_equal(np.flatnonzero(found.active), [3, 8])
+        np.testing.assert_array_equal(state.active, found.active)
+        assert found.iterations == 4
+        H = soft.static_contact.flexibility
+        # Sums of three products; a system of condition 10.
+        np.testing.assert_allclose(found.slack, H @ forces + 1.0, rtol=1e-12)
+        closing = contact.solve_active(H[np.ix_([3, 8], [3, 8])], found.active)
+        np.testing.assert_allclose(closing, np.eye(2), atol=1e-12)
+
     def test_no_solution_is_said(self, soft):
         """A sampling whose own force opens its gap: an unsolvable sign pattern."""
         pressed = int(fy.solve_static(soft).pressure.argmax())
