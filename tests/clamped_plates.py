@@ -104,3 +104,81 @@ def abaqus_deck(contact=PAIRS, interaction="IntProp-1"):
     lines += ["*Boundary, op=NEW", "Set-Fix, ENCASTRE", "*Boundary, op=NEW, fixed"]
     lines += ['"_Bolt load-1_blrn_", 1, 1', "*Cload", "m_Set-2, 3, -200.", "*End Step"]
     return "\n".join(lines) + "\n"
+
+
+def _fields(name, *values):
+    """Lines of a card in free field, eight values each."""
+    rows = [values[i : i + 8] for i in range(0, len(values), 8)]
+    return "\n".join(
+        f"{name if not i else ''},{','.join(map(str, row))}" for i, row in enumerate(rows)
+    )
+
+
+def _face(brick, corners):
+    return [brick[corner] for corner in corners]
+
+
+UPPER_FACE, LOWER_FACE = (4, 5, 6), (0, 2, 1)
+
+
+def nastran_deck(bolt="etype 2", halves=None):
+    """The same joint in bulk data, of Simcenter; ids of parts are raised by 100, 200 and 300.
+
+    Parameters
+    ----------
+    bolt
+        ``"etype 2"``, ``"etype 3"`` or ``"split"``, MSC's of a control grid.
+    halves
+        Lines of BOLT in place of those.
+    """
+    places, bricks = {}, {}
+    for pid, cells, levels in (
+        (1, RING, (0.0, 10.0)),
+        (2, RING, (10.0, 20.0)),
+        (3, [*NUT, *SHANK, *HEAD], LEVELS),
+    ):
+        own, table = voxels(cells, levels, 100 * pid)
+        places |= own
+        bricks[pid] = {100 * pid + n: brick for n, brick in enumerate(table)}
+    column = [300 + len(NUT) + k for k in range(4)]
+    section = sorted(set(bricks[3][column[1]][4:]))
+    control, cards = ["SPC = 1", "BCSET = 9", "BOLTLD = 8", "LOAD = 7"], []
+    if bolt == "etype 2":
+        cards += [_fields("BOLT", 1, 2, 0, 3, *section)]
+    elif bolt == "etype 3":
+        cards += [_fields("BOLT", 1, 3, 0, 3, section[0], "", "", "", *column)]
+    else:
+        new = {n: 900 + i for i, n in enumerate(section)}
+        bricks[3][column[2]] = [new.get(n, n) for n in bricks[3][column[2]]]
+        places |= {new[n]: places[n] for n in section} | {999: (15.0, 15.0, 10.0)}
+        cards += [f"BOLT,1,999\n,TOP,{','.join(str(new[n]) for n in section)}"]
+        cards += [f",BOTTOM,{','.join(map(str, section))}", "FORCE,6,999,,5000.,0.,0.,-1."]
+        cards += ["SPC1,1,12,999"]
+        control.remove("BOLTLD = 8")
+    if bolt != "split":
+        cards += ["BOLTFOR,8,5000.,1"]
+    if halves is not None:
+        cards = [halves]
+    faces = [
+        [(n, _face(brick, UPPER_FACE)) for n, brick in bricks[1].items()],
+        [(n, _face(brick, LOWER_FACE)) for n, brick in bricks[2].items()],
+        [(n, _face(brick, UPPER_FACE)) for n, brick in bricks[2].items()],
+        [(n, _face(bricks[3][n], LOWER_FACE)) for n in range(313, 322) if n != 317],
+        [(n, _face(brick, LOWER_FACE)) for n, brick in bricks[1].items()],
+        [(n, _face(bricks[3][n], UPPER_FACE)) for n in range(300, 309) if n != 304],
+    ]
+    for number, region in enumerate(faces, start=1):
+        ids = [one for element, corners in region for one in (element, *corners)]
+        cards += [_fields("BSURFS", number, "", "", "", *ids)]
+    cards += ["BCTSET,9,1,2,0.,,1.", ",,3,4,0.,,1.", ",,5,6,0.,,1."]
+    cards += [f"GRID,{n},,{x!r},{y!r},{z!r}" for n, (x, y, z) in places.items()]
+    for pid, table in bricks.items():
+        cards += [_fields("CHEXA", n, pid, *brick) for n, brick in table.items()]
+        cards += [f"PSOLID,{pid},1"]
+    end = [n for n, (x, _, _) in places.items() if x == 30.0 and 200 <= n < 300]
+    held = [n for n, (x, _, _) in places.items() if x == 0.0 and n < 300]
+    cards += ["GRID,998,,40.,15.,15.", _fields("RBE2", 997, 998, 123456, *end)]
+    cards += [_fields("SPC1", 1, 123, *held), f"MAT1,1,{E},,.3,7.85-9"]
+    cards += ["FORCE,7,998,,200.,0.,0.,-1."]
+    lines = ["SOL 101", "CEND", *control, "BEGIN BULK", *cards, "ENDDATA"]
+    return "\n".join(lines) + "\n"

@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from nastran_decks import BULK, CONTROL, HEAVY, SUBCASES
 
+from clamped_plates import nastran_deck
 from faying.exceptions import FayingError, FormatError
 from faying.io.nastran import read_joint
 
@@ -23,6 +24,7 @@ JUNK = (
     *(b"*", b"THRU", b"BY", b"EXCEPT", b"$", b"'", b"99999999", b"9" * 20, b"1.-400", b"=", b"-"),
     *(b"SUBCASE 1", b"CEND", b"BEGIN BULK", b"ENDDATA", b"\nINCLUDE 'b'"),
 )
+BOLTED = [nastran_deck(bolt) for bolt in ("etype 2", "etype 3", "split")]
 
 
 def test_the_unbroken_deck_reads(tmp_path: Path) -> None:
@@ -42,7 +44,7 @@ def test_the_unbroken_deck_reads(tmp_path: Path) -> None:
 @given(seed=st.integers(0, 2**32 - 1))
 def test_mutated_decks_raise_only_faying_errors(tmp_path: Path, seed: int) -> None:
     rng = random.Random(seed)
-    lines = rng.choice((CONTROL + BULK, HEAVY)).encode().split(b"\n")
+    lines = rng.choice((CONTROL + BULK, HEAVY, *BOLTED)).encode().split(b"\n")
     for _ in range(rng.randint(1, 4)):
         i = rng.randrange(len(lines))
         line = lines[i]

@@ -10,7 +10,6 @@ from faying.io.abaqus import contact, materials, pretension
 from faying.io.abaqus.amplitudes import read_amplitudes
 from faying.io.abaqus.beams import read_beams
 from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
-from faying.io.abaqus.cuts import Cut, close_cuts, cut_mesh, origins
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
@@ -47,6 +46,7 @@ from faying.io.abaqus.ties import read_ties, with_ties
 from faying.io.abaqus.trusses import read_trusses
 from faying.io.abaqus.vibrations import note_masses
 from faying.io.left_out import Occurrence
+from faying.io.solid_cuts import Cut, close_cuts, cut_mesh, origins
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
@@ -132,7 +132,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         loads=loads,
     )
     senses = pretension.beam_senses(sections, elements, nodes.coordinates)
-    senses |= {cut.section.name: cut.sense for cut in cuts}
+    senses |= {cut.name: cut.sense for cut in cuts}
     specs = contact.specs(assembly, pairs, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
     return JointDescription(
@@ -161,10 +161,7 @@ def _cut(
     for section in through_solids:
         surfaces = read_surfaces(deck, mesh, by_element, by_node)
         surface = find_surface(surfaces, section.keyword, section.surface, None)
-        if not surface.facets:
-            message = f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
-            raise section.keyword.error(message)
-        mesh, cut = cut_mesh(mesh, section, surface)
+        mesh, cut = cut_mesh(mesh, section.through(surface))
         cuts.append(cut)
     if cuts:
         ignored.append(
@@ -172,7 +169,7 @@ def _cut(
             '"auto" would find the cuts too'
         )
     ignored.extend(
-        f"*PRE-TENSION SECTION {cut.section.surface}: {cut.touching} elements of the side that "
+        f"*PRE-TENSION SECTION {cut.name}: {cut.touching} elements of the side that "
         "owns the surface touch it with an edge or a corner only; they are parted from the other "
         "side like all, where CalculiX 2.20 leaves them on both, so that its bolt is tightened "
         "less and stays stiffer; a section through bricks has none"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
+from faying.io import solid_cuts
 from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
@@ -14,6 +15,7 @@ from faying.io.abaqus.fields import is_integer, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Forces
 from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.surfaces import DeckSurface
 from faying.model.specs import BoltSpec
 
 
@@ -39,6 +41,26 @@ class Section:
     element: int | None
     surface: str
     direction: tuple[float, ...] | None = None
+
+    def through(self, surface: DeckSurface) -> solid_cuts.Section:
+        """Return it as a section through solids at a surface.
+
+        Raises
+        ------
+        FormatError
+            If the surface has no facets.
+        """
+        if not surface.facets:
+            message = f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
+            raise self.keyword.error(message)
+        return solid_cuts.Section(
+            name=self.name,
+            shown=f"surface '{surface.name}'",
+            facets=surface.facets,
+            elements=surface.elements,
+            refuse=self.keyword.error,
+            direction=self.direction,
+        )
 
 
 def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -> list[Section]:

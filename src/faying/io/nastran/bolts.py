@@ -1,11 +1,12 @@
-"""BOLT, BOLTFOR, BOLTLD: bolts of beams and their pretension.
+"""BOLT, BOLTFOR, BOLTLD: bolts and their pretension.
 
 Simcenter Nastran Quick Reference Guide: BOLT with ETYPE = 1 lists the CBAR and CBEAM elements of a
-shank, BOLTFOR gives bolts a force, BOLTLD combines sets of BOLTFOR like LOAD does. MSC's BOLT of
-the same name (control grid, TOP and BOTTOM) cuts solids and is refused.
+shank, with ETYPE = 2 and 3 solids to cut, BOLTFOR gives bolts a force, BOLTLD combines sets of
+BOLTFOR like LOAD does. MSC's BOLT of the same name has a control grid that carries the force.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,29 +14,118 @@ from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_parameters import by_id
+from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
-from faying.model.assembly import Beam
+from faying.io.nastran.solid_bolts import read_solid_bolts
+from faying.io.nastran.split_bolts import (
+    SPLIT,
+    SplitBolt,
+    parted,
+    read_split_bolts,
+    without_controls,
+)
+from faying.io.solid_cuts import Cut, cut_mesh
+from faying.model.assembly import Assembly, Beam
 from faying.model.specs import BoltSpec
 
-_REMEDY = (
-    "model the shank with CBEAM or CBAR and ETYPE = 1, or leave the bolt out and let faying "
-    "generate one ([[bolt]] with axis, diameter, washer_radius)"
+SOLIDS_ARE_CUT = (
+    'solids are cut at BOLT: name the sides of interfaces, for minus = "auto" would find the '
+    "cuts too"
 )
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CutBolts:
+    """Bolts of solids: the structure with its cuts, not closed yet.
+
+    Attributes
+    ----------
+    cuts
+        By the ids of the bolts.
+    preloads
+        Forces that are loads on control grids.
+    """
+
+    assembly: Assembly
+    cuts: Mapping[int, Cut]
+    preloads: Mapping[int, float]
+
+
+def cut_bolts(
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    assembly: Assembly,
+    control: CaseControl,
+    ignored: list[str],
+) -> CutBolts:
+    """Cut the solids of a structure at its bolts.
+
+    Raises
+    ------
+    FormatError
+        If a bolt determines no section, or the section does not part its shank.
+    """
+    mesh, cuts = assembly.mesh, dict[int, Cut]()
+    for number, section in read_solid_bolts(cards, grids, mesh).items():
+        mesh, cuts[number] = cut_mesh(mesh, section)
+    split = read_split_bolts(cards, grids, assembly.loads)
+    for number, bolt in split.items():
+        mesh, cuts[number] = parted(mesh, number, bolt)
+    if split:
+        ignored.append(SPLIT)
+        assembly = without_controls(assembly, split)
+    if cuts:
+        ignored.append(SOLIDS_ARE_CUT)
+        ignored.extend(
+            f"bolt {number}: {cut.touching} elements touch its section with an edge or a corner "
+            "only and are parted too"
+            for number, cut in cuts.items()
+            if cut.touching
+        )
+    preloads = {}
+    for number, bolt in split.items():
+        force = _only_force(bolt, control)
+        if force is None:
+            sets = ", ".join(bolt.sets)
+            ignored.append(f"forces on the control grid of bolt {number} differ in sets {sets}")
+        else:
+            preloads[number] = force
+    return CutBolts(assembly=replace(assembly, mesh=mesh), cuts=cuts, preloads=preloads)
+
+
+def _only_force(bolt: SplitBolt, control: CaseControl) -> float | None:
+    """Return the force of the selected set, else the one that all sets agree on."""
+    chosen = bolt.sets.get(str(control.load))
+    values = set(bolt.sets.values())
+    return chosen if chosen is not None or len(values) != 1 else values.pop()
+
+
 def read_bolts(
-    cards: Mapping[str, Cards], beams: tuple[Beam, ...], control: CaseControl, ignored: list[str]
+    cards: Mapping[str, Cards],
+    beams: tuple[Beam, ...],
+    closing: Mapping[int, int],
+    control: CaseControl,
+    ignored: list[str],
 ) -> tuple[tuple[BoltSpec, ...], dict[str, float]]:
     """Return the bolts, named ``bolt-<id>``, and the forces that case control selects.
 
     Without a case control section the only set of BOLTFOR applies.
 
+    Parameters
+    ----------
+    closing
+        Bolts of solids to the ids of the springs that close their cuts.
+
     Raises
     ------
     FormatError
-        If a bolt is not made of beams, a set or bolt is missing, or forces contradict each other.
+        If a bolt is of nothing that is known, a set or bolt is missing, or forces contradict each
+        other.
     """
-    bolts = {number: _elements(card, beams) for number, card in by_id(cards, "BOLT").items()}
+    bolts = {
+        number: (closing[number],) if number in closing else _elements(card, beams)
+        for number, card in by_id(cards, "BOLT").items()
+    }
     for name in ("BOLTFRC", "BOLTSEQ"):
         for card in cards.get(name, ()):
             text = "it is not supported; give the final force of the bolts by BOLTFOR"
@@ -47,13 +137,9 @@ def read_bolts(
 
 
 def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
-    if "TOP" in card.texts or "BOTTOM" in card.texts:
-        text = f"a bolt of a control grid and pairs of grids is not supported; {_REMEDY}"
-        raise card.error(text)
     kind = card.integer(1)
     if kind != 1:
-        what = "a bolt of solid elements" if kind in (2, 3) else "this kind of bolt"
-        text = f"ETYPE = {kind}: {what} is not supported; {_REMEDY}"
+        text = f"ETYPE = {kind}; it is 1 (beams), 2 or 3 (solids)"
         raise card.error(text, 1)
     known = np.array(sorted(beam.id for beam in beams), dtype=np.int64)
     ids = id_list(card, [text for text in card.texts[2:] if text], known)

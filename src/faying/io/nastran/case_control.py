@@ -78,7 +78,8 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     Parameters
     ----------
     subcase
-        Id of the subcase that counts; the first unless given. Of its steps the first counts.
+        Id of the subcase that counts; the first unless given. Of its steps the first counts,
+        but for contact that begins later.
 
     Raises
     ------
@@ -91,7 +92,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     subcases: dict[int, _Level] = {}
     combinations: dict[int, str] = {}
     others: set[str] = set()
-    level, steps = common, 0
+    level, own, steps = common, common, 0
     for i, name, value in _statements(lines, start + 1):
         if name in _MATRICES and start >= 0:
             message = (
@@ -102,6 +103,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
         if name == "SUBCASE" or name in _COMBINATIONS:
             number = _number(lines, i, name, value, "an id")
             level, steps = _Level(where=lines.where(i)), 0
+            own = level
             if name in _COMBINATIONS:
                 combinations[number] = name
             elif number in subcases:
@@ -120,6 +122,9 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
         elif name == "BCONTACT":
             word = value.partition(",")[0].strip()
             wanted = word if word in _BCONTACT else _number(lines, i, name, value, "a table's id")
+            if steps > 1 and own.chosen.get(name, common.chosen.get(name, 0)) == 0:
+                ignored.append(f"BCONTACT = {word} is that of a later STEP, for the first has none")
+                own.chosen[name] = wanted
             level.chosen[name] = wanted
         elif name in _SETS:
             level.chosen[name] = _number(lines, i, name, value, "the number of a set")

@@ -7,15 +7,17 @@ from os import PathLike
 import numpy as np
 
 from faying._typing import Indices
+from faying.exceptions import FormatError
 from faying.io.deck_lines import naming
 from faying.io.left_out import IGNORABLE, checked_ignore
-from faying.io.nastran.bolts import read_bolts
+from faying.io.nastran.bolts import cut_bolts, read_bolts
 from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.glue import with_glue
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
+from faying.io.solid_cuts import close_cuts
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
@@ -31,7 +33,8 @@ def read_joint(
     BCONTACT); interfaces are called ``contact-<source>-<target>`` by the ids of regions or bodies,
     source (secondary, slave) being the minus side, or ``contact`` where all bodies may touch
     (BCONTACT = ALLBODY). Glue (BGSET, IGLUE, TIED) becomes equations. Bolts are BOLT of CBAR and
-    CBEAM with BOLTFOR, selected by BOLTLD, called ``bolt-<id>``.
+    CBEAM, or of solids that are cut, with BOLTFOR, selected by BOLTLD, or MSC's with a force on
+    their control grids; they are called ``bolt-<id>``.
 
     Parameters
     ----------
@@ -47,7 +50,7 @@ def read_joint(
     ------
     FormatError
         With file and line: as :func:`faying.io.nastran.read_deck`, or if the contact or a bolt has
-        features that are not represented (interference, cuts through solids).
+        features that are not represented (interference).
 
     Notes
     -----
@@ -60,6 +63,10 @@ def read_joint(
 
 def _described(deck: Deck) -> JointDescription:
     regions = read_regions(deck.cards, deck.grids, deck.solids)
+    cut = cut_bolts(deck.cards, deck.grids, deck.assembly, deck.control, deck.ignored)
+    cuts = [*cut.cuts.values()]
+    deck = replace(deck, assembly=cut.assembly)
+    regions = {number: one.on_sides_of(cut.assembly.mesh, cuts) for number, one in regions.items()}
     notes: dict[str, None] = {}
     pairs = [
         *read_simcenter_pairs(deck.cards, deck.control, regions, notes),
@@ -68,10 +75,19 @@ def _described(deck: Deck) -> JointDescription:
     check_distinct(pairs)
     ids = deck.assembly.mesh.element_ids
     everything = friction_of_all_bodies(deck.cards, deck.control, regions, ids, notes)
-    bolts, preloads = read_bolts(deck.cards, deck.assembly.beams, deck.control, deck.ignored)
-    assembly = _with_regions(deck, regions, pairs)
+    if everything is not None and cuts:
+        message = (
+            "BCONTACT of all bodies and bolts of solids: the sides of their cuts would touch too; "
+            "name the pairs (BCTABL1, BCONECT)"
+        )
+        raise FormatError(message)
+    assembly = close_cuts(_with_regions(deck, regions, pairs), cuts)
+    springs = assembly.springs[len(assembly.springs) - len(cuts) :]
+    closing = {number: one.id for number, one in zip(cut.cuts, springs, strict=True)}
+    bolts, preloads = read_bolts(deck.cards, assembly.beams, closing, deck.control, deck.ignored)
+    preloads |= {f"bolt-{number}": force for number, force in cut.preloads.items()}
     assembly = with_glue(assembly, [pair for pair in pairs if pair.glued], notes)
-    has_joined_faces = any(pair.glued for pair in pairs)
+    has_joined_faces = bool(cuts) or any(pair.glued for pair in pairs)
     pairs = [pair for pair in pairs if not pair.glued]
     interfaces = [spec_of(pair, assembly, notes) for pair in pairs]
     if everything is not None:

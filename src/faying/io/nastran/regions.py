@@ -4,8 +4,8 @@ Simcenter Nastran Quick Reference Guide, BSURFS: an element and three corner gri
 BSURF and BCPROP(S) name elements and properties, whose exterior faces are the region.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS, Solids
+from faying.io.solid_cuts import Cut, on_their_sides
 from faying.model.assembly import FaceSet
+from faying.model.mesh import Mesh
 from faying.model.surface import N_NODES
 
 
@@ -38,6 +40,12 @@ class Region:
     name: str
     facets: Indices | None = None
     elements: Indices | None = None
+
+    def on_sides_of(self, mesh: Mesh, cuts: Sequence[Cut]) -> "Region":
+        """Return the region on a mesh that was cut."""
+        if self.facets is None or not cuts:
+            return self
+        return replace(self, facets=on_their_sides(mesh, cuts, self.facets))
 
     @property
     def face_set(self) -> FaceSet | None:

@@ -1,20 +1,20 @@
-"""Pretension sections through solids: the mesh is cut and a stiff spring closes the cut.
+"""Bolts of solids: the mesh is cut across the shank and a stiff spring closes the cut.
 
-Both programs double the nodes of the section and let the two sides move apart along its normal by
-one common distance, which the pretension force drives and which is locked afterwards. Here this
-distance is the elongation of a spring in the bolt, far stiffer than the solids beside it.
+Abaqus, CalculiX and Nastran double the nodes of a section and let the two sides move apart along
+its normal by one common distance, which the pretension force drives and which is locked afterwards.
+Here this distance is the elongation of a spring in the bolt, far stiffer than the solids beside it.
 """
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices, Mask, Vector
+from faying.exceptions import FormatError
 from faying.interface.facets import area_vectors, gauss_rule
-from faying.io.abaqus.pretension import Section
-from faying.io.abaqus.surfaces import DeckSurface
 from faying.model.assembly import Assembly, Equation, Spring, Support
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
@@ -26,11 +26,46 @@ layer is added to the bolt's compliance, and K loses no more than four digits.""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Section:
+    """Where solids are to be cut.
+
+    Attributes
+    ----------
+    name
+        Of the bolt.
+    shown
+        What messages call it.
+    facets
+        Facet kind to nodes (n_facet, n_node_per_facet), seen from outside the owning side.
+    elements : (n_element,)
+        Ids of the solids that own these facets.
+    refuse
+        Makes an error that names the place in the deck.
+    direction
+        Normal where the deck gives one; by default the mean one of the facets.
+    """
+
+    name: str
+    shown: str
+    facets: Mapping[str, Indices]
+    elements: Indices
+    refuse: Callable[[str], FormatError]
+    direction: tuple[float, ...] | None = None
+
+    @property
+    def nodes(self) -> Indices:
+        """All nodes of the facets, each once, sorted."""
+        return np.unique(np.concatenate([part.ravel() for part in self.facets.values()]))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Cut:
     """A section through solids, cut open.
 
     Attributes
     ----------
+    name
+        Of the bolt.
     kept, copies : (n,)
         Nodes of the section, which the elements beyond it keep, and the new ones of the elements
         that own the surface, in the same order (as in CalculiX).
@@ -45,11 +80,13 @@ class Cut:
         The one the normal is nearest to.
     owner
         Id of one element beside the section.
+    owners : (n_element,)
+        Ids of all elements beside the section on the side that got the copies.
     touching
-        Elements of the side that owns the surface which are at it with an edge or a corner only.
+        How many of them are at it with an edge or a corner only.
     """
 
-    section: Section
+    name: str
     kept: Indices
     copies: Indices
     normal: Vector
@@ -58,20 +95,21 @@ class Cut:
     ends: tuple[int, int]
     component: int
     owner: int
+    owners: Indices
     touching: int
 
 
-def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, Cut]:
-    """Give the elements that own the surface of a section nodes of their own.
+def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
+    """Give the elements that own the facets of a section nodes of their own.
 
     Raises
     ------
     FormatError
-        If the surface does not cut the body in two.
+        If the facets do not cut the body in two.
     """
-    owners = _owning_side(mesh, section, surface)
+    owners = _owning_side(mesh, section)
     n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
-    kept = surface.nodes
+    kept = section.nodes
     copy_of = np.arange(n_node)
     copy_of[kept] = n_node + np.arange(len(kept))
     ends = (n_node + len(kept), n_node + len(kept) + 1)
@@ -82,14 +120,14 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
             replace(block, nodes=np.where(near[:, None], copy_of[block.nodes], block.nodes))
         )
     vector = np.zeros(3)
-    for kind, facets in surface.facets.items():
+    for kind, facets in section.facets.items():
         rule = gauss_rule(kind)
         vectors = area_vectors(kind, mesh.nodes[facets], rule.points)
         vector += np.einsum("fqd,q->d", vectors, rule.weights)
     area = float(np.linalg.norm(vector))
     if not area > 0:
-        message = f"surface '{surface.name}' has no area as a whole; a section is nearly flat"
-        raise section.keyword.error(message)
+        message = f"{section.shown} has no area as a whole; a section is nearly flat"
+        raise section.refuse(message)
     normal, sense = _direction(section, vector / area)
     centre = mesh.nodes[kept].mean(axis=0)
     changed = replace(
@@ -99,7 +137,7 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
         blocks=tuple(blocks),
     )
     return changed, Cut(
-        section=section,
+        name=section.name,
         kept=kept,
         copies=copy_of[kept],
         normal=normal,
@@ -107,12 +145,13 @@ def cut_mesh(mesh: Mesh, section: Section, surface: DeckSurface) -> tuple[Mesh, 
         sense=sense,
         ends=ends,
         component=int(np.abs(normal).argmax()),
-        owner=int(surface.elements[0]),
-        touching=len(np.setdiff1d(owners, surface.elements)),
+        owner=int(section.elements[0]),
+        owners=owners,
+        touching=len(np.setdiff1d(owners, section.elements)),
     )
 
 
-def origins(mesh: Mesh, cuts: list[Cut]) -> Indices:
+def origins(mesh: Mesh, cuts: Sequence[Cut]) -> Indices:
     """Return which node of the deck each node of a cut mesh (n_node,) stands in the place of."""
     origin = np.arange(len(mesh.nodes))
     for cut in cuts:
@@ -133,16 +172,16 @@ def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
     cosine = float(given @ normal) / length if length > 0 else 0.0
     if not abs(cosine) > 0.5:
         message = "the direction is zero or lies in the section; give the axis of the bolt"
-        raise section.keyword.error(message, 0)
+        raise section.refuse(message)
     sense = float(np.sign(cosine))
     return given / length * sense, sense
 
 
-def _owning_side(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:
-    """Ids of the elements at the section on the side that owns the surface."""
-    faces, ids = _faces_at(mesh, surface.nodes)
-    cut = np.concatenate([np.sort(_corners(part), axis=1) for part in surface.facets.values()])
-    keys = np.concatenate([cut, np.sort(_corners(faces), axis=1)])
+def _owning_side(mesh: Mesh, section: Section) -> Indices:
+    """Ids of the elements at the section on the side that owns its facets."""
+    faces, ids = _faces_at(mesh, section.nodes)
+    cut = np.concatenate([np.sort(corner_nodes(part), axis=1) for part in section.facets.values()])
+    keys = np.concatenate([cut, np.sort(corner_nodes(faces), axis=1)])
     _, group, _ = unique_rows(keys)
     is_cut = np.isin(group[len(cut) :], group[: len(cut)])
     elements, position = np.unique(ids, return_inverse=True)
@@ -151,21 +190,21 @@ def _owning_side(mesh: Mesh, section: Section, surface: DeckSurface) -> Indices:
         shape=(len(elements), int(group.max()) + 1),
     )
     count, part = connected_components(joins @ joins.T, directed=False)
-    owners = np.unique(part[np.isin(elements, surface.elements)])
+    owners = np.unique(part[np.isin(elements, section.elements)])
     across = elements[np.setdiff1d(position[is_cut], np.flatnonzero(np.isin(part, owners)))]
     if not len(across) or np.intersect1d(part[np.isin(elements, across)], owners).size:
         message = (
-            f"surface '{surface.name}' does not cut the solids it lies in from rim to rim; take "
+            f"{section.shown} does not cut the solids it lies in from rim to rim; take "
             "all element faces of one cross-section of the shank, seen from one side"
         )
-        raise section.keyword.error(message)
+        raise section.refuse(message)
     others = np.setdiff1d(np.arange(count), [*owners, *part[np.isin(elements, across)]])
     if others.size:
         message = (
-            f"element {elements[part == others[0]][0]} touches the section '{surface.name}' only "
+            f"element {elements[part == others[0]][0]} touches {section.shown} only "
             "at an edge or a corner, so its side is not clear; place the section elsewhere"
         )
-        raise section.keyword.error(message)
+        raise section.refuse(message)
     return elements[np.isin(part, owners)]
 
 
@@ -180,15 +219,36 @@ def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
     return np.concatenate(tables), np.concatenate(ids)
 
 
-def _corners(faces: Indices) -> Indices:
-    """Corner nodes (n_face, 4); -1 fills triangles."""
+def corner_nodes(faces: Indices) -> Indices:
+    """Corner nodes (n_face, 4) of padded faces; -1 fills triangles."""
     corners = padded(faces)[:, :4].copy() if faces.shape[1] < 8 else faces[:, :4].copy()
     count = (faces >= 0).sum(axis=1)
     corners[np.isin(count, (3, 6)), 3] = -1
     return corners
 
 
-def close_cuts(assembly: Assembly, cuts: list[Cut]) -> Assembly:
+def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:
+    """Return facets (n_facet, 8) beside cuts with the nodes they have on the cut mesh.
+
+    Parameters
+    ----------
+    mesh
+        With all cuts.
+    facets
+        By the nodes they had before; -1 behind the last.
+    """
+    for cut in cuts:
+        position = np.full(len(mesh.nodes) + 1, -1, dtype=np.int64)
+        position[cut.kept] = np.arange(len(cut.kept))
+        own = np.zeros(len(mesh.nodes) + 1, dtype=bool)
+        own[mesh.element_nodes(cut.owners)] = True
+        beside: Mask = np.asarray(own[facets].any(axis=1))
+        moved = (position[facets] >= 0) & beside[:, None]
+        facets = np.where(moved, cut.copies[position[facets]], facets)
+    return facets
+
+
+def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
     """Tie the two sides of every cut and put its spring between them."""
     equations: list[Equation] = []
     springs: list[Spring] = []

@@ -1,0 +1,169 @@
+"""BOLT with ETYPE = 2 and 3: shanks of solids, as sections to cut.
+
+Simcenter Nastran Quick Reference Guide, BOLT: ETYPE = 2 names the grid points of a cross-section of
+the shank, ETYPE = 3 its elements and a grid point at the height of the section; CSID and IDIR are
+the axis. Between elements on either side of that height the section need not be flat.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.contact_parameters import by_id
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.id_lists import id_list
+from faying.io.solid_cuts import Section, corner_nodes
+from faying.model.elements import SOLIDS
+from faying.model.mesh import Mesh
+from faying.model.surface import FACE_KINDS, padded, unique_rows
+
+OF_GRIDS, OF_ELEMENTS = 2, 3
+
+
+def read_solid_bolts(cards: Mapping[str, Cards], grids: Grids, mesh: Mesh) -> dict[int, Section]:
+    """Return the sections of all bolts of solids by id.
+
+    Raises
+    ------
+    FormatError
+        If a grid, element or coordinate system is missing, or the card determines no section.
+    """
+    found = {}
+    for number, card in by_id(cards, "BOLT").items():
+        if is_split(card) or card.integer(1) not in (OF_GRIDS, OF_ELEMENTS):
+            continue
+        found[number] = (
+            _of_grids(number, card, grids, mesh)
+            if card.integer(1) == OF_GRIDS
+            else _of_elements(number, card, grids, mesh)
+        )
+    return found
+
+
+def is_split(card: Card) -> bool:
+    """Say whether a bolt is MSC's, of a control grid and pairs of grids."""
+    return "TOP" in card.texts or "BOTTOM" in card.texts
+
+
+def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
+    nodes = grids.several(card, id_list(card, _texts(card, 4), np.sort(grids.ids)))
+    inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
+    inside[nodes] = True
+    given = _axis(card, grids, grids.nodes[nodes].mean(axis=0) if len(nodes) else np.zeros(3))
+    axis = _normal(grids.nodes[nodes]) if given is None else given
+    near = [inside[block.nodes].sum(axis=1) > 2 for block in mesh.blocks]
+    below, _ = _neighbours(mesh, near, axis)
+    corners = np.where(below.corners < 0, below.corners[:, :1], below.corners)
+    across: Mask = np.asarray(inside[corners].all(axis=1))
+    return _section(number, card, below, across, given)
+
+
+def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
+    known = np.sort(mesh.element_ids)
+    ids = np.array(id_list(card, _texts(card, 5), known), dtype=np.int64)
+    missing = ids[~np.isin(ids, known)]
+    if missing.size or not ids.size:
+        what = f"element {missing[0]} is no solid of the deck" if missing.size else "no elements"
+        text = f"{what}; list the solids of the shank"
+        raise card.error(text, 5)
+    nodes = mesh.nodes[mesh.element_nodes(ids)]
+    axis = _axis(card, grids, nodes.mean(axis=0))
+    if axis is None:
+        text = "the axis is blank; give CSID and IDIR"
+        raise card.error(text, 2)
+    at = card.text(4)
+    heights = nodes @ axis
+    level = float(heights.min() + heights.max()) / 2
+    if at and at != "0":
+        level = float(grids.nodes[grids.several(card, [card.integer(4)])[0]] @ axis)
+    below, above = _neighbours(mesh, [np.isin(block.ids, ids) for block in mesh.blocks], axis)
+    across = (below.heights < level) & (above.heights >= level)
+    return _section(number, card, below, across, axis)
+
+
+def _texts(card: Card, first: int) -> list[str]:
+    return [text for text in card.texts[first:] if text]
+
+
+def _axis(card: Card, grids: Grids, place: Vector) -> Vector | None:
+    """Return the unit vector of CSID and IDIR at a place; None if they are blank."""
+    if not card.text(3) or card.text(3) == "0":
+        return None
+    direction, system = card.integer(3), card.integer(2, 0)
+    if direction not in (1, 2, 3):
+        text = f"IDIR = {direction}; it is 1, 2 or 3"
+        raise card.error(text, 3)
+    if system not in grids.systems.frames:
+        text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
+        raise card.error(text, 2)
+    axes: Matrix = grids.systems.frames[system].directions(place[None])[0]
+    return np.array(axes[direction - 1])
+
+
+def _normal(points: Matrix) -> Vector:
+    """Return the direction in which points are spread least."""
+    _, _, directions = np.linalg.svd(points - points.mean(axis=0))
+    return np.array(directions[-1])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Faces:
+    """Faces of elements (n_face, 8), outward, with ids and heights of the elements."""
+
+    nodes: Indices
+    ids: Indices
+    heights: Vector
+
+    @property
+    def corners(self) -> Indices:
+        """Corner nodes (n_face, 4); -1 fills triangles."""
+        return corner_nodes(self.nodes)
+
+    def taken(self, which: Indices | Mask) -> "_Faces":
+        """Return some of them."""
+        return _Faces(nodes=self.nodes[which], ids=self.ids[which], heights=self.heights[which])
+
+
+def _neighbours(mesh: Mesh, chosen: list[Mask], axis: Vector) -> tuple[_Faces, _Faces]:
+    """Return the faces between two of the chosen elements, as of the lower and of the upper one."""
+    tables, ids = [np.zeros((0, 8), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    heights = [np.zeros(0)]
+    for block, mask in zip(mesh.blocks, chosen, strict=True):
+        cells = block.nodes[mask]
+        for _, local in SOLIDS[block.kind].faces:
+            tables.append(padded(cells[:, list(local)]))
+            ids.append(block.ids[mask])
+            heights.append(mesh.nodes[cells].mean(axis=1) @ axis)
+    faces = _Faces(
+        nodes=np.concatenate(tables), ids=np.concatenate(ids), heights=np.concatenate(heights)
+    )
+    _, group, size = unique_rows(np.sort(faces.corners, axis=1))
+    shared = np.flatnonzero(size[group] == 2)
+    order = shared[np.lexsort((faces.heights[shared], group[shared]))]
+    return faces.taken(order[::2]), faces.taken(order[1::2])
+
+
+def _section(number: int, card: Card, below: _Faces, across: Mask, axis: Vector | None) -> Section:
+    if not across.any():
+        text = (
+            "no faces between solids of the shank lie in this cross-section; give all grids of a "
+            "layer of faces (ETYPE = 2), or elements on both sides of the grid (ETYPE = 3)"
+        )
+        raise card.error(text)
+    owned = below.taken(across)
+    count = (owned.nodes >= 0).sum(axis=1)
+    return Section(
+        name=f"bolt-{number}",
+        shown="the cross-section of the bolt",
+        facets={
+            kind: owned.nodes[count == n][:, :n]
+            for n, kind in FACE_KINDS.items()
+            if (count == n).any()
+        },
+        elements=np.unique(owned.ids),
+        refuse=card.error,
+        direction=None if axis is None else tuple(axis.tolist()),
+    )
