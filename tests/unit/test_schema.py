@@ -248,6 +248,7 @@ HISTORIES = [
     ("0,1\n1\n", "line 2"),
     ("t,F\n0,1\n\n2,1\n1,1\n", "line 5: time 1 does not come after 2"),
     ("0,1\n1,inf\n", "line 2: the sample is not finite"),
+    ("0,1\n1,1e308\n", "line 2: the sample is not finite, or larger than 1e+30"),
     ("-1,1\n1,1\n", "time -1 is negative"),
     ("t,F\n0,1\n", "found 1 samples"),
     ("", "found 0 samples"),

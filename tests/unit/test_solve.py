@@ -2,6 +2,8 @@
 
 import csv
 import json
+import os
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +18,7 @@ from faying.assessment.case_metrics import metrics_of
 from faying.cli import app
 from faying.exceptions import ConvergenceError, FormatError, StudyError
 from faying.execution.checkpoint import Checkpoint
+from faying.files import contents
 from faying.study.assessing import requirements_of
 from faying.study.load_set import read_loads
 from faying.study.load_table import read_load_table
@@ -334,14 +337,22 @@ BAD_TABLES = {
     "": "found 0 rows of nothing",
     "time,tip.Fz\n0,1\n0,2": "increase",
     "time,preload\n0,1\n1,2": "cannot change over time",
+    "tip.Fz\n1\n1_0": "line 3: found '1_0' in column 'tip.Fz'",
+    "tip.Fz,preload\n1,1\n1e308,1": "row 2: column 'tip.Fz' has 1e.308, expected .* up to 1e.30",
+    "time,tip.Fz\n0,1\n1e308,1": "row 2: column 'time' has 1e\\+308",
+    "time,tip.Fz\n0,1\n1e-320,1": "the time step is 9.99989e-321 .* expected both from 1e-30",
+    "case,tip.Fz\na\0b,1": r"row 1: the name 'a\\x00b' has 3 characters, .* can be shown",
+    f"case,tip.Fz\nb,1\n{'a' * 300},1": "row 2: the name 'a{40}' has 300 characters, .* most 200",
+    f'case,tip.Fz\n"{"a" * 200_000},1': "line 2: field larger than field limit",
+    f'"{"a" * 200_000},1\n2,3': "line 1: field larger than field limit",
 }
 
 
-@pytest.mark.parametrize("text", BAD_TABLES)
+@pytest.mark.parametrize("text", BAD_TABLES, ids=range(len(BAD_TABLES)))
 def test_bad_tables_are_refused_with_their_place(rom, tmp_path, text):
     path = tmp_path / "bad.csv"
     path.write_text(text)
-    with pytest.raises(StudyError, match=BAD_TABLES[text]):
+    with pytest.raises((StudyError, FormatError), match=BAD_TABLES[text]):
         read_loads(path, rom)
 
 
@@ -450,6 +461,11 @@ BAD_PARQUET = {
     "names": ({"case": ["a", "a"], "tip.Fz": [1, 2]}, "two rows have the name 'a'"),
     "loads": ({"case": ["a", "b"]}, "expected a header with columns of loads"),
     "column": ({"tip.Fq": [1, 2]}, "no column 'tip.Fq'; did you mean 'tip.F"),
+    "large": (
+        {"tip.Fz": [1.0, -1e31]},
+        "row 2: column 'tip.Fz' has -1e\\+31, expected a magnitude",
+    ),
+    "shown": ({"case": ["a", "\x1b[2J"], "tip.Fz": [1, 2]}, r"row 2: the name '\\x1b\[2J'"),
 }
 
 
@@ -458,6 +474,36 @@ def test_bad_parquet_is_refused_with_its_place(rom, tmp_path, kind):
     columns, expected = BAD_PARQUET[kind]
     with pytest.raises(StudyError, match=expected):
         read_loads(write_parquet(tmp_path / "bad.parquet", columns), rom)
+
+
+def test_whole_numbers_beyond_double_precision_are_rounded(tmp_path):
+    path = write_parquet(tmp_path / "large.parquet", {"tip.Fz": [2**62 + 1, 3]})
+    assert read_load_table(path).columns["tip.Fz"].tolist() == [2.0**62, 3.0]
+
+
+def test_parquet_larger_than_the_memory_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    """A column of zeros takes next to nothing in the file."""
+    path = write_parquet(tmp_path / "zeros.parquet", {"tip.Fz": np.zeros(200_000)})
+    assert path.stat().st_size < 10_000
+    monkeypatch.setattr(contents, "free_memory", lambda: 1_000_000)
+    with pytest.raises(
+        StudyError, match=r"zeros\.parquet: .*it holds 0\.0016 GB, and 0\.001 GB of"
+    ):
+        read_load_table(path)
+
+
+def test_pipes_are_not_waited_for(tmp_path):
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    os.mkfifo(tmp_path / "pipe.parquet")
+    with pytest.raises(StudyError, match=r"pipe\.parquet: .*device or pipe and no file"):
+        read_load_table(tmp_path / "pipe.parquet")
+
+
+def test_parquet_whose_names_are_no_text_is_refused(tmp_path):
+    path = write_parquet(tmp_path / "names.parquet", {"tip.Fz": [1.0, 2.0]})
+    path.write_bytes(path.read_bytes().replace(b"tip.Fz", b"tip.\xff\xfe"))
+    with pytest.raises(StudyError, match=r"cannot read the loads .*names\.parquet"):
+        read_load_table(path)
 
 
 def test_file_that_is_no_parquet_is_refused(rom, tmp_path):
@@ -567,6 +613,22 @@ def test_a_requirement_that_cannot_be_judged_is_not_met(model_file, tmp_path):
     )
     assert done.exit_code == 3
     assert "with slip_friction, and no slip_friction is given" in " ".join(done.output.split())
+
+
+def test_an_open_interface_needs_infinite_friction(model_file, tmp_path):
+    """The tip lifted and turned so that nothing touches, and a pull across."""
+    loads = tmp_path / "loads.toml"
+    forces = {"Fz": 200e3, "My": 11e6, "Fx": 5.0}
+    entries = ", ".join(
+        f'{{ boundary = "tip", component = "{name}", value = {value} }}'
+        for name, value in forces.items()
+    )
+    case = f'[[load_case]]\nname = "open"\nkind = "static"\nforces = [{entries}]\n'
+    loads.write_text(f"{case}[requirement]\n{SLIP}")
+    out = str(tmp_path / "out")
+    done = CliRunner().invoke(app, ["solve", str(model_file), str(loads), "--out", out])
+    assert done.exit_code == 3, done.output
+    assert re.search(r"needed_friction.joint +infinite +open", done.output)
 
 
 def test_histories_are_judged_too(model_file, tmp_path):

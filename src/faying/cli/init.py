@@ -30,6 +30,9 @@ def init(
     from faying.exceptions import StudyError
     from faying.files.atomic import write_text
 
+    if not deck.is_file():
+        message = f"{deck} is no file; name a deck or a mesh"
+        raise StudyError(message)
     target = out or deck.with_suffix(".toml")
     if target.suffix.lower() != ".toml":
         message = f"--out {target}: the name of a study ends in .toml; add it"

@@ -132,7 +132,9 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
             unit = summary["metrics"][metric]["unit"]
             label = f"{metric} [{unit}]" if unit not in ("", "1") else metric
             for entry in worst[:1]:
-                table.add_row(label, f"{entry['value']:.5g}", entry["case"])
+                # JSON has no infinity, such as the friction that an open interface would need.
+                value = "infinite" if entry["value"] is None else f"{entry['value']:.5g}"
+                table.add_row(label, value, entry["case"])
         console.print(table)
     for line in verdict_lines(summary):
         console.print(line, soft_wrap=True)

@@ -25,11 +25,22 @@ def file_bytes(path: Path) -> bytes:
     ValueError
         If the path has a NUL character.
     """
+    check_room(file_size(path), path)
+    return path.read_bytes()
+
+
+def file_size(path: Path) -> int:
+    """Return the bytes of a file.
+
+    Raises
+    ------
+    OSError
+        If it is no regular file; a pipe would be waited for.
+    """
     found = path.stat()
     if not stat.S_ISREG(found.st_mode):
         raise OSError(errno.EINVAL, "it is a folder, device or pipe and no file", str(path))
-    check_room(found.st_size, path)
-    return path.read_bytes()
+    return found.st_size
 
 
 def file_text(path: Path, errors: str = "strict") -> str:

@@ -9,7 +9,6 @@ forces N₀ (``LoadBox.preload_factors``) then no longer scale the preload by th
 remain valid training loads.
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,6 +22,7 @@ from scipy.spatial import QhullError
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, ModelError
 from faying.files.contents import file_text
+from faying.files.csv_rows import csv_rows
 from faying.interface.interface import Interface
 
 POINT_COLUMNS = ("x", "y", "z", "gap")
@@ -211,7 +211,7 @@ def read_gap_table(path: Path) -> tuple[list[str], Matrix]:
         raise FormatError(message) from None
     numbered = [
         (number, [entry.strip() for entry in row])
-        for number, row in enumerate(csv.reader(lines), start=1)
+        for number, row in csv_rows(path, lines)
         if row and not row[0].lstrip().startswith("#")
     ]
     header = [name.lower() for name in numbered[0][1]] if numbered else []

@@ -9,6 +9,7 @@ from faying._typing import Matrix
 from faying.exceptions import StudyError
 from faying.files.contents import file_text
 from faying.simulation.load import History
+from faying.study.ranges import LARGEST
 
 
 def read_history(path: Path) -> History:
@@ -72,9 +73,12 @@ def _check(path: Path, lines: list[int], rows: Matrix) -> None:
     if len(rows) < 2:
         message = f"{path}: found {len(rows)} samples, expected two or more lines 'time, value'"
         raise StudyError(message)
-    infinite = np.flatnonzero(~np.isfinite(rows).all(axis=1))
-    if infinite.size:
-        message = f"{path}, line {lines[infinite[0]]}: the sample is not finite; remove the line"
+    beyond = np.flatnonzero(~(np.abs(rows) <= LARGEST).all(axis=1))
+    if beyond.size:
+        message = (
+            f"{path}, line {lines[beyond[0]]}: the sample is not finite, or larger than "
+            f"{LARGEST:g}; remove or correct the line"
+        )
         raise StudyError(message)
     if rows[0, 0] < 0:
         message = (

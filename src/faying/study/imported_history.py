@@ -10,7 +10,6 @@ n_boundary [+ n_bolt [+ n_pattern]]) like the ``inputs`` of a faying solution; a
 (n_time, 9).
 """
 
-import csv
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_text
+from faying.files.csv_rows import csv_rows
 from faying.files.hdf5 import open_hdf5
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
@@ -146,7 +146,7 @@ def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
         raise FormatError(message) from None
     rows = [
         (number, [cell.strip() for cell in row])
-        for number, row in enumerate(csv.reader(text.splitlines()), start=1)
+        for number, row in csv_rows(path, text.splitlines())
         if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
     ]
     if not rows:

@@ -1,6 +1,5 @@
 """Load factors of a path: one column of a csv file for each load, one row for each increment."""
 
-import csv
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -11,8 +10,9 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import StudyError
 from faying.files.contents import file_text
+from faying.files.csv_rows import csv_rows
 from faying.study.errors import MOST_SHOWN, quoted
-from faying.study.ranges import MOST_LOADS
+from faying.study.ranges import LARGEST, MOST_LOADS
 
 ALL = "factor"
 """Name of the column that multiplies all loads of a case."""
@@ -72,7 +72,7 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
         reason = str(error.strerror)
     else:
         lines = [line.split("#", 1)[0] for line in text.splitlines()]
-        for number, cells in enumerate(csv.reader(lines), start=1):
+        for number, cells in csv_rows(path, lines):
             yield number, [cell.strip() for cell in cells]
         return
     message = f"cannot read load factors {path}: {reason}; give a csv file"
@@ -115,8 +115,11 @@ def _lines(names: Sequence[str], body: Sequence[tuple[int, list[str]]]) -> Itera
             value = _number(cell)
             if not cell:
                 yield f"line {line}: column '{name}' has a gap; give a factor"
-            elif value is None or not np.isfinite(value):
-                yield f"line {line}: column '{name}' has '{cell[:40]}', expected a finite number"
+            elif value is None or not abs(value) <= LARGEST:
+                yield (
+                    f"line {line}: column '{name}' has '{cell[:40]}', expected a number up to "
+                    f"{LARGEST:g} in magnitude"
+                )
 
 
 def _number(text: str) -> float | None:

@@ -14,6 +14,7 @@ from faying.simulation.integrators import ImplicitEuler, Integrator, named_integ
 from faying.simulation.load import History, Load
 from faying.study.load_table import LoadTable, read_load_table, table_inputs
 from faying.study.loads import case_load
+from faying.study.ranges import LARGEST, SMALLEST
 from faying.study.requirement_tables import RequirementSection
 from faying.study.schema import read_load_cases
 from faying.study.tables import LoadCaseSection
@@ -200,10 +201,16 @@ def _table_step(times: Vector) -> float:
 
 
 def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:
-    """Refuse loads on what the model does not have before anything is computed."""
+    """Refuse loads and time steps that the model cannot follow before anything is computed."""
     several = tuple(loads)
     for one in several:
         one.load.inputs(rom, np.zeros(1))
+        if not (one.step >= SMALLEST and max(one.step, one.duration) <= LARGEST):
+            message = (
+                f"{one.load.name}: the time step is {one.step:g} and the duration "
+                f"{one.duration:g}; expected both from {SMALLEST:g} to {LARGEST:g}"
+            )
+            raise StudyError(message)
     return several
 
 

@@ -1,6 +1,5 @@
 """Tables of loads: one row per static case, or one row per instant where there is a time column."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,10 +10,12 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.exceptions import StudyError
 from faying.files.contents import file_text
+from faying.files.csv_rows import csv_rows
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.study.errors import MOST_SHOWN, nearest
 from faying.study.parquet_files import parquet_cells
+from faying.study.ranges import LARGEST, LONGEST_NAME
 
 NAME = "case"
 """Column with the names of static cases; without it they are numbered from 1."""
@@ -65,7 +66,7 @@ def read_load_table(path: Path) -> LoadTable:
     """
     header, cells, names = parquet_cells(path, NAME) if path.suffix == ".parquet" else _csv(path)
     if names is not None:
-        _check_distinct(path, names)
+        _check_names(path, names)
     numeric = [name for name in header if name != NAME]
     if not set(numeric) - {TIME} or not len(cells):
         message = (
@@ -74,6 +75,7 @@ def read_load_table(path: Path) -> LoadTable:
         )
         raise StudyError(message)
     columns = dict(zip(numeric, np.ascontiguousarray(cells.T), strict=True))
+    _check_range(path, columns)
     times = columns.pop(TIME, None)
     if times is not None:
         _check_times(path, times)
@@ -134,7 +136,7 @@ def _csv(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
     lines = _lines(path)
     if not lines:
         return [], np.empty((0, 0)), None
-    header = _cells(lines[0][1])
+    header = _cells(path, *lines[0])
     _check_header(path, header)
     rows = [line for _, line in lines[1:]]
     _check_width(path, lines, len(header))
@@ -172,9 +174,10 @@ def _lines(path: Path) -> list[tuple[int, str]]:
     return [(number, line) for number, line in numbered if line and not line.startswith("#")]
 
 
-def _cells(line: str) -> list[str]:
+def _cells(path: Path, number: int, line: str) -> list[str]:
     """Split a line; commas within quotes belong to a name."""
-    cells = next(csv.reader([line])) if '"' in line else line.split(",")
+    quoted = '"' in line
+    cells = next(csv_rows(path, [line], first=number))[1] if quoted else line.split(",")
     return [cell.strip() for cell in cells]
 
 
@@ -192,11 +195,11 @@ def _check_header(path: Path, header: Sequence[str]) -> None:
 
 
 def _check_width(path: Path, lines: Sequence[tuple[int, str]], expected: int) -> None:
-    wrong = [number for number, line in lines[1:] if len(_cells(line)) != expected]
+    wrong = [(n, line) for n, line in lines[1:] if len(_cells(path, n, line)) != expected]
     if wrong:
-        found = len(_cells(dict(lines)[wrong[0]]))
+        found = len(_cells(path, *wrong[0]))
         message = (
-            f"{path.name}, line {wrong[0]}: found {found} cells, expected {expected} as in the "
+            f"{path.name}, line {wrong[0][0]}: found {found} cells, expected {expected} as in the "
             "header; separate them by commas and write decimal points"
         )
         raise StudyError(message)
@@ -209,7 +212,7 @@ def _bad_cells(
     wrong = [
         f"  - line {number}: found '{cell[:40]}' in column '{header[place]}'"
         for number, line in lines
-        for place, cell in enumerate(_cells(line))
+        for place, cell in enumerate(_cells(path, number, line))
         if place in numeric and not _is_number(cell)
     ]
     listed = "\n".join(wrong[:MOST_SHOWN])
@@ -219,12 +222,33 @@ def _bad_cells(
 
 def _is_number(cell: str) -> bool:
     try:
-        return bool(np.isfinite(float(cell)))
+        # Python also takes 1_000 and the digits of other scripts.
+        return bool(np.isfinite(float(cell))) and cell.isascii() and "_" not in cell
     except ValueError:
         return False
 
 
-def _check_distinct(path: Path, names: Sequence[str]) -> None:
+def _check_range(path: Path, columns: Mapping[str, Vector]) -> None:
+    """Refuse numbers whose products with others overflow."""
+    for name, values in columns.items():
+        large = np.flatnonzero(np.abs(values) > LARGEST)
+        if large.size:
+            message = (
+                f"{path.name}, row {large[0] + 1}: column '{name}' has {values[large[0]]:g}, "
+                f"expected a magnitude up to {LARGEST:g}; correct it or use other units"
+            )
+            raise StudyError(message)
+
+
+def _check_names(path: Path, names: Sequence[str]) -> None:
+    """Refuse names that cannot be shown, or that two rows have."""
+    for row, name in enumerate(names, start=1):
+        if not name.isprintable() or len(name) > LONGEST_NAME:
+            message = (
+                f"{path.name}, row {row}: the name {name[:40]!a} has {len(name)} characters, "
+                f"expected at most {LONGEST_NAME}, all of which can be shown; change it"
+            )
+            raise StudyError(message)
     if len(set(names)) < len(names):
         in_order = sorted(names)
         twice = next(one for one, other in pairwise(in_order) if one == other)

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import StudyError
+from faying.files.contents import check_room, file_size
 from faying.study.errors import MOST_SHOWN
 
 
@@ -51,12 +52,16 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
     """
     arrow, parquet = pyarrow_for(path.name, "save the table as csv")
     try:
+        check_room(file_size(path), path)
+        size = parquet.read_metadata(path)
+        check_room(8 * size.num_rows * size.num_columns, path)
         table = parquet.read_table(path)
-    except (OSError, arrow.ArrowException) as error:
-        reason = str(error).splitlines()[0][:200]
+        header = [str(name) for name in table.column_names]
+        names = _names(path, table, label)
+    except (OSError, UnicodeDecodeError, arrow.ArrowException) as error:
+        reason = (getattr(error, "strerror", None) or str(error)).splitlines()[0][:200]
         message = f"cannot read the loads {path}: {reason}; save it again as Parquet, or as csv"
         raise StudyError(message) from None
-    header = [str(name) for name in table.column_names]
     twice = [name for place, name in enumerate(header) if name in header[:place]]
     if twice:
         message = f"{path.name}: column '{twice[0]}' is there twice; keep one"
@@ -70,14 +75,14 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
         ):
             wrong.append(f"column '{name}' holds {column.type}")
             continue
-        cells[:, place] = column.cast(arrow.float64()).to_numpy()
+        cells[:, place] = column.cast(arrow.float64(), safe=False).to_numpy()
         bad = np.flatnonzero(~np.isfinite(cells[:, place]))
         wrong += [f"row {row + 1}: column '{name}' is empty or not finite" for row in bad[:1]]
     if wrong:
         listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
         message = f"{path.name}: expected finite numbers\n{listed}"
         raise StudyError(message)
-    return header, cells, _names(path, table, label)
+    return header, cells, names
 
 
 def _names(path: Path, table: Any, label: str) -> tuple[str, ...] | None:
