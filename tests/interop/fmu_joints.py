@@ -9,7 +9,8 @@ import pytest
 from fmpy import fmi2, fmi3
 
 import faying as fy
-from faying.export.fmu import library
+from faying.export import fmu as fmu_export
+from faying.export.fmu import archive, library
 
 NEEDS_COMPILER = pytest.mark.skipif(
     library.compiler() is None, reason="there is no C compiler (apt install gcc)"
@@ -37,6 +38,33 @@ def handed_over(**parameters):
     joint = fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking())
     basis = fy.craig_bampton(joint, normal_modes=8)
     return replace(fy.reduce(joint, basis, compliance=True), name="lap joint")
+
+
+def rubbing_joint(*, tangential_penalty=8e5, **parameters):
+    smooth = fy.lap_joint(
+        **{"element_size": 5.0, "penalty": 1e6, **parameters},
+        damping=fy.Rayleigh(alpha=160.0, beta=5e-7),
+    )
+    tight = smooth.with_bolt_forces({"bolt": 10e3})
+    model = tight.with_friction(0.2, tangential_penalty=tangential_penalty)
+    return fy.reduce(model, fy.craig_bampton(model, normal_modes=10), compliance=True)
+
+
+_LIBRARIES = {}
+
+
+def written(rom, path):
+    """Write FMUs; their libraries, the same for all joints, are compiled once in a test run."""
+
+    def compiled(source, target):
+        if source.name not in _LIBRARIES and library.compile_library(source, target):
+            _LIBRARIES[source.name] = target.read_bytes()
+        target.write_bytes(_LIBRARIES[source.name])
+        return True
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(archive, "compile_library", compiled)
+        return fmu_export.write(rom, path)
 
 
 def outputs(system):
@@ -88,9 +116,9 @@ def simulate(place, table, start, *, interval=STEP, count=N_STEP, **options):
 
 
 class Instance:
-    """One instance of an FMU under direct control."""
+    """One instance of an FMU under direct control; ``log`` takes messages of FMI 3.0."""
 
-    def __init__(self, place, version):
+    def __init__(self, place, version, log=None):
         self.description = fmpy.read_model_description(str(place))
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
         self.version = version
@@ -101,7 +129,7 @@ class Instance:
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName="joint",
         )
-        self.fmu.instantiate()
+        self.fmu.instantiate(**({} if log is None else {"logMessage": log}))
 
     def start(self, time=0.0, **parameters):
         if self.version == 2:

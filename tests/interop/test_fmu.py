@@ -11,7 +11,6 @@ import pytest
 
 import faying as fy
 from faying.contact.laws import Penalty
-from faying.export import fmu as fmu_export
 from faying.export.fmu import archive
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
@@ -30,6 +29,7 @@ from fmu_joints import (  # noqa: E402
     held,
     outputs,
     simulate,
+    written,
 )
 
 pytestmark = NEEDS_COMPILER
@@ -48,7 +48,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def files(given, folder):
-    return fmu_export.write(given, folder / "joint.fmu")
+    return written(given, folder / "joint.fmu")
 
 
 @pytest.fixture(scope="module")

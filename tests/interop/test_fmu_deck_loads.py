@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.export import fmu as fmu_export
 from faying.model.assembly import NodalLoads
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
@@ -23,6 +22,7 @@ from fmu_joints import (  # noqa: E402
     held,
     outputs,
     simulate,
+    written,
 )
 
 pytestmark = NEEDS_COMPILER
@@ -40,7 +40,7 @@ def loaded(tmp_path_factory):
     rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=8), compliance=True)
     given = replace(rom, name="lap joint")
     folder = tmp_path_factory.mktemp("loaded")
-    files = fmu_export.write(given, folder / "joint.fmu")
+    files = written(given, folder / "joint.fmu")
     places = {
         version: fmpy.extract(str(file), unzipdir=str(folder / f"fmi{version}"))
         for version, file in zip((2, 3), files, strict=True)

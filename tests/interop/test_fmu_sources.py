@@ -29,7 +29,9 @@ from fmu_joints import (  # noqa: E402
     handed_over,
     held,
     outputs,
+    rubbing_joint,
     simulate,
+    written,
 )
 
 pytestmark = pytest.mark.skipif(
@@ -63,7 +65,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def files(given, folder):
-    return fmu_export.write(given, folder / "joint.fmu")
+    return written(given, folder / "joint.fmu")
 
 
 @pytest.fixture(scope="module")
@@ -100,30 +102,43 @@ def test_source_distribution_names_functions_after_the_model(unzipped, tmp_path)
     assert b"lap_fmi3DoStep" in target.read_bytes()
 
 
+@pytest.fixture(scope="module")
+def rubbing(tmp_path_factory):
+    """Extracted FMU of a joint with friction, of few points."""
+    folder = tmp_path_factory.mktemp("rubbing")
+    rom = rubbing_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    return fmpy.extract(str(written(rom, folder / "joint.fmu")[0]))
+
+
 @pytest.mark.parametrize("tool", ["sanitizers", "valgrind"])
-def test_memory_is_sound(unzipped, tmp_path, tool):
-    place, driver = unzipped[2], tmp_path / "driver"
+def test_memory_is_sound(unzipped, rubbing, tmp_path, tool):
+    driver = tmp_path / "driver"
     source = Path(__file__).parent / "fmu_driver.c"
     if tool == "valgrind" and shutil.which("valgrind") is None:
         pytest.skip("valgrind is not installed (apt install valgrind)")
     checked = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    options = ("-g", "-O1", *(checked if tool == "sanitizers" else ()))
     try:
-        strictly_compiled(
-            place, driver, "-g", "-O1", *(checked if tool == "sanitizers" else ()), source=source
-        )
+        strictly_compiled(unzipped[2], driver, *options, source=source)
     except AssertionError as error:
         if "san" in str(error):
             pytest.skip("the compiler has no sanitizers")
         raise
-    variables = fmpy.read_model_description(place).modelVariables
+    watch = ("valgrind", "-q", "--error-exitcode=99", "--leak-check=full")
+    for place in (unzipped[2], rubbing):
+        drive((*(watch if tool == "valgrind" else ()), driver), place)
+
+
+def drive(command, place):
+    """Run the driver with the variables of an extracted FMU."""
+    description = fmpy.read_model_description(place)
     chosen = [
-        [v.valueReference for v in variables if v.causality == c] for c in ("input", "output")
+        [v.valueReference for v in description.modelVariables if v.causality == causality]
+        for causality in ("input", "output")
     ]
     resources = "file://" + os.fspath(place).replace(" ", "%20") + "/resources"
-    arguments = [resources, fmpy.read_model_description(place).guid, *map(str, map(len, chosen))]
-    watch = ("valgrind", "-q", "--error-exitcode=99", "--leak-check=full")
     done = subprocess.run(
-        [*(watch if tool == "valgrind" else ()), driver, *arguments],
+        [*command, resources, description.guid, *map(str, map(len, chosen))],
         input=" ".join(str(reference) for group in chosen for reference in group),
         capture_output=True,
         text=True,
@@ -152,9 +167,9 @@ def test_pairs_give_what_points_give(given, unzipped, tmp_path):
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", "gauss"])
-def test_hard_contact(tmp_path, quadrature, only_fmi2):
+def test_hard_contact(tmp_path, quadrature):
     given = handed_over(penalty="hard", quadrature=quadrature)
-    file = fmu_export.write(given, tmp_path / "hard.fmu")[0]
+    file = written(given, tmp_path / "hard.fmu")[0]
     assert validate_fmu(str(file)) == []
     system, bolt = given, given.bolts["bolt"].initial_force
     ours = fy.solve_transient(system, fy.Load(FORCES), step=STEP, duration=N_STEP * STEP)
@@ -183,7 +198,7 @@ def test_equal_joints_give_equal_files(given, files, tmp_path, only_fmi2):
     assert again[0].read_bytes() == files[0].read_bytes()
 
 
-def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
+def test_milliseconds_become_seconds(given, tmp_path):
     """A joint in mm, kg, ms has the same motion in seconds as it has in milliseconds."""
     model = given
     other = replace(
@@ -207,7 +222,7 @@ def test_milliseconds_become_seconds(given, tmp_path, only_fmi2):
             for name, bolt in model.bolts.items()
         },
     )
-    file = fmu_export.write(other, tmp_path / "ms.fmu")[0]
+    file = written(other, tmp_path / "ms.fmu")[0]
     assert validate_fmu(str(file)) == []
     bolt = model.bolts["bolt"].initial_force
     forces = {name: 1e-3 * force for name, force in FORCES.items()}
@@ -228,7 +243,7 @@ def test_hard_contact_at_very_many_points_is_refused(given, monkeypatch, tmp_pat
         fmu_export.write(hard, tmp_path / "hard.fmu")
 
 
-def test_several_interfaces_bolts_and_nodes(given, tmp_path, only_fmi2):
+def test_several_interfaces_bolts_and_nodes(given, tmp_path):
     """The joint cut in two interfaces of different penalty, with two bolts and no residual."""
     model, contact = given, given.contact
     count = contact.n_points
@@ -255,7 +270,7 @@ def test_several_interfaces_bolts_and_nodes(given, tmp_path, only_fmi2):
         },
         boundaries={"ends": replace(tip, name="ends", nodes=[7, 7, 7, 9, 9, 9])},
     )
-    file = fmu_export.write(split, tmp_path / "split.fmu")[0]
+    file = written(split, tmp_path / "split.fmu")[0]
     assert validate_fmu(str(file)) == []
     load = fy.Load({"ends.Fz": -500.0}, bolt_forces={"M6": 8e3})
     initial = fy.solve_static(split, fy.Load(bolt_forces={"M6": 8e3}))

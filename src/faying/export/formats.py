@@ -72,7 +72,7 @@ class Format:
 FORMATS = {
     "nastran": Format(module="faying.export.nastran", kind=LINEAR, suffix=".op4", friction=STICKS),
     "mat": Format(module="faying.export.matlab", kind=CONTACT, suffix=".mat", friction=RUBS),
-    "fmu": Format(module="faying.export.fmu", kind=CONTACT, suffix=".fmu"),
+    "fmu": Format(module="faying.export.fmu", kind=CONTACT, suffix=".fmu", friction=RUBS),
     "exudyn": Format(module="faying.export.exudyn", kind=CONTACT, suffix=".py", extra="exudyn"),
     "vtk": Format(module="faying.export.vtk", kind=PICTURES, suffix=""),
     "npz": Format(module="faying.export.numpy_archive", kind=CONTACT, suffix=".npz", friction=RUBS),

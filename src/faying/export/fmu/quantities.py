@@ -14,12 +14,13 @@ TIMES = {"s": 1.0, "ms": 1e-3}
 
 FORCE, MOMENT, LENGTH, ANGLE = "force", "moment", "length", "angle"
 VELOCITY, SPIN, PRESSURE, STIFFNESS = "velocity", "spin", "pressure", "stiffness"
-TIME, NONE = "time", ""
+ENERGY, TIME, NONE = "energy", "time", ""
 
 # Exponents of kg, m, s and rad.
 DIMENSIONS = {
     FORCE: (1, 1, -2, 0),
     MOMENT: (1, 2, -2, 0),
+    ENERGY: (1, 2, -2, 0),
     LENGTH: (0, 1, 0, 0),
     ANGLE: (0, 0, 0, 1),
     VELOCITY: (0, 1, -1, 0),
@@ -69,6 +70,7 @@ def _name(units: Units, quantity: str) -> str:
     names = {
         FORCE: units.force,
         MOMENT: f"{units.force}.{units.length}",
+        ENERGY: f"{units.force}.{units.length}",
         LENGTH: units.length,
         ANGLE: "rad",
         VELOCITY: f"{units.length}/s",

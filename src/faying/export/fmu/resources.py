@@ -8,7 +8,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Vector
+from faying.contact.laws import Coulomb, Law
 from faying.exceptions import StudyError
+from faying.export.arrays import sparse_variables
 from faying.export.fmu.quantities import seconds
 from faying.export.fmu.variables import Defaults
 from faying.joint.load_pattern import pattern_forces
@@ -49,6 +51,8 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         )
         raise StudyError(message)
     rows = sp.csr_array(contact.interpolation)
+    shear = sp.csr_array(sparse_variables(rom)["T"])
+    laws = [contact.laws[name] for name in contact.slices]
     relative = np.asarray(contact.relative_operator)
     time = seconds(rom.units)
     bolts = list(rom.bolts.values())
@@ -64,7 +68,9 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         np.array([bolt.initial_force for bolt in bolts]),
         contact.initial_gap,
         contact.weights,
-        np.array([contact.penalty[one][0] if one.stop > one.start else 1.0 for one in slices]),
+        np.array([law.penalty for law in laws]),
+        np.array([law.friction for law in laws]),
+        np.array([_tangential_penalty(law) for law in laws]),
         np.array(
             [
                 defaults.step_size,
@@ -74,10 +80,12 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
             ]
         ),
         rows.data,
+        shear.data,
         np.empty(0) if residual is None else residual,
         pattern_forces(rom.load_patterns, len(rom.K)),
     ]
-    indices = [boundary, [0, *(one.stop for one in slices)], rows.indptr, rows.indices]
+    stops = [0, *(one.stop for one in slices)]
+    indices = [boundary, stops, rows.indptr, rows.indices, shear.indptr, shear.indices]
     payload = b"".join(
         [
             *(np.ascontiguousarray(array, dtype="<f8").tobytes() for array in numbers),
@@ -94,6 +102,7 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         len(rows.data),
         int(residual is not None),
         len(rom.load_patterns),
+        len(shear.data),
     )
     header = np.zeros(N_HEADER, dtype="<u8")
     header[0], header[1 : 1 + len(counts)], header[-1] = MAGIC, counts, _checksum(payload)
@@ -101,10 +110,14 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
     return header.tobytes() + token.encode().ljust(TOKEN_LENGTH, b"\0") + payload, token
 
 
+def _tangential_penalty(law: Law) -> float:
+    return law.tangential_penalty if isinstance(law, Coulomb) else float("inf")
+
+
 def recovery_file(rom: ReducedModel) -> bytes:
     """Return ``recovery.npz``: what gives pressures of the full model from a history of q."""
     contact, ports = rom.contact, rom.joint.port_compliance
-    rows = sp.csr_array(contact.interpolation)
+    rows, shear = sp.csr_array(contact.interpolation), sp.csr_array(sparse_variables(rom)["T"])
     time = seconds(rom.units)
     file = io.BytesIO()
     np.savez_compressed(
@@ -120,6 +133,11 @@ def recovery_file(rom: ReducedModel) -> bytes:
         initial_gap=contact.initial_gap,
         weights=contact.weights,
         penalty=contact.penalty,
+        shear_values=shear.data,
+        shear_columns=shear.indices,
+        shear_row_starts=shear.indptr,
+        friction=[contact.laws[name].friction for name in contact.slices],
+        tangential_penalty=[_tangential_penalty(contact.laws[name]) for name in contact.slices],
         points=np.concatenate([one.points for one in rom.interfaces.values()]),
         interface_names=np.array(list(contact.slices)),
         interface_stops=np.array([one.stop for one in contact.slices.values()]),

@@ -9,6 +9,8 @@ from enum import IntEnum
 
 import numpy as np
 
+from faying.contact.laws import Coulomb, Law
+from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.exceptions import ModelError
 from faying.export.fmu import quantities
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
@@ -28,21 +30,28 @@ class Kind(IntEnum):
     STEP_SIZE = 1
     RHO = 2
     PENALTY = 3
-    INTEGRATOR = 4
-    START_LOADED = 5
-    FORCE = 6
-    INITIAL_FORCE = 7
-    DISPLACEMENT = 8
-    VELOCITY = 9
-    BOLT_FORCE = 10
-    CONTACT_FORCE = 11
-    MAX_PRESSURE = 12
-    OPEN_FRACTION = 13
-    Q = 14
-    Q_VELOCITY = 15
-    Q_ACCELERATION = 16
-    PRESSURE = 17
-    FACTOR = 18
+    FRICTION = 4
+    TANGENTIAL_PENALTY = 5
+    INTEGRATOR = 6
+    START_LOADED = 7
+    FORCE = 8
+    INITIAL_FORCE = 9
+    FACTOR = 10
+    DISPLACEMENT = 11
+    VELOCITY = 12
+    BOLT_FORCE = 13
+    CONTACT_FORCE = 14
+    MAX_PRESSURE = 15
+    OPEN_FRACTION = 16
+    MAX_TRACTION = 17
+    STICK_FRACTION = 18
+    SLIP_FRACTION = 19
+    DISSIPATED_ENERGY = 20
+    Q = 21
+    Q_VELOCITY = 22
+    Q_ACCELERATION = 23
+    PRESSURE = 24
+    TRACTION = 25
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +129,7 @@ def scalars(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
 
 
 def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
-    """Return all variables, pressures and motion as arrays.
+    """Return all variables, pressures, tractions and motion as arrays.
 
     Raises
     ------
@@ -131,7 +140,7 @@ def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
         *_parameters(rom, defaults),
         *_ports(rom),
         *_of_interfaces(rom),
-        *_pressures(rom),
+        *_at_points(rom),
         *_motion(rom, arrays=True),
     )
     return _distinct(found)
@@ -190,18 +199,35 @@ def _parameters(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
         description="start in equilibrium with the boundary forces at initialization (true), or "
         "under the bolts alone, with those forces applied at once (false)",
     )
-    for index, (name, points) in enumerate(rom.contact.slices.items()):
-        penalty = rom.contact.penalty[points]
-        if len(penalty) and np.isfinite(penalty[0]):
+    for index, name in enumerate(rom.contact.slices):
+        yield from _of_law(name, index, rom.contact.laws[name])
+
+
+def _of_law(name: str, index: int, law: Law) -> Iterator[Variable]:
+    stiffnesses = [(Kind.PENALTY, "penalty", "contact", law.penalty)]
+    if isinstance(law, Coulomb):
+        yield Variable(
+            name=f"{name}.friction",
+            kind=Kind.FRICTION,
+            index=index,
+            causality="parameter",
+            start=law.friction,
+            limits=(0.0, LARGEST_FRICTION),
+            description=f"coefficient of friction of interface {name}",
+        )
+        sticking = (Kind.TANGENTIAL_PENALTY, "tangential_penalty", "tangential")
+        stiffnesses.append((*sticking, law.tangential_penalty))
+    for kind, label, meaning, value in stiffnesses:
+        if np.isfinite(value):
             yield Variable(
-                name=f"{name}.penalty",
-                kind=Kind.PENALTY,
+                name=f"{name}.{label}",
+                kind=kind,
                 index=index,
                 causality="parameter",
                 quantity=quantities.STIFFNESS,
-                start=float(penalty[0]),
+                start=value,
                 limits=(0.0, None),
-                description=f"contact stiffness of interface {name}",
+                description=f"{meaning} stiffness of interface {name}",
             )
 
 
@@ -289,7 +315,7 @@ def _places(boundaries: Iterable[Boundary]) -> Iterator[tuple[str, int]]:
 
 
 def _of_interfaces(rom: ReducedModel) -> Iterator[Variable]:
-    families = (
+    smooth = (
         (Kind.CONTACT_FORCE, "contact_force", quantities.FORCE, "normal force through"),
         (Kind.MAX_PRESSURE, "max_pressure", quantities.PRESSURE, "largest contact pressure in"),
         (
@@ -299,8 +325,31 @@ def _of_interfaces(rom: ReducedModel) -> Iterator[Variable]:
             "part of the area without pressure of",
         ),
     )
-    for kind, label, quantity, text in families:
+    frictional = (
+        (
+            Kind.MAX_TRACTION,
+            "max_traction",
+            quantities.PRESSURE,
+            "largest tangential traction in",
+        ),
+        (Kind.STICK_FRACTION, "stick_fraction", quantities.NONE, "part of the area that sticks of"),
+        (
+            Kind.SLIP_FRACTION,
+            "slip_fraction",
+            quantities.NONE,
+            "part of the area that slipped in the last internal step of",
+        ),
+        (
+            Kind.DISSIPATED_ENERGY,
+            "dissipated_energy",
+            quantities.ENERGY,
+            "energy that friction took since initialization in",
+        ),
+    )
+    for kind, label, quantity, text in (*smooth, *frictional):
         for index, name in enumerate(rom.contact.slices):
+            if kind >= Kind.MAX_TRACTION and not _rubs(rom, name):
+                continue
             yield Variable(
                 name=f"{name}.{label}",
                 kind=kind,
@@ -311,18 +360,28 @@ def _of_interfaces(rom: ReducedModel) -> Iterator[Variable]:
             )
 
 
-def _pressures(rom: ReducedModel) -> Iterator[Variable]:
-    for index, (name, points) in enumerate(rom.contact.slices.items()):
-        if points.stop > points.start:
-            yield Variable(
-                name=f"{name}.pressure",
-                kind=Kind.PRESSURE,
-                index=index,
-                causality="output",
-                quantity=quantities.PRESSURE,
-                size=points.stop - points.start,
-                description=f"contact pressure at the points of interface {name}",
-            )
+def _rubs(rom: ReducedModel, interface: str) -> bool:
+    return rom.contact.laws[interface].components > 1
+
+
+def _at_points(rom: ReducedModel) -> Iterator[Variable]:
+    families = (
+        (Kind.PRESSURE, "pressure", "contact pressure"),
+        (Kind.TRACTION, "traction", "length of the tangential traction"),
+    )
+    for kind, label, text in families:
+        for index, (name, points) in enumerate(rom.contact.slices.items()):
+            count = points.stop - points.start
+            if count and (kind == Kind.PRESSURE or _rubs(rom, name)):
+                yield Variable(
+                    name=f"{name}.{label}",
+                    kind=kind,
+                    index=index,
+                    causality="output",
+                    quantity=quantities.PRESSURE,
+                    size=count,
+                    description=f"{text} at the points of interface {name}",
+                )
 
 
 def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:

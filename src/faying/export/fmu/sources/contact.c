@@ -415,9 +415,8 @@ static enum contact_status proximal_point(struct contact *c, const double *gap,
 static enum contact_status solve_contact(struct contact *c, const double *gap,
                                          unsigned char *active, double *forces, double *last)
 {
-    for (size_t p = 0; p < c->n; p++)
-        if (!isfinite(gap[p]))
-            return CONTACT_NOT_FINITE;
+    if (!are_finite(gap, c->n))
+        return CONTACT_NOT_FINITE;
     unsigned char *start = (unsigned char *)last;
     memcpy(start, active, c->n);
     c->delta = 0.0;

@@ -18,7 +18,7 @@
 struct joint {
     char token[TOKEN_LENGTH];
     size_t n_mode, n_boundary, n_bolt, n_interface, n_point, n_relative, n_entry, has_residual;
-    size_t n_pattern;
+    size_t n_pattern, n_shear; /* n_shear is zero where there is no friction */
     double *payload;
 
     const double *M, *C, *K;         /* (n_mode, n_mode) */
@@ -29,14 +29,20 @@ struct joint {
     const double *initial_gap;       /* (n_point) */
     const double *weights;           /* (n_point) */
     const double *penalty;           /* (n_interface) infinite where contact is hard */
+    const double *friction;          /* (n_interface) coefficients, zero without friction */
+    const double *tangential;        /* (n_interface) tangential penalties, maybe infinite */
     const double *defaults;          /* step size, rho at infinity, integrator, start loaded */
     const double *interpolation;     /* (n_entry) gaps at points from relative displacements */
+    const double *shear;             /* (n_shear) tangential displacements from relative ones */
     const double *residual;          /* (n_relative, n_relative) or nothing */
     const double *patterns;          /* (n_pattern, n_mode) forces of deck loads, factor one */
     const uint64_t *boundary;        /* (n_boundary) coordinate of each boundary displacement */
     const uint64_t *interface_start; /* (n_interface + 1) points of each interface */
     const uint64_t *row_start;       /* (n_point + 1) entries of each row of the interpolation */
     const uint64_t *column;          /* (n_entry) */
+    const uint64_t *shear_start;     /* (2 n_point + 1) entries of each row of shear, all along the
+                                      * first tangents, then all along the second ones */
+    const uint64_t *shear_column;    /* (n_shear) */
 };
 
 enum { N_DEFAULT = 4 };
@@ -72,8 +78,11 @@ static void lay_out(struct joint *j)
     j->initial_gap = take(&place, j->n_point);
     j->weights = take(&place, j->n_point);
     j->penalty = take(&place, j->n_interface);
+    j->friction = take(&place, j->n_interface);
+    j->tangential = take(&place, j->n_interface);
     j->defaults = take(&place, N_DEFAULT);
     j->interpolation = take(&place, j->n_entry);
+    j->shear = take(&place, j->n_shear);
     j->residual = take(&place, j->has_residual ? r * r : 0);
     j->patterns = take(&place, j->n_pattern * m);
     /* Indices and numbers are both read as they stand in the file. */
@@ -81,16 +90,17 @@ static void lay_out(struct joint *j)
     j->interface_start = (const uint64_t *)(const void *)take(&place, j->n_interface + 1);
     j->row_start = (const uint64_t *)(const void *)take(&place, j->n_point + 1);
     j->column = (const uint64_t *)(const void *)take(&place, j->n_entry);
+    j->shear_start = (const uint64_t *)(const void *)take(&place, 2 * j->n_point + 1);
+    j->shear_column = (const uint64_t *)(const void *)take(&place, j->n_shear);
 }
 
 /* Length of the payload in words, which may be more than there are addresses. */
 static uint64_t payload_length(const struct joint *j)
 {
     const uint64_t m = j->n_mode, r = j->n_relative;
-    return 3 * m * m + r * m + j->n_bolt * (m + 2) + 2 * j->n_point + j->n_interface + N_DEFAULT
-           + j->n_entry + (j->has_residual ? r * r : 0) + j->n_pattern * m + j->n_boundary
-           + (j->n_interface + 1)
-           + (j->n_point + 1) + j->n_entry;
+    return 3 * m * m + r * m + j->n_bolt * (m + 2) + 2 * j->n_point + 3 * j->n_interface + N_DEFAULT
+           + 2 * (j->n_entry + j->n_shear) + (j->has_residual ? r * r : 0) + j->n_pattern * m
+           + j->n_boundary + (j->n_interface + 1) + (j->n_point + 1) + (2 * j->n_point + 1);
 }
 
 /* Whether all indices stay inside the arrays they point into. */
@@ -102,13 +112,20 @@ static int indices_fit(const struct joint *j)
     for (size_t i = 0; i < j->n_entry; i++)
         if (j->column[i] >= j->n_relative)
             return 0;
+    for (size_t i = 0; i < j->n_shear; i++)
+        if (j->shear_column[i] >= j->n_relative)
+            return 0;
     for (size_t i = 0; i < j->n_point; i++)
         if (j->row_start[i] > j->row_start[i + 1])
+            return 0;
+    for (size_t i = 0; i < 2 * j->n_point; i++)
+        if (j->shear_start[i] > j->shear_start[i + 1])
             return 0;
     for (size_t i = 0; i < j->n_interface; i++)
         if (j->interface_start[i] > j->interface_start[i + 1])
             return 0;
     return j->row_start[0] == 0 && j->row_start[j->n_point] == j->n_entry
+           && j->shear_start[0] == 0 && j->shear_start[2 * j->n_point] == j->n_shear
            && j->interface_start[0] == 0 && j->interface_start[j->n_interface] == j->n_point;
 }
 
@@ -116,11 +133,11 @@ static const char *read_counts(struct joint *j, const uint64_t header[N_HEADER])
 {
     size_t *counts[] = {&j->n_mode,  &j->n_boundary, &j->n_bolt,  &j->n_interface,
                         &j->n_point, &j->n_relative, &j->n_entry, &j->has_residual,
-                        &j->n_pattern};
+                        &j->n_pattern, &j->n_shear};
     if (header[0] != JOINT_MAGIC)
         return "is no joint of faying, or of a machine with another byte order";
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
-        if (header[i + 1] >= MOST * (i == 6 ? 64 : 1))
+        if (header[i + 1] >= MOST * (counts[i] == &j->n_entry || counts[i] == &j->n_shear ? 64 : 1))
             return "has a damaged header";
         *counts[i] = (size_t)header[i + 1];
     }
@@ -161,6 +178,18 @@ static const char *read_joint(struct joint *j, const char *path)
     const char *problem = read_stream(j, file);
     fclose(file);
     return problem;
+}
+
+/* Whether tangential forces act. */
+static int has_friction(const struct joint *j)
+{
+    return j->n_shear > 0;
+}
+
+/* Components of the force at a point. */
+static size_t n_component(const struct joint *j)
+{
+    return has_friction(j) ? 3 : 1;
 }
 
 static void free_joint(struct joint *j)

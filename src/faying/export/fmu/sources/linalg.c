@@ -162,3 +162,11 @@ static void add_transposed_product(double *y, const double *A, const double *x, 
         if (x[i] != 0.0)
             add_row(y, A + i * columns, x[i], columns);
 }
+
+static int are_finite(const double *x, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(x[i]))
+            return 0;
+    return 1;
+}

@@ -8,21 +8,28 @@ enum kind {
     KIND_STEP_SIZE,
     KIND_RHO,
     KIND_PENALTY,
+    KIND_FRICTION, /* coefficient */
+    KIND_TANGENTIAL_PENALTY,
     KIND_INTEGRATOR,
     KIND_START_LOADED,
     KIND_FORCE,         /* boundary force */
     KIND_INITIAL_FORCE, /* of a bolt */
-    KIND_DISPLACEMENT,
+    KIND_FACTOR,        /* of a deck load */
+    KIND_DISPLACEMENT,  /* the motion follows from here */
     KIND_VELOCITY,
     KIND_BOLT_FORCE,
     KIND_CONTACT_FORCE,
     KIND_MAX_PRESSURE,
     KIND_OPEN_FRACTION,
+    KIND_MAX_TRACTION,
+    KIND_STICK_FRACTION,
+    KIND_SLIP_FRACTION,
+    KIND_DISSIPATED_ENERGY,
     KIND_Q,
     KIND_Q_VELOCITY,
     KIND_Q_ACCELERATION,
     KIND_PRESSURE, /* of all points of an interface */
-    KIND_FACTOR,   /* of a deck load */
+    KIND_TRACTION,
     N_KIND
 };
 
@@ -50,6 +57,14 @@ static size_t count_of(const struct motion *m, enum kind kind)
     case KIND_OPEN_FRACTION:
     case KIND_PRESSURE:
         return j->n_interface;
+    case KIND_FRICTION:
+    case KIND_TANGENTIAL_PENALTY:
+    case KIND_MAX_TRACTION:
+    case KIND_STICK_FRACTION:
+    case KIND_SLIP_FRACTION:
+    case KIND_DISSIPATED_ENERGY:
+    case KIND_TRACTION:
+        return has_friction(j) ? j->n_interface : 0;
     case KIND_FORCE:
     case KIND_DISPLACEMENT:
     case KIND_VELOCITY:
@@ -88,7 +103,7 @@ static size_t size_of(const struct motion *m, unsigned int reference)
         return m->joint.n_mode;
     if (index >= count_of(m, kind))
         return 0;
-    if (kind == KIND_PRESSURE)
+    if (kind == KIND_PRESSURE || kind == KIND_TRACTION)
         return (size_t)(m->joint.interface_start[index + 1] - m->joint.interface_start[index]);
     return 1;
 }
@@ -100,27 +115,48 @@ static double bolt_force(const struct motion *m, size_t bolt)
     return j->bolt_stiffness[bolt] * elongation + m->held[bolt];
 }
 
+/* Pressure, or length of the tangential traction. */
+static double stress(const struct motion *m, enum kind kind, uint64_t p)
+{
+    const size_t n = m->joint.n_point;
+    const int is_traction = kind == KIND_TRACTION || kind == KIND_MAX_TRACTION;
+    return (is_traction ? hypot(m->forces[n + p], m->forces[2 * n + p]) : m->forces[p])
+           / m->joint.weights[p];
+}
+
+/* Whether a point is in the state that an output has the share of area of. */
+static int is_counted(const struct motion *m, enum kind kind, uint64_t p)
+{
+    const int is_closed_now = m->forces[p] > 0.0;
+    if (kind == KIND_OPEN_FRACTION)
+        return !is_closed_now;
+    return is_closed_now && m->slides[p] == (kind == KIND_SLIP_FRACTION);
+}
+
 static double of_interface(const struct motion *m, enum kind kind, size_t interface)
 {
     const struct joint *j = &m->joint;
-    double total = 0.0, most = 0.0, area = 0.0, open = 0.0;
+    double total = 0.0, most = 0.0, area = 0.0, part = 0.0;
+    const int is_share = kind == KIND_OPEN_FRACTION || kind == KIND_STICK_FRACTION
+                         || kind == KIND_SLIP_FRACTION;
     for (uint64_t p = j->interface_start[interface]; p < j->interface_start[interface + 1]; p++) {
-        const double pressure = m->forces[p] / j->weights[p];
         total += m->forces[p];
-        most = pressure > most ? pressure : most;
         area += j->weights[p];
-        open += m->forces[p] > 0.0 ? 0.0 : j->weights[p];
+        if (is_share)
+            part += is_counted(m, kind, p) ? j->weights[p] : 0.0;
+        else
+            most = fmax(most, stress(m, kind, p));
     }
     if (kind == KIND_CONTACT_FORCE)
         return total;
-    return kind == KIND_MAX_PRESSURE ? most : area > 0.0 ? open / area : 0.0;
+    return is_share ? area > 0.0 ? part / area : 0.0 : most;
 }
 
-static void copy_pressures(const struct motion *m, size_t interface, double *values)
+static void copy_stresses(const struct motion *m, enum kind kind, size_t interface, double *values)
 {
     const struct joint *j = &m->joint;
     for (uint64_t p = j->interface_start[interface]; p < j->interface_start[interface + 1]; p++)
-        *values++ = m->forces[p] / j->weights[p];
+        *values++ = stress(m, kind, p);
 }
 
 static void copy_motion(const struct motion *m, const double *values, size_t index, double *out)
@@ -142,6 +178,8 @@ static void copy_values(const struct motion *m, unsigned int reference, double *
     case KIND_STEP_SIZE: *out = m->state[AT_STEP_SIZE]; break;
     case KIND_RHO: *out = m->state[AT_RHO]; break;
     case KIND_PENALTY: *out = m->penalty[i]; break;
+    case KIND_FRICTION: *out = m->mu[i]; break;
+    case KIND_TANGENTIAL_PENALTY: *out = m->tangential[i]; break;
     case KIND_FORCE: *out = m->inputs[i]; break;
     case KIND_INITIAL_FORCE: *out = m->inputs[j->n_boundary + i]; break;
     case KIND_DISPLACEMENT: *out = m->q[j->boundary[i]]; break;
@@ -149,11 +187,16 @@ static void copy_values(const struct motion *m, unsigned int reference, double *
     case KIND_BOLT_FORCE: *out = bolt_force(m, i); break;
     case KIND_CONTACT_FORCE:
     case KIND_MAX_PRESSURE:
-    case KIND_OPEN_FRACTION: *out = of_interface(m, kind, i); break;
+    case KIND_OPEN_FRACTION:
+    case KIND_MAX_TRACTION:
+    case KIND_STICK_FRACTION:
+    case KIND_SLIP_FRACTION: *out = of_interface(m, kind, i); break;
+    case KIND_DISSIPATED_ENERGY: *out = m->dissipated[i]; break;
     case KIND_Q: copy_motion(m, m->q, i, out); break;
     case KIND_Q_VELOCITY: copy_motion(m, m->v, i, out); break;
     case KIND_Q_ACCELERATION: copy_motion(m, m->a, i, out); break;
-    case KIND_PRESSURE: copy_pressures(m, i, out); break;
+    case KIND_PRESSURE:
+    case KIND_TRACTION: copy_stresses(m, kind, i, out); break;
     case KIND_FACTOR: *out = m->inputs[j->n_boundary + j->n_bolt + i]; break;
     case KIND_INTEGRATOR:
     case KIND_START_LOADED:
@@ -173,7 +216,7 @@ static enum outcome read_values(struct motion *m, const unsigned int *references
             return OUTCOME_ERROR;
         }
         const enum kind kind = kind_of(references[i]);
-        if (is_mode(m, MODE_INITIALIZING) && kind >= KIND_DISPLACEMENT && kind != KIND_FACTOR) {
+        if (is_mode(m, MODE_INITIALIZING) && kind >= KIND_DISPLACEMENT) {
             const enum outcome outcome = start_motion(m);
             if (outcome != OUTCOME_OK)
                 return outcome;
@@ -210,6 +253,8 @@ static double *settable(struct motion *m, unsigned int reference)
     case KIND_INTEGRATOR: return m->state + AT_INTEGRATOR;
     case KIND_START_LOADED: return m->state + AT_START_LOADED;
     case KIND_PENALTY: return m->penalty + i;
+    case KIND_FRICTION: return m->mu + i;
+    case KIND_TANGENTIAL_PENALTY: return m->tangential + i;
     default: return NULL;
     }
 }
@@ -293,8 +338,9 @@ static enum outcome restore_state(struct motion *m, const struct saved_state *sa
         return OUTCOME_ERROR;
     }
     /* Matrices depend on parameters that the state may change. */
+    const size_t n_law = (has_friction(&m->joint) ? 3 : 1) * m->joint.n_interface;
     if (memcmp(saved->values + AT_STEP_SIZE, m->state + AT_STEP_SIZE, N_PARAMETER * sizeof(double))
-        || memcmp(saved->values + N_SCALAR, m->penalty, m->joint.n_interface * sizeof(double)))
+        || memcmp(saved->values + N_SCALAR, m->state + N_SCALAR, n_law * sizeof(double)))
         m->step = 0.0;
     memcpy(m->state, saved->values, m->n_state * sizeof(double));
     return OUTCOME_OK;

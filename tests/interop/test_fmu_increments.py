@@ -1,0 +1,69 @@
+"""The C solver of increments with friction that FMUs carry, on random and adversarial paths."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmu_increments import IncrementsInC
+
+from faying.contact.frictional import Increment
+from faying.exceptions import ConvergenceError
+from faying.export.fmu import archive, library
+from faying.simulation.path import PathStep, follow
+from random_friction import INCREMENTS, Joints, natural_residual, small_path
+
+pytestmark = pytest.mark.skipif(
+    library.compiler() is None, reason="there is no C compiler (apt install gcc)"
+)
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    target = tmp_path_factory.mktemp("increments") / "increments.so"
+    source = Path(__file__).parent / "fmu_increments.c"
+    options = ("-std=c99", "-O2", "-shared", "-fPIC", f"-I{archive.SOURCES}")
+    subprocess.run([library.compiler(), *options, source, "-o", target, "-lm"], check=True)
+    return target
+
+
+def steps_of(solver, relatives, plain):
+    """Yield where a path stands before and after each of its increments."""
+    n = plain.contact.n_points
+    nothing = Increment(forces=np.zeros((3, n)), slack=np.zeros((3, n)), iterations=0, residual=0.0)
+    here = PathStep(relative=np.zeros(len(plain.S)), increment=nothing, slip=np.zeros((2, n)))
+    for target in relatives:
+        before = here
+        (here,) = follow(solver, [target], here)
+        yield before, here
+
+
+def test_increments_obey_the_law(compiled):
+    """Every fallback is passed; the law is written out again, in Python.
+
+    The whole of it, 4040 paths, is `python benchmarks/friction_robustness.py` for ours.
+    """
+    joints, solved = Joints(), 0
+    for index in range(60):
+        rng = np.random.default_rng(index)
+        _, plain, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
+        solver = IncrementsInC(compiled, plain)
+        for before, here in steps_of(solver, relatives, plain):
+            halved = here.iterations != here.increment.iterations
+            slip = here.slip - here.increment.slack[1:] if halved else before.slip
+            # To this increments are solved, or refused.
+            assert natural_residual(plain, here, slip) <= 1e-9, index
+            solved += 1
+        solver.close()
+    assert solved == 60 * INCREMENTS
+
+
+def test_what_we_refuse_is_refused(compiled):
+    """Of the first 300 paths ours refuses two in the same increments, this one and 208."""
+    rng = np.random.default_rng(118)
+    assert rng.random() > 0.5
+    _, plain, relatives = small_path(rng)
+    solver = IncrementsInC(compiled, plain)
+    with pytest.raises(ConvergenceError):
+        list(steps_of(solver, relatives, plain))
+    solver.close()
