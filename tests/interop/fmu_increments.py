@@ -32,7 +32,7 @@ class IncrementsInC:
         sizes = ctypes.c_size_t(n), ctypes.c_size_t(r)
         self.solver = ctypes.c_void_p(self.library.make_solver(*sizes, *pointers(*given)))
 
-    def solve(self, z_free, start=None):
+    def solve(self, z_free, start=None, similar=None):
         x = np.zeros_like(z_free) if start is None else np.array(start, order="C")
         z_free, slack = np.ascontiguousarray(z_free), np.empty_like(x)
         left = self.library.solve_increment(self.solver, *pointers(z_free, x, slack))
