@@ -12,6 +12,8 @@ from faying.io.abaqus.written_contact import contact_lines
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices
+from faying.study.load_model import load_model
+from faying.study.schema import read_study
 from small_abaqus_deck import DECK, PARTS, SHANK, WOOD
 
 
@@ -271,6 +273,7 @@ STEPS = """\
 *STATIC
 *BOUNDARY, OP=NEW
 102, 1, 3
+*BOUNDARY, OP=NEW, FIXED
 104, 1
 *CLOAD, OP=NEW
 100, 2, 5.
@@ -327,6 +330,37 @@ def test_a_removed_preload_is_missed(read):
     # OP=NEW takes the pretension force away, but the bolt was locked before: its force stays.
     described = read(DECK[: DECK.index("*STEP")] + STEPS, step=3)
     assert described.preloads == {"bolt 3": 400.0}
+
+
+def test_a_beam_that_is_shortened_has_an_initial_force(read, small):
+    """EA/L times the displacement of the pretension node; FIXED leaves it where it is."""
+    held = "*BOUNDARY\n104, 1, 1, 2.E-3\n"
+    text = edited(("*CLOAD\n104, 1, 400.\n", held + "*CLOAD\n"))
+    stiffness = fy.build_model(small.assembly, bolts=small.bolts).bolts["bolt 3"].stiffness
+    later = "*STEP\n*STATIC\n*BOUNDARY, OP=NEW, FIXED\n104, 1\n*END STEP\n"
+    for deck in (text, text + later):
+        described = read(deck)
+        assert described.preloads == {}
+        # Rounding.
+        assert described.initial_forces == {"bolt 3": pytest.approx(2e-3 * stiffness, rel=1e-12)}
+    assert not any("pretension node" in note for note in described.assembly.ignored)
+    (note,) = (n for n in read(edited(("*CLOAD", held + "*CLOAD"))).assembly.ignored if "104" in n)
+    assert "holds the node at 0.002" in note
+
+
+def test_a_study_tightens_what_the_deck_shortens(read, tmp_path):
+    text = edited(("*CLOAD\n104, 1, 400.\n", "*BOUNDARY\n104, 1, 1, 2.E-3\n*CLOAD\n"))
+    force = read(text).initial_forces["bolt 3"]
+    study = tmp_path / "study.toml"
+    source = '[model]\nsource = "abaqus"\nfile = "deck.inp"\n'
+    for wish, preloads, locked in (
+        ("", {}, {"bolt 3": force}),
+        ("preload = 70.0", {"bolt 3": 70.0}, {}),
+        ("initial_force = 80.0", {}, {"bolt 3": 80.0}),
+    ):
+        study.write_text(source + f'[[bolt]]\nname = "bolt 3"\n{wish}\n' * bool(wish))
+        loaded = load_model(read_study(study))
+        assert (loaded.preloads, loaded.initial_forces) == (preloads, locked)
 
 
 def test_rotation_nodes_of_rigid_bodies_stand_for_rotations(read):
@@ -575,6 +609,15 @@ REFUSED = [
     (edited(("*EQUATION\n2", "*EQUATION\n3")), r"found 2 terms, expected 3"),
     (edited(("104, 1, 400.\n", "")), r"\*PRE-TENSION SECTION: .*has no force"),
     (edited(("104, 1, 400.", "104, 1, -400.")), r"compressive force -400"),
+    (edited(("*CLOAD", "*BOUNDARY\n104, 1, 1, -.1\n*CLOAD")), r"pressed apart by .* -0.1 of its"),
+    (
+        DECK + "*STEP\n*STATIC\n*CLOAD, OP=NEW\n100, 3, 1.\n*END STEP\n",
+        r"force of the section 'bolt 3' is taken away",
+    ),
+    (
+        edited(("*PRE-TENSION", "*PRE-TENSION SECTION, ELEMENT=3, NODE=104\n*PRE-TENSION")),
+        r"pretension node 104 belongs to another section too",
+    ),
     (edited(("ELEMENT=3,", "ELEMENT=1,")), r"ELEMENT=1 is not one beam"),
     (edited(("102, 1, 6", "102, 1, 6, 0.1"), ("*STEP", "*TRANSFORM, NSET=NALL\n1,,,0,1,0\n*STEP")),
      r"node 102 is moved along axes of a \*TRANSFORM"),

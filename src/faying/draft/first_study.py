@@ -148,7 +148,8 @@ def _bolts(
     """Return bolts, holes that may be those of others, those made use of, and where one points."""
     described, assembly = look.described, look.described.assembly
     if described.bolts:
-        untold = [one for one in described.bolts if one.name not in described.preloads]
+        told = {*described.preloads, *described.initial_forces}
+        untold = [one for one in described.bolts if one.name not in told]
         entries = [BoltEntry(name=one.name, preload=_strained(assembly, one)) for one in untold]
         return entries, [], [], _pointing(assembly, described.bolts[0])
     entries, specs = [], []

@@ -233,11 +233,15 @@ def _trailing(name: str, built: Mapping[str, Interface]) -> str:
 def _bolts(found: Findings) -> Iterator[str]:
     described = found.look.described
     for spec in described.bolts:
-        if spec.name in described.preloads:
-            yield from _comment(
-                f"Bolt of the file: {spec.name}, preload {described.preloads[spec.name]:g}; a "
-                "[[bolt]] of that name with another preload overrides it"
-            )
+        for kind, forces in (
+            ("preload", described.preloads),
+            ("initial_force", described.initial_forces),
+        ):
+            if spec.name in forces:
+                yield from _comment(
+                    f"Bolt of the file: {spec.name}, {kind} {forces[spec.name]:g}; a [[bolt]] of "
+                    f"that name with another {kind} overrides it"
+                )
     if found.made:
         yield from _comment(
             f"{MARK} bolts are made for holes in line, of radius {found.made[0].radius:.4g}: their "

@@ -32,7 +32,7 @@ from faying.model.clamping import check_clamping, element_seats
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
 from faying.model.coupled_boundary import add_coupled_boundary
-from faying.model.deck_bolt import bolt_chain, end_nodes
+from faying.model.deck_bolt import axial_stiffness, bolt_chain, end_nodes
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.local_stiffness import stiffness_at
@@ -355,14 +355,13 @@ def _of_element(assembly: Assembly, spec: BoltSpec, seats: Seats) -> tuple[Spars
     if isinstance(element, Beam):
         start, end = (assembly.mesh.nodes[node] for node in element.nodes)
         length = float(np.linalg.norm(end - start))
-        stiffness = element.material.youngs_modulus * element.section.area / length
         rows = 6 * np.repeat(element.nodes, 3) + np.tile(np.arange(3), 2)
         factors: Vector = np.concatenate([start - end, end - start]) / length
     else:
         (first, component), (second, _) = element.ends
         sign = spring_sense(assembly, element, seats)
-        stiffness = element.stiffness
         rows = 6 * np.array([first, second]) + component
         factors = np.array([-sign, sign])
     shape = (1, 6 * len(assembly.mesh.nodes))
-    return sp.csr_array((factors, (np.zeros(len(rows), dtype=int), rows)), shape=shape), stiffness
+    row = sp.csr_array((factors, (np.zeros(len(rows), dtype=int), rows)), shape=shape)
+    return row, axial_stiffness(assembly, element)

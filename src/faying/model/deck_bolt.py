@@ -3,6 +3,8 @@
 from collections import defaultdict
 from collections.abc import Sequence
 
+import numpy as np
+
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, Spring
 from faying.model.specs import BoltSpec
@@ -30,6 +32,15 @@ def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
     """
     chain = bolt_chain(assembly, spec)
     return chain[(len(chain) - 1) // 2]
+
+
+def axial_stiffness(assembly: Assembly, element: Beam | Spring) -> float:
+    """Return the force over the elongation of an element of a bolt."""
+    if isinstance(element, Spring):
+        return element.stiffness
+    start, end = assembly.mesh.nodes[list(element.nodes)]
+    length = float(np.linalg.norm(end - start))
+    return element.material.youngs_modulus * element.section.area / length
 
 
 def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:

@@ -18,6 +18,8 @@ class JointDescription:
         Those the source itself defines; a study overrides them by name and adds its own.
     preloads : [force]
         Bolt name to the final force the source asks for.
+    initial_forces : [force]
+        Bolt name to the force it is locked at, of bolts that the source gives a length.
     initial_gaps : [length]
         Interface name to an offset added to the gap of the geometry.
     gap_rules
@@ -33,6 +35,7 @@ class JointDescription:
     bolts: tuple[BoltSpec, ...] = ()
     boundaries: tuple[BoundarySpec, ...] = ()
     preloads: Mapping[str, float] = field(default_factory=dict)
+    initial_forces: Mapping[str, float] = field(default_factory=dict)
     initial_gaps: Mapping[str, float] = field(default_factory=dict)
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     selected_load: str | None = None

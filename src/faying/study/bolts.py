@@ -90,16 +90,20 @@ def check_no_second_preload(
     study: Study,
     assembly: Assembly,
     bolts: tuple[BoltSpec, ...],
-    forces: Mapping[str, float],
+    tightened: Mapping[str, float],
 ) -> None:
     """Refuse loads of the deck that pull the ends of a bolt together, for that is a preload too.
+
+    Parameters
+    ----------
+    tightened : [force]
+        Name of a bolt to its final or initial force.
 
     Raises
     ------
     StudyError
         Naming the load, the bolt and both forces.
     """
-    tightened = {**forces, **initial_forces(study)}
     wished = {load.deck_load for _, load in loadings(study)}
     applied = [name for name in assembly.loads if name in wished]
     for bolt in bolts:
@@ -134,9 +138,12 @@ def _pull(load: NodalLoads, nodes: list[int]) -> float:
     return largest if balanced and np.count_nonzero(sizes) > 1 else 0.0
 
 
-def initial_forces(study: Study) -> dict[str, float]:
-    """Return the initial forces that the study locks bolts at, by name."""
-    return {bolt.name: bolt.initial_force for bolt in study.bolts if bolt.initial_force is not None}
+def initial_forces(study: Study, described: JointDescription) -> dict[str, float]:
+    """Return the initial forces that the study, or else the source, locks bolts at, by name."""
+    tightened = {bolt.name for bolt in study.bolts if bolt.preload is not None}
+    given = {n: force for n, force in described.initial_forces.items() if n not in tightened}
+    wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
+    return given | wished
 
 
 def preloads(
@@ -150,7 +157,7 @@ def preloads(
         If a bolt has none, or one that presses.
     """
     wished = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
-    locked = initial_forces(study)
+    locked = initial_forces(study, described)
     given = {**described.preloads, **wished}
     for bolt in bolts:
         if bolt.name in locked:

@@ -97,7 +97,8 @@ def load_model(study: Study) -> LoadedModel:
     reject(study.source, problems)
     forces = preloads(study, described, bolts)
     deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
-    check_no_second_preload(study, assembly, bolts, forces)
+    locked = initial_forces(study, described)
+    check_no_second_preload(study, assembly, bolts, {**forces, **locked})
     return LoadedModel(
         assembly=assembly,
         interfaces=interfaces,
@@ -106,7 +107,7 @@ def load_model(study: Study) -> LoadedModel:
         damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
         units=study.units,
         preloads=forces,
-        initial_forces=initial_forces(study),
+        initial_forces=locked,
         gap_offsets=_gap_offsets(study, described),
         gap_rules=_gap_rules(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),

@@ -132,6 +132,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         loads=loads,
     )
     senses = pretension.beam_senses(sections, elements, nodes.coordinates)
+    tightening = last_given(deck, dofs, amplitudes)
+    pretension.note_displaced(sections, tightening, held.pretension, nodes.ids, ignored)
     senses |= {cut.name: cut.sense for cut in cuts}
     specs = contact.specs(assembly, pairs, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
@@ -139,7 +141,10 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
         bolts=bolts,
-        preloads=pretension.preloads(sections, last_given(deck, dofs, amplitudes), senses),
+        preloads=pretension.preloads(sections, tightening, forces[-1], held.pretension, senses),
+        initial_forces=pretension.initial_forces(
+            sections, bolts, held.pretension, senses, assembly
+        ),
         initial_gaps=offsets,
         gap_rules=rules,
         selected_load=_name(deck.n_step) if _name(deck.n_step) in loads else None,

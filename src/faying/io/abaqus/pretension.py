@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Indices, Matrix
 from faying.io import solid_cuts
 from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
@@ -16,6 +16,8 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Forces
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface
+from faying.model.assembly import Assembly
+from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.specs import BoltSpec
 
 
@@ -77,6 +79,12 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
         node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
         if keyword.has("SURFACE") == keyword.has("ELEMENT"):
             message = "give either SURFACE= or ELEMENT="
+            raise keyword.error(message)
+        if any(other.node == node for other in found):
+            message = (
+                f"the pretension node {keyword.value('NODE')} belongs to another section too, "
+                "which would share its force; give each section a node of its own"
+            )
             raise keyword.error(message)
         element = _beam(keyword, elements, sets) if keyword.has("ELEMENT") else None
         surface = keyword.value("SURFACE")
@@ -152,30 +160,102 @@ def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
 
 
 def preloads(
-    sections: list[Section], forces: Forces, senses: Mapping[str, float]
+    sections: list[Section],
+    forces: Forces,
+    acting: Forces,
+    held: Mapping[int, float],
+    senses: Mapping[str, float],
 ) -> dict[str, float]:
-    """Return the force of each bolt: the *CLOAD on its pretension node.
+    """Return the force of each bolt: the *CLOAD on its pretension node, unless that is displaced.
 
     Parameters
     ----------
+    forces, acting
+        The last of each *CLOAD, and those in force in the step that is read.
+    held
+        Pretension node to its displacement, not a number where its force had left it.
     senses
         Name of a section to 1 where a positive force pulls, -1 where it presses.
 
     Raises
     ------
     FormatError
-        If a section has no force, or a compressive one.
+        If a section has no force, a compressive one, or one that acts no more.
     """
     found = {}
     for section in sections:
+        if not np.isnan(held.get(section.node, np.nan)):
+            continue
         given = forces.get((section.node, 0))
+        if given is not None and section.node not in held and (section.node, 0) not in acting:
+            message = (
+                f"the force of the section '{section.name}' is taken away (OP=NEW) and nothing "
+                "locks it, so that the bolt is loose; lock it by *BOUNDARY, FIXED"
+            )
+            raise section.keyword.error(message)
         value = None if given is None else given * senses[section.name] + 0.0
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
             message = (
                 f"the section '{section.name}' {problem}; give its pretension node a *CLOAD in "
-                "direction 1, positive for tension along the direction of the section"
+                "direction 1, positive for tension along the direction of the section, or a "
+                "displacement by *BOUNDARY"
             )
             raise section.keyword.error(message)
         found[section.name] = value
     return found
+
+
+def initial_forces(
+    sections: list[Section],
+    bolts: tuple[BoltSpec, ...],
+    held: Mapping[int, float],
+    senses: Mapping[str, float],
+    assembly: Assembly,
+) -> dict[str, float]:
+    """Return the forces of bolts whose pretension node is displaced, if nothing gave way.
+
+    A bolt that is shortened by a displacement has that times its stiffness as initial force.
+
+    Parameters
+    ----------
+    held, senses
+        As of :func:`preloads`.
+
+    Raises
+    ------
+    FormatError
+        If a bolt is made longer.
+    """
+    found = {}
+    for section, bolt in zip(sections, bolts, strict=True):
+        closed = held.get(section.node, np.nan) * senses[section.name]
+        if np.isnan(closed):
+            continue
+        if closed < 0:
+            message = (
+                f"the section '{section.name}' is pressed apart by the displacement {closed:g} of "
+                "its pretension node; give one that is positive for tension along the direction of "
+                "the section, or a *CLOAD"
+            )
+            raise section.keyword.error(message)
+        element = bolt_axis_element(assembly, bolt)
+        found[bolt.name] = axial_stiffness(assembly, element) * closed + 0.0
+    return found
+
+
+def note_displaced(
+    sections: list[Section],
+    forces: Forces,
+    held: Mapping[int, float],
+    ids: Indices,
+    ignored: list[str],
+) -> None:
+    """Say of displaced pretension nodes that their force does nothing."""
+    ignored.extend(
+        f"*CLOAD on the pretension node {ids[section.node]}: *BOUNDARY without FIXED holds the "
+        f"node at {held[section.node]:g} in the step that is read, whatever force came before it; "
+        "FIXED would lock the bolt as the force left it"
+        for section in sections
+        if (section.node, 0) in forces and not np.isnan(held.get(section.node, np.nan))
+    )

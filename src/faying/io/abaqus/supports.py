@@ -45,6 +45,9 @@ class Held:
 
     supports: tuple[Support, ...]
     moved: Mapping[Place, tuple[float, ...]]
+    pretension: Mapping[int, float]
+    """Pretension nodes that are held to where they are held, not a number where their force had
+    left them."""
 
 
 def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amplitudes) -> Held:
@@ -53,7 +56,8 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     Parameters
     ----------
     apart
-        Nodes of pretension sections, whose boundary conditions lock a bolt.
+        Nodes of pretension sections, whose boundary conditions lock a bolt or say how far its
+        section is closed.
 
     Raises
     ------
@@ -63,10 +67,12 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     courses: dict[Place, list[float]] = {}
     held: Holds = {}
     for step in range(deck.n_step + 1):
-        held = _after(held, deck, step, dofs, apart)
+        left = {place: courses[place][step - 1] for place in held}
+        held = _after(held, left, deck, step, dofs, apart)
         for place, (value, keyword, _) in held.items():
             course = courses.setdefault(place, [0.0] * (deck.n_step + 1))
             course[step] = value * amplitudes.factor(keyword, step) if value else 0.0
+    pretension = {node: courses[node, c][-1] for node, c in held if node in apart and c == 0}
     held = {place: one for place, one in held.items() if place[0] not in apart}
     moved = {}
     for place in [place for place in held if any(courses[place])]:
@@ -78,11 +84,22 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
             )
             raise keyword.error(message, row)
         moved[dofs.place(*place)] = tuple(courses[place])
-    return Held(supports=tuple(_supports(list(held), dofs)), moved=moved)
+    supports = tuple(_supports(list(held), dofs))
+    return Held(supports=supports, moved=moved, pretension=pretension)
 
 
-def _after(held: Holds, deck: Deck, step: int, dofs: Dofs, apart: frozenset[int]) -> Holds:
-    """Return what is held in a step, given what was held in the one before."""
+def _after(
+    held: Holds,
+    left: Mapping[Place, float],
+    deck: Deck,
+    step: int,
+    dofs: Dofs,
+    apart: frozenset[int],
+) -> Holds:
+    """Return what is held in a step, given what was held in the one before, and where it left it.
+
+    What FIXED holds that was not held before is not a number: it is where a force left it.
+    """
     held = dict(held)
     for keyword in (one for one in deck.of("BOUNDARY") if one.step == step):
         keyword.allow("OP", "TYPE", "AMPLITUDE", "FIXED", "LOAD CASE")
@@ -96,6 +113,11 @@ def _after(held: Holds, deck: Deck, step: int, dofs: Dofs, apart: frozenset[int]
             for row, fields in enumerate(keyword.rows())
             for place, value in _line(keyword, row, fields, dofs, "temperature" in deck.ignore)
         }
+        if keyword.has("FIXED"):
+            new = {
+                place: (left.get(place, np.nan), keyword, row)
+                for place, (_, keyword, row) in new.items()
+            }
         held |= new
         if keyword.has("FIXED") and any(node not in apart for node, _ in new):
             message = (

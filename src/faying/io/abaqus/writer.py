@@ -127,6 +127,13 @@ def _lines(
 
 def _tightened(description: JointDescription) -> dict[str, int]:
     """Return the beam of each bolt that has a preload."""
+    if description.initial_forces:
+        name = next(iter(description.initial_forces))
+        message = (
+            f"bolt '{name}' is locked at an initial force; only final ones are written, give its "
+            "preload in their place"
+        )
+        raise FormatError(message)
     found = {}
     known = {beam.id for beam in description.assembly.beams}
     for bolt in description.bolts:
