@@ -254,11 +254,7 @@ def _interface(interface: Interface) -> tuple[object, ...]:
 
 def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
     columns = ["name", "tightened", "along", "stiffness EA/L", "preload", "said by"]
-    wished = {
-        bolt.name
-        for bolt in study.bolts
-        if bolt.preload is not None or bolt.initial_force is not None
-    }
+    wished = {b.name for b in study.bolts if b.preload is not None or b.initial_force is not None}
     rows = (
         (
             spec.name,
