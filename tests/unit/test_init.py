@@ -9,10 +9,10 @@ from typer.testing import CliRunner
 
 from faying.cli import app
 from faying.draft.cylinders import cylinders
-from faying.draft.facing import facing_bodies
 from faying.draft.first_study import first_study
 from faying.draft.study_text import MARK
 from faying.exceptions import FayingError, StudyError
+from faying.interface.facing import facing_bodies
 from faying.model.assembly import Assembly, Material
 from faying.model.mesh import CellBlock, Mesh
 from faying.study.load_model import build

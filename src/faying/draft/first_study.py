@@ -9,7 +9,6 @@ import numpy as np
 from faying._typing import Indices, Vector
 from faying.draft.bolts import Hole, clamping_lines, holes_in_line, pattern
 from faying.draft.cylinders import cylinders
-from faying.draft.facing import facing_bodies
 from faying.draft.held import HELD, LOADED, far_node, loose_groups, named, pins
 from faying.draft.look import Look, look_at
 from faying.draft.study_text import (
@@ -22,6 +21,7 @@ from faying.draft.study_text import (
     study_text,
 )
 from faying.exceptions import FayingError, ModelError
+from faying.interface.facing import facing_bodies
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import free_bodies
 from faying.model.assembly import Assembly, Beam

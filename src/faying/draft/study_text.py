@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from faying.draft.bolts import Hole
-from faying.draft.facing import Facing
 from faying.draft.held import Pin
 from faying.draft.look import Look
+from faying.interface.facing import Facing
 from faying.interface.interface import Interface
 from faying.model.bodies import body_names
 from faying.study.bare_deck import quoted

@@ -1,7 +1,7 @@
-"""``*CONTACT PAIR`` with its ``*SURFACE INTERACTION``: interfaces."""
+"""``*SURFACE INTERACTION`` and ``*CONTACT PAIR``: interfaces."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -44,8 +44,18 @@ class Pair:
     tied: bool = False
 
 
-def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[str]) -> list[Pair]:
-    """Read all *CONTACT PAIR.
+@dataclass(frozen=True, kw_only=True)
+class Interaction:
+    """A ``*SURFACE INTERACTION``; what is ``tied`` neither opens nor slides."""
+
+    name: str
+    penalty: float | Literal["hard"] = "hard"
+    friction: DeckFriction = FRICTIONLESS
+    tied: bool = False
+
+
+def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
+    """Read all *SURFACE INTERACTION, by upper-case name.
 
     Raises
     ------
@@ -53,33 +63,41 @@ def read_pairs(deck: Deck, surfaces: Surfaces, sets: NamedSets, ignored: list[st
         Naming the line of friction that is not Coulomb's, or of a pressure-overclosure curve that
         is not linear.
     """
-    behaviours: dict[str, tuple[str, float | Literal["hard"]]] = {}
-    frictions: dict[str, DeckFriction] = {}
-    tied: set[str] = set()
+    found = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
         name = head.required("NAME")
         if _is_tied(members):
             ignored.append(f"stiffness of {name}, which is TIED: nothing gives way there")
-            behaviours[name.upper()] = name, "hard"
-            tied.add(name.upper())
+            found[name.upper()] = Interaction(name=name, tied=True)
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, ignored)
-        behaviours[name.upper()] = name, _behaviour(head, members, ignored)
-        frictions[name.upper()] = read_friction(members, ignored)
-    pairs = []
-    for keyword in deck.of("CONTACT PAIR"):
-        found = _pairs(keyword, surfaces, _adjust(keyword, sets), behaviours, ignored)
-        pairs += [
-            replace(
-                pair,
-                tied=pair.interaction.upper() in tied,
-                friction=frictions.get(pair.interaction.upper(), pair.friction),
-            )
-            for pair in found
-        ]
-    return pairs
+        penalty = _behaviour(head, members, ignored)
+        friction = read_friction(members, ignored)
+        found[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
+    return found
+
+
+def read_pairs(
+    deck: Deck,
+    interactions: Mapping[str, Interaction],
+    surfaces: Surfaces,
+    sets: NamedSets,
+    ignored: list[str],
+) -> list[Pair]:
+    """Read all *CONTACT PAIR.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a surface or an interaction that is missing.
+    """
+    return [
+        pair
+        for keyword in deck.of("CONTACT PAIR")
+        for pair in _pairs(keyword, surfaces, _adjust(keyword, sets), interactions, ignored)
+    ]
 
 
 def _is_tied(members: list[Keyword]) -> bool:
@@ -102,7 +120,7 @@ def _pairs(
     keyword: Keyword,
     surfaces: Surfaces,
     adjusted: GapRule | None,
-    behaviours: Mapping[str, tuple[str, float | Literal["hard"]]],
+    interactions: Mapping[str, Interaction],
     ignored: list[str],
 ) -> list[Pair]:
     keyword.allow("INTERACTION", "TYPE", "SMALL SLIDING", "ADJUST", "EXTENSION ZONE", "CPSET",
@@ -110,10 +128,10 @@ def _pairs(
                   "SUPPLEMENTARY CONSTRAINTS", "SLIDING TRANSITION",
         "NO THICKNESS")  # fmt: skip
     name = keyword.required("INTERACTION")
-    if name.upper() not in behaviours:
+    if name.upper() not in interactions:
         message = f"there is no *SURFACE INTERACTION '{name}'; define it or correct the name"
         raise keyword.error(message)
-    interaction, penalty = behaviours[name.upper()]
+    interaction = interactions[name.upper()]
     note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
     if note not in ignored:
         ignored.append(note)
@@ -135,9 +153,11 @@ def _pairs(
                 row=row,
                 slave=slave,
                 master=master,
-                penalty=penalty,
+                penalty=interaction.penalty,
                 adjusted=adjusted,
-                interaction=interaction,
+                interaction=interaction.name,
+                friction=interaction.friction,
+                tied=interaction.tied,
             )
         )
     return pairs

@@ -63,7 +63,7 @@ _PLANE = (
 )
 _MATRICES = 'give matrices instead (source = "matrices")'
 _GENERATED = "write nodes and elements out; preprocessors and CalculiX's cgx do"
-_PAIRS = "define *CONTACT PAIR; general contact is not supported"
+_PAIRS = "define *CONTACT PAIR; of general contact only that of everything alike is supported"
 _FLOW = "flow, electric and magnetic fields are not supported; remove them"
 _ELASTIC = "give *ELASTIC; materials are linear elastic"
 _STARTS = "remove it; structures start without stress"
@@ -72,8 +72,8 @@ _LAYERS = "mesh the layers as solids with a section each"
 _REMEDIES: Mapping[str, tuple[str, ...]] = {
     _GENERATED: ("NGEN", "NFILL", "NCOPY", "ELGEN", "ELCOPY", "NMAP"),
     _PAIRS: (
-        *("CONTACT", "CONTACT INCLUSIONS", "CONTACT EXCLUSIONS", "CONTACT PROPERTY ASSIGNMENT"),
-        *("CONTACT INITIALIZATION DATA", "CONTACT INITIALIZATION ASSIGNMENT"),
+        *("CONTACT EXCLUSIONS", "CONTACT INITIALIZATION DATA"),
+        "CONTACT INITIALIZATION ASSIGNMENT",
         "CONTACT FORMULATION",
     ),
     _ELASTIC: (

@@ -16,6 +16,7 @@ from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations
+from faying.io.abaqus.general_contact import joined_bodies, read_general_contact
 from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ, without_blanks
@@ -88,7 +89,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     shells = read_shells(deck, elements, by_element, named, ignored)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
-    declared = contact.read_pairs(deck, surfaces, by_node, ignored)
+    interactions = contact.read_interactions(deck, ignored)
+    declared = contact.read_pairs(deck, interactions, surfaces, by_node, ignored)
     deck, declared = without_removed_pairs(deck, declared, ignored)
     pairs = [pair for pair in declared if not pair.tied]
     ties = read_ties(deck, surfaces, [pair for pair in declared if pair.tied], ignored)
@@ -137,6 +139,10 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     senses |= {cut.name: cut.sense for cut in cuts}
     specs = contact.specs(assembly, pairs, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
+    sides = [(one.slave.nodes, one.master.nodes) for one in pairs]
+    sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
+    joined = joined_bodies(assembly, cuts, sides)
+    specs += read_general_contact(deck, assembly, interactions, joined, ignored)
     return JointDescription(
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,

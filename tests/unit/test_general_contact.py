@@ -1,0 +1,66 @@
+"""Contact of everything in Abaqus decks: the pairs of bodies that face each other."""
+
+import pytest
+
+import faying as fy
+from clamped_plates import PAIRS, abaqus_deck
+from faying.exceptions import FormatError
+from faying.io.abaqus import read_joint
+
+EVERYTHING = ("*Contact", "*Contact Inclusions, ALL EXTERIOR")
+ASSIGNED = ("*Contact Property Assignment", " ,  , IntProp-1")
+
+
+def read(folder, *contact):
+    path = folder / "plates.inp"
+    path.write_text(abaqus_deck(contact))
+    return read_joint(path)
+
+
+def areas(described):
+    """Contact areas by the heights of the lowest and the highest point, to six digits."""
+    model = fy.build_model(
+        described.assembly, interfaces=described.interfaces, bolts=described.bolts
+    )
+    found = {}
+    for one in model.interfaces.values():
+        heights = one.points[:, 2]
+        place = (round(float(heights.min()), 6), round(float(heights.max()), 6))
+        found[place] = round(float(one.weights.sum()), 6)
+    return found
+
+
+def test_the_bodies_that_touch_are_the_pairs(tmp_path):
+    """The sides of the cut through the bolt touch too, and are none."""
+    described = read(tmp_path, *EVERYTHING, *ASSIGNED)
+    assert areas(described) == areas(read(tmp_path, *PAIRS))
+    assert {(one.penalty, one.friction) for one in described.interfaces} == {("hard", 0.0)}
+    assert any(
+        "general contact: an interface for each pair" in n for n in described.assembly.ignored
+    )
+
+
+def test_what_is_tied_or_paired_already_is_left_out(tmp_path):
+    tied = ("*Tie, name=T", "Seat, Head", *EVERYTHING, *ASSIGNED)
+    assert [*areas(read(tmp_path, *tied))] == [(0.0, 0.0), (10.0, 10.0)]
+    both = read(tmp_path, PAIRS[0], *EVERYTHING, *ASSIGNED)
+    assert len(both.interfaces) == 3
+
+
+REFUSED = [
+    (EVERYTHING, "CONTACT INCLUSIONS: it needs"),
+    ((EVERYTHING[0], "*Contact Inclusions", "Seat, Head", *ASSIGNED), "only ALL EXTERIOR is read"),
+    (
+        (*EVERYTHING, ASSIGNED[0], "Seat, Head, IntProp-1"),
+        "found 'Seat, Head, IntProp-1', expected",
+    ),
+    ((*EVERYTHING, *ASSIGNED, *ASSIGNED), "found ', , IntProp-1', expected one line"),
+    ((*EVERYTHING, ASSIGNED[0], " , , Other"), "found ', , Other', expected one line"),
+    ((*EVERYTHING, "*Contact Exclusions", "Seat, Head", *ASSIGNED), "CONTACT EXCLUSIONS"),
+]
+
+
+@pytest.mark.parametrize(("lines", "message"), REFUSED)
+def test_contact_of_some_surfaces_is_refused(tmp_path, lines, message):
+    with pytest.raises(FormatError, match=message):
+        read(tmp_path, *lines)
