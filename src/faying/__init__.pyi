@@ -35,6 +35,7 @@ from faying.contact.problem import contact_problem as contact_problem
 from faying.export.transient_stream import stream_transient as stream_transient
 from faying.joint.build import build_model as build_model
 from faying.joint.model import Model as Model
+from faying.joint.weak_springs import with_weak_springs as with_weak_springs
 from faying.linalg.factorization import factorize as factorize
 from faying.model.assembly import Material as Material
 from faying.model.specs import BoltSpec as BoltSpec

@@ -11,12 +11,16 @@ from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
 from faying.assessment.slip_demand import area_sums
+from faying.assessment.weak_share import weak_share
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
 from faying.model.bolt import Bolt
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.simulation.solution import Solution
+
+WEAK_SHARE = "weak_share."
+"""What names of metrics of weak springs begin with."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +95,15 @@ def metrics_of(
             )
             for component in _components(boundary)
         ]
+    found += [
+        Metric(
+            name=f"{WEAK_SHARE}{body}",
+            description="what weak springs between the bodies carry over the contact force",
+            dimension="1",
+            worst="largest",
+        )
+        for body in system.weak_supports
+    ]
     found += [
         Metric(
             name=f"ring_pressure.{name}",
@@ -198,6 +211,7 @@ def case_metrics(
     for name, boundary in solution.system.boundaries.items():
         moved = solution.displacement(name)
         columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
+    columns += [weak_share(solution, body) for body in solution.system.weak_supports]
     columns += [ring_pressure(ring, solution.pressure) for ring in rings.values()]
     columns += [_needed_friction(solution, interfaces[name], one) for name, one in areas.items()]
     if certificate is not None:

@@ -23,15 +23,13 @@ from faying.draft.study_text import (
 from faying.exceptions import FayingError, ModelError
 from faying.interface.facing import facing_bodies
 from faying.interface.interface import Interface
-from faying.joint.diagnosis import free_bodies
 from faying.model.assembly import Assembly, Beam
-from faying.model.bodies import bodies
 from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import FORCE_NAMES
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
-from faying.study.load_model import build, build_loaded, load_model
+from faying.study.load_model import build
 from faying.study.schema import parse_study
 
 SHARE = 0.05
@@ -40,8 +38,6 @@ SHARE = 0.05
 SOFT = 1e-7
 """The same over E times the extent squared, where there are no bolts."""
 
-SOFT_SPRING = 1e-6
-"""Stiffness of springs that hold what contact holds, over E times the size of the body."""
 
 Direction = tuple[float, float, float]
 
@@ -86,9 +82,10 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
     """
     found = _findings(look_at(path, ignore))
     built, problem = _tried(study_text(found, target, {}), target)
-    if problem and found.look.described.interfaces:
-        found = replace(found, soft=_floating(found, study_text(found, target, {}), target))
-        built, problem = _tried(study_text(found, target, {}), target)
+    if problem:
+        supported = replace(found, weak_springs=True)
+        joints, other = _tried(study_text(supported, target, {}), target)
+        found, built, problem = (found, {}, problem) if other else (supported, joints, "")
     text = study_text(found, target, built, problem)
     return FirstStudy(text=text, undecided=text.count(MARK), problem=problem)
 
@@ -99,21 +96,6 @@ def _tried(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
         return build(parse_study(text, target)).interfaces, ""
     except FayingError as error:
         return {}, str(error)
-
-
-def _floating(found: Findings, text: str, target: Path) -> dict[int, float]:
-    """Return the bodies that contact alone holds, and how stiff springs are that are soft there."""
-    try:
-        model = build_loaded(load_model(parse_study(text, target)))
-    except FayingError:
-        return {}
-    mesh, modulus = found.look.mesh, _modulus(found.look.described.assembly)
-    labels = bodies(mesh)
-    sizes = {
-        number: float(np.ptp(mesh.nodes[labels == number], axis=0).max())
-        for number in free_bodies(model)
-    }
-    return {number: float(f"{SOFT_SPRING * modulus * size:.1g}") for number, size in sizes.items()}
 
 
 def _findings(look: Look) -> Findings:

@@ -68,10 +68,10 @@ class Findings:
         Holes that bolts are made for.
     held, pins
         Sets and nodes that are held beside the supports of the file.
-    soft
-        Bodies that only contact of the file holds, to the stiffness of soft springs.
     loaded_set, loaded_node
         Where the load enters where the file has none.
+    weak_springs
+        Whether the model takes them to be held.
     component, force
         Of that load.
     """
@@ -84,9 +84,9 @@ class Findings:
     made: tuple[Hole, ...] = ()
     held: tuple[str, ...] = ()
     pins: tuple[Pin, ...] = ()
-    soft: Mapping[int, float] = field(default_factory=dict)
     loaded_set: str | None = None
     loaded_node: int | None = None
+    weak_springs: bool = False
     component: str = "Fz"
     force: float = 1.0
 
@@ -145,6 +145,11 @@ def _head(found: Findings, target: Path) -> Iterator[str]:
     if look.separate:
         names = ", ".join(map(quoted, look.separate))
         yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
+    if found.weak_springs:
+        yield (
+            f'weak_springs = "auto"  # {MARK} contact alone holds some body; give its interfaces '
+            "friction, or support it"
+        )
     parts = [quoted(name) for name in body_names(mesh)]
     extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())
     count = f"{len(parts)} bodies" if len(parts) != 1 else "one body"
@@ -300,17 +305,6 @@ def _held(found: Findings) -> Iterator[str]:
     for name in found.held:
         yield "[[support]]"
         yield f"set = {quoted(name)}  # {MARK} held only for its name"
-        yield ""
-    if found.soft:
-        yield from _comment(
-            f"{MARK} contact alone holds these bodies, where statics need more: soft springs, a "
-            "millionth of E times their size, whose forces must stay small beside the loads"
-        )
-    names = body_names(mesh) if found.soft else []
-    for number, stiffness in found.soft.items():
-        yield "[[support]]"
-        yield f"set = {quoted(_body(names, found, number))}"
-        yield f"stiffness = {_number(stiffness)}"
         yield ""
     if found.pins:
         sets = ", ".join(map(quoted, [*mesh.node_sets][:12])) or "none"

@@ -15,8 +15,9 @@ from faying.model.local_stiffness import rigid_stiffness
 from faying.model.rigid_motion import FreeMotions, free_motions, rigid_motions
 
 REMEDY = (
-    "support it, tie it to a held body with a bolt, or hold it by soft springs: [[support]] with "
-    "stiffness (contact alone holds nothing)"
+    "support it, tie it to a held body with a bolt, or have weak springs hold it beside contact "
+    'and friction (weak_springs = "auto" under [model] of a study, faying.with_weak_springs in '
+    "Python): contact alone holds nothing"
 )
 
 # Rounding of unit vectors, of twists of unit size and of places, over the size of the body.
@@ -86,18 +87,6 @@ def free_parts(model: Model) -> FreeParts:
         more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
         parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
     return FreeParts(count=count, parts=parts)
-
-
-def free_bodies(model: Model) -> list[int]:
-    """Return the numbers of the bodies that can move while nothing but contact resists."""
-    found = _free_motions(model)
-    if not found.motions.shape[1]:
-        return []
-    moved = np.linalg.norm(model.dofs.nodal(found.motions.T), axis=(0, 2))
-    labels = bodies(model.assembly.mesh)
-    moving = (moved > 0.01 * moved.max()) & (labels >= 0)
-    numbers: list[int] = np.unique(labels[moving]).tolist()
-    return numbers
 
 
 def _free_motions(model: Model) -> FreeMotions:

@@ -22,6 +22,7 @@ from faying.joint.load_pattern import (
 )
 from faying.joint.structure import Structure
 from faying.joint.system import PortCompliance, static_contact_of
+from faying.joint.weak_support import WeakSupport
 from faying.linalg.factorization import Factorization
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.bolt import Bolt
@@ -58,6 +59,8 @@ class Model(Shown):
         Stiffness of the springs of each of them; zero where nothing sticks, or it is not told.
     load_patterns
         Distributed loads that may be scaled; none unless asked for, as each costs a port.
+    weak_supports
+        Springs that hold bodies beside contact alone, by the names of both bodies.
     """
 
     structure: Structure
@@ -72,6 +75,7 @@ class Model(Shown):
     stuck: Mapping[str, Mask] = field(default_factory=dict)
     stuck_stiffness: float = 0.0
     load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
+    weak_supports: Mapping[str, WeakSupport] = field(default_factory=dict)
 
     @property
     def facts(self) -> Mapping[str, str]:

@@ -16,6 +16,7 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
+from faying.joint.weak_support import WeakSupport
 from faying.linalg.compressed import Compliance
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
@@ -182,6 +183,11 @@ class System(Joint, Protocol):
     @property
     def K(self) -> SparseMatrix | Matrix:
         """Stiffness matrix (n_dof, n_dof) [force/length]."""
+        ...
+
+    @property
+    def weak_supports(self) -> Mapping[str, WeakSupport]:
+        """Springs that hold bodies beside contact alone, by the names of both bodies."""
         ...
 
     def factorize_static(self) -> Factorization:

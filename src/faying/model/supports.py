@@ -1,4 +1,4 @@
-"""Supports by the name of what they hold, and soft springs in place of them."""
+"""Supports by the name of what they hold."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -7,10 +7,8 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import ModelError
-from faying.model.assembly import Assembly, Spring, Support
+from faying.model.assembly import Assembly, Support
 from faying.model.bodies import bodies, body_names
-
-_CORNERS = np.array([(x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)])
 
 
 def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> Assembly:
@@ -44,31 +42,6 @@ def with_held_nodes(assembly: Assembly, held: Iterable[tuple[Indices, Iterable[i
         for number, (nodes, components) in enumerate(held, start=first)
     )
     return replace(assembly, supports=(*assembly.supports, *own))
-
-
-def with_soft_springs(
-    assembly: Assembly, nodes: Indices, components: Iterable[int], stiffness: float
-) -> Assembly:
-    """Return the assembly with springs to ground at those of some nodes that lie farthest out.
-
-    Parameters
-    ----------
-    nodes
-        Of which up to eight get springs: those farthest along the diagonals of space, so that a
-        body is held against turning too.
-    components
-        Components 0..5 of the springs.
-    stiffness : [force/length] or [moment/rad]
-        Of all springs of one component together.
-    """
-    along = _CORNERS @ (assembly.mesh.nodes[nodes] - assembly.mesh.nodes[nodes].mean(axis=0)).T
-    chosen = np.unique(nodes[along.argmax(axis=1)]).tolist()
-    places = [(node, component) for component in sorted({*components}) for node in chosen]
-    own = tuple(
-        Spring(id=number, ends=(place,), stiffness=stiffness / len(chosen))
-        for number, place in enumerate(places, start=assembly.largest_id + 1)
-    )
-    return replace(assembly, springs=(*assembly.springs, *own))
 
 
 def nodes_of_set(assembly: Assembly, name: str) -> Indices:

@@ -9,6 +9,7 @@ from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.system import PortCompliance
 from faying.joint.tangential import TangentialRows
+from faying.joint.weak_support import WeakSupport
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.reduction.basis import Basis
@@ -26,7 +27,7 @@ class ModelData:
     M, C, K : (n_mode, n_mode)
     contact
         With PΦ in place of P, and the residual compliance where it is kept.
-    boundaries, bolts, load_patterns
+    boundaries, bolts, load_patterns, weak_supports
         As seen by the generalized coordinates.
     basis
         Φ with the kinds of its vectors; without rows where the vectors were left behind.
@@ -64,6 +65,7 @@ class ModelData:
     interfaces: Mapping[str, ContactSurface]
     mesh: MeshShapes
     load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
+    weak_supports: Mapping[str, WeakSupport] = field(default_factory=dict)
     name: str = "model"
     units: str = "mm-t-s"
     period: float | None = None

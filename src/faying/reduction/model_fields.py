@@ -5,6 +5,7 @@ from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.interface import FacePairs
 from faying.interface.surface import ContactSurface
 from faying.joint.tangential import TangentialRows
+from faying.joint.weak_support import WeakSupport
 from faying.model.boundary import Boundary
 from faying.model.mesh import CellBlock
 from faying.reduction.stored_compliance import StoredCompliance
@@ -77,6 +78,7 @@ TABLES: dict[type, Table] = {
     StoredCompliance: meanings(StoredCompliance),
     Boundary: BOUNDARY,
     TangentialRows: meanings(TangentialRows),
+    WeakSupport: meanings(WeakSupport),
 }
 """Of all values in a file of one model."""
 
@@ -145,6 +147,7 @@ OWN_COORDINATES: Table = {
         "length",
         "(4, n_relative)",
     ),
+    "weak_supports": Meaning("springs beside contact alone, by the bodies that they hold together"),
     "nodal_shapes": Meaning(
         "displacements of all nodes per coordinate, where the trial vectors are not known",
         "1",

@@ -26,11 +26,9 @@ from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.system import (
     PortCompliance,
-    boundary_dofs,
     boundary_slices,
     port_compliance_of,
 )
-from faying.joint.tangential import TangentialRows
 from faying.linalg.budget import default_budget
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import factorize
@@ -49,6 +47,7 @@ from faying.reduction.model_fields import LAWS, TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.stored_compliance import StoredCompliance
+from faying.reduction.stored_rows import tangential_of, weak_supports_of
 
 
 def load(path: Path | str) -> ReducedModel:
@@ -92,7 +91,7 @@ def load(path: Path | str) -> ReducedModel:
             method=method,
             units=units,
             period=float(numbers(file, "period", ())) if "period" in file else None,
-            tangential=_tangential(file, joint),
+            tangential=tangential_of(file, joint),
         )
         group = member(file, "reduced")
         return _with_shapes(group, read_model(group, joint))
@@ -235,6 +234,7 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
         }
         if loads is not None
         else {},
+        weak_supports=weak_supports_of(group, n, n_relative),
         recovery_inertia=_optional(group, "inertia_recovery", (n_port, n)),
         recovery_damping=_optional(group, "damping_recovery", (n_port, n)),
         invariants=_optional(group, "invariants", (4 + 3 * n, 4 + 3 * n)),
@@ -266,29 +266,6 @@ def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:
         shapes = numbers(group, "nodal_shapes", (n, n_node, 3))
         mesh = replace(mesh, vectors=shapes.reshape(n, -1).T)
     return replace(rom, mesh=mesh)
-
-
-def _tangential(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows, ...]:
-    """Return what is carried along the interfaces, where the file tells."""
-    group = member(file, "ports")
-    if "tangential" not in group:
-        return ()
-    found: tuple[TangentialRows, ...] = read_member(
-        member(group, "tangential"), tuple[TangentialRows, ...], TABLES
-    )
-    n_relative = int(joint.contact.relative_operator.shape[0])
-    n_input = len(boundary_dofs(joint.boundaries)) + len(joint.bolts) + len(joint.load_patterns)
-    for one in found:
-        known = one.interface in joint.interfaces and one.bolt in ("", *joint.bolts)
-        shapes = ((3, n_input), (3, n_relative))
-        fits = bool(one.unknown) or (one.per_input.shape, one.per_pair.shape) == shapes
-        if not (known and fits) or (one.origin.shape, one.tangents.shape) != ((3,), (2, 3)):
-            message = (
-                f"/ports/tangential of interface '{one.interface}', bolt '{one.bolt}' does not fit "
-                f"{n_input} inputs and {n_relative} pairs"
-            )
-            raise ValueError(message)
-    return found
 
 
 def _with_ends(file: h5py.File, bolts: Mapping[str, Bolt]) -> dict[str, Bolt]:

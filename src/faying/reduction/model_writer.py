@@ -189,6 +189,7 @@ def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
         "residual_bending": _moments(
             {name: one.residual_bending for name, one in rom.bolts.items()}
         ),
+        "weak_supports": rom.weak_supports or None,
         "nodal_shapes": mesh.modes if shapes and mesh.translations is None else None,
     }
 

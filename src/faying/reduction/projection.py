@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, frozen
+from faying._typing import Indices, Matrix, SparseMatrix, frozen
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface, contact_surface
 from faying.joint.model import Model
@@ -14,7 +14,6 @@ from faying.joint.system import PortCompliance
 from faying.joint.tangential import tangential_rows
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import SingularMatrixError
-from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.reduction.basis import VANISHING, Basis, ModeKind
 from faying.reduction.mesh_shapes import MeshShapes
@@ -82,9 +81,16 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
             name: bolt.projected(phi)
             if bolt.bending is None or not compliance
             else replace(
-                bolt.projected(phi), residual_bending=_residual_bending(model, basis, bolt)
+                bolt.projected(phi), residual_bending=_residual(model, basis, bolt.bending)
             )
             for name, bolt in model.bolts.items()
+        },
+        weak_supports={
+            body: replace(
+                one.projected(phi),
+                residual_forces=_residual(model, basis, one.forces) if compliance else None,
+            )
+            for body, one in model.weak_supports.items()
         },
         basis=basis,
         load_patterns={name: one.projected(phi) for name, one in model.load_patterns.items()},
@@ -258,16 +264,16 @@ def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
     return _beyond(model, basis, at_dofs).T.reshape(*np.shape(forces)[:-1], -1)
 
 
-def _residual_bending(model: Model, basis: Basis, bolt: Bolt) -> Matrix:
-    """Return the moments (4, n_relative) of a bolt per pair force beyond a basis.
+def _residual(model: Model, basis: Basis, rows: SparseMatrix | Matrix) -> Matrix:
+    """Return what rows (k, n_dof) tell of pair forces beyond a basis (k, n_relative).
 
-    What pair forces do to the moments is, the operator being symmetric, what the rows of the
-    moments, taken as forces, do to the pairs: four back-substitutions.
+    What pair forces do to them is, the operator being symmetric, what the rows, taken as forces,
+    do to the pairs: one back-substitution each.
     """
-    rows = sp.csr_array(bolt.bending).toarray()
-    seen = model.structure.relative_operator @ _beyond(model, basis, rows.T)
-    moments: Matrix = frozen(np.ascontiguousarray(seen.T))
-    return moments
+    forces = sp.csr_array(rows).toarray().T
+    seen = model.structure.relative_operator @ _beyond(model, basis, forces)
+    residual: Matrix = frozen(np.ascontiguousarray(seen.T))
+    return residual
 
 
 def _beyond(model: Model, basis: Basis, forces: Matrix) -> Matrix:

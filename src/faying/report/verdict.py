@@ -10,7 +10,7 @@ from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
 from faying.report.reference import against, reference_note
 from faying.report.style import label
-from faying.study.declared import missing_contacts
+from faying.study.declared import barely_held, missing_contacts
 from faying.study.jumps import jump_sentence
 from faying.study.results import CaseResult, MethodResult, Results
 from faying.study.step_check import step_check
@@ -214,6 +214,7 @@ def _answer(found: list[MethodVerdict]) -> str:
 def reservations(results: Results) -> list[str]:
     """Return what the errors do not say, the pressing ones first."""
     said = [*filter(None, [reference_note(results)]), *missing_contacts(results)]
+    said += barely_held(results)
     if results.warnings:
         said.append(
             f"{len(results.warnings)} solution(s) did not converge or deserve notice; "

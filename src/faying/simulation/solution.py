@@ -228,11 +228,35 @@ class Solution(ContactFields, Shown):
                 "does not tell; model its shank by beams with bending stiffness"
             )
             raise ModelError(message)
-        moments = _each(self.states, one.bending)
-        if one.residual_bending is not None:
-            pairs = self.system.contact.at_pairs(self.contact_forces, self.shear_forces).T
-            moments = moments + _each(pairs, one.residual_bending)
+        moments = self._told_by(one.bending, one.residual_bending)
         return moments.reshape(*moments.shape[:-1], 2, 2)
+
+    def weak_force(self, bodies: str) -> Matrix:
+        """Return what the weak springs between two bodies carry (...), in magnitudes [force].
+
+        Raises
+        ------
+        ModelError
+            If there are no such springs.
+        """
+        supports = self.system.weak_supports
+        if bodies not in supports:
+            held = ", ".join(supports) or "none"
+            message = f"there are no weak springs '{bodies}'; those there are hold {held}"
+            raise ModelError(message)
+        one = supports[bodies]
+        forces = self._told_by(one.forces, one.residual_forces)
+        at_pairs = np.linalg.norm(forces.reshape(*forces.shape[:-1], -1, 3), axis=-1)
+        carried: Matrix = at_pairs.sum(axis=-1)
+        return carried
+
+    def _told_by(self, rows: SparseMatrix | Matrix, residual: Matrix | None) -> Matrix:
+        """Return what rows (k, n_dof) make of the states, with what the states lack (..., k)."""
+        seen = _each(self.states, rows)
+        if residual is None:
+            return seen
+        pairs = self.system.contact.at_pairs(self.contact_forces, self.shear_forces).T
+        return seen + _each(pairs, residual)
 
     def _bolt(self, name: str) -> Bolt:
         if name not in self.system.bolts:

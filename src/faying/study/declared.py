@@ -1,5 +1,8 @@
-"""How much of the contact area that was declared is there."""
+"""What of a joint is not as declared: contact area that is missing, bodies that nothing holds."""
 
+import numpy as np
+
+from faying.assessment.weak_share import weak_warning
 from faying.study.results import Results
 
 ALMOST_ALL = 0.99
@@ -28,5 +31,15 @@ def missing_contacts(results: Results) -> list[str]:
     said = (
         missing_contact(name, float(face.weights.sum()), face.declared_area)
         for name, face in results.interfaces.items()
+    )
+    return [text for text in said if text]
+
+
+def barely_held(results: Results) -> list[str]:
+    """Say in which load cases weak springs carry what contact and friction should."""
+    said = (
+        weak_warning(body, name, float(np.max(share)))
+        for name, case in results.cases.items()
+        for body, share in case.reference.weak_shares.items()
     )
     return [text for text in said if text]

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from faying.interface.interface import Interface
 from faying.joint.build import build_model
 from faying.joint.diagnosis import check_held
 from faying.joint.model import Model
+from faying.joint.weak_springs import with_weak_springs
 from faying.model.assembly import Assembly, Material
 from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
@@ -59,6 +60,8 @@ class LoadedModel:
         The load that the source itself applies, in the subcase or step that counts.
     has_joined_faces
         Whether faces that touch may be joined already, by ties or where bolts are cut.
+    weak_springs : [force/length]
+        Stiffness of the springs of bodies that contact alone would hold; None without any.
     """
 
     assembly: Assembly
@@ -74,6 +77,7 @@ class LoadedModel:
     deck_loads: tuple[str, ...] = ()
     selected_load: str | None = None
     has_joined_faces: bool = False
+    weak_springs: float | Literal["auto"] | None = None
 
 
 def load_model(study: Study) -> LoadedModel:
@@ -113,6 +117,7 @@ def load_model(study: Study) -> LoadedModel:
         deck_loads=tuple(dict.fromkeys(deck_loads)),
         selected_load=described.selected_load,
         has_joined_faces=described.has_joined_faces,
+        weak_springs=study.model.weak_springs,
     )
 
 
@@ -133,6 +138,8 @@ def build_loaded(loaded: LoadedModel) -> Model:
         damping=loaded.damping,
         units=loaded.units,
     )
+    if loaded.weak_springs is not None:
+        model = with_weak_springs(model, loaded.weak_springs)
     mesh = model.assembly.mesh
     model = model.with_interfaces(
         {

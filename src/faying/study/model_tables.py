@@ -116,6 +116,8 @@ class ModelSection(Section):
         Volume groups of a mesh file that get nodes of their own where they touch others.
     sets
         Own names for parts of the mesh.
+    weak_springs
+        Hold bodies that contact alone would hold by springs of this stiffness [force/length].
     lap_joint
         Keywords of :func:`faying.joint.lap_joint.lap_joint_assembly`.
     """
@@ -130,6 +132,7 @@ class ModelSection(Section):
     element: Literal["incompatible", "standard"] = "incompatible"
     separate: tuple[Name, ...] = ()
     sets: Mapping[str, AnySet] = Field(default_factory=dict)
+    weak_springs: Positive | Literal["auto"] | None = None
     lap_joint: Mapping[str, Any] = Field(default_factory=dict)
 
 
@@ -219,14 +222,12 @@ class BoltSection(Section):
 
 
 class SupportSection(Section):
-    """[[support]]: nodes held at zero, or softly, beside what the source holds itself.
+    """[[support]]: nodes held at zero, beside what the source holds itself.
 
     Attributes
     ----------
     components
         Displacements ``ux`` … and rotations ``rx`` … that are held.
-    stiffness : [force/length]
-        Of soft springs, all together in each component, in place of holding at zero.
     """
 
     set: Name | None = None
@@ -236,7 +237,6 @@ class SupportSection(Section):
         "uy",
         "uz",
     )
-    stiffness: Positive | None = None
 
 
 class BoundarySection(Section):

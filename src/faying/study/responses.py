@@ -11,6 +11,7 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.tresca import IncrementCertificate
+from faying.assessment.weak_share import weak_share
 from faying.joint.model import Model
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
@@ -60,6 +61,7 @@ def respond(
         displacements=seen["displacements"],
         bolt_forces=seen["bolt_forces"],
         bolt_moments=seen["bolt_moments"],
+        weak_shares=seen["weak_shares"],
         contact_forces={name: solution.contact_force(name) for name in model.interfaces},
         open_fraction={name: solution.open_fraction(name) for name in model.interfaces},
         iterations=solution.iterations,
@@ -90,10 +92,18 @@ def seen_of(solution: Solution, model: Model) -> Seen:
         "bolt_moments": {
             name: solution.bolt_bending(name) for name in bent_bolts(solution.system.bolts)
         },
+        "weak_shares": {body: weak_share(solution, body) for body in solution.system.weak_supports},
     }
 
 
-MAPPINGS = ("displacements", "bolt_forces", "bolt_moments", "contact_forces", "open_fraction")
+MAPPINGS = (
+    "displacements",
+    "bolt_forces",
+    "bolt_moments",
+    "weak_shares",
+    "contact_forces",
+    "open_fraction",
+)
 ARRAYS = (
     "pressure",
     "gap",
@@ -163,6 +173,7 @@ def unpacked(arrays: Mapping[str, Matrix]) -> Response:
         displacements=mappings["displacements"],
         bolt_forces=mappings["bolt_forces"],
         bolt_moments=mappings["bolt_moments"],
+        weak_shares=mappings["weak_shares"],
         contact_forces=mappings["contact_forces"],
         open_fraction=mappings["open_fraction"],
         iterations=np.asarray(arrays["iterations"], dtype=np.int64),

@@ -83,6 +83,8 @@ class Response:
     bolt_moments : ([n_time,] 2, 2) [force·length]
         Bending moments of bolts whose bending is seen: the two ends of their beams, two components
         across the axis.
+    weak_shares : ([n_time]) [1]
+        What weak springs carry over the total contact force, by the bodies between which they are.
     """
 
     pressure: Matrix
@@ -107,6 +109,7 @@ class Response:
     cycles: Mapping[str, CycleRecord] = field(default_factory=dict)
     backbones: Mapping[str, Backbone] = field(default_factory=dict)
     bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
+    weak_shares: Mapping[str, Matrix] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,7 +11,7 @@ from faying import __version__
 from faying.assessment.backbone import Backbone
 from faying.reduction.methods import METHODS
 from faying.study.comparison import increments, rubbed
-from faying.study.declared import missing_contacts
+from faying.study.declared import barely_held, missing_contacts
 from faying.study.mode_choice import chosen_count, mode_sentences
 from faying.study.opening import opening
 from faying.study.path_record import CycleRecord
@@ -37,7 +37,7 @@ def summarize(results: Results) -> dict[str, Any]:
         "units": results.units,
         "converged": not results.warnings,
         "not_converged": list(results.warnings),
-        "warnings": [*missing_contacts(results), *results.omissions],
+        "warnings": [*missing_contacts(results), *barely_held(results), *results.omissions],
         "model": {
             "nodes": len(results.nodes),
             "elements": sum(len(block.ids) for block in results.blocks),
@@ -315,7 +315,9 @@ def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
 def _reference(response: Response) -> dict[str, Any]:
     total = sum(np.asarray(force) for force in response.contact_forces.values())
     pressures = [response.pressure, *(one.pressure for one in increments(response))]
+    weak = {body: plain(float(np.max(share))) for body, share in response.weak_shares.items()}
     return {
+        **({"weak_share": weak} if weak else {}),
         "max_pressure": max(float(one.max(initial=0.0)) for one in pressures),
         "contact_force": float(np.max(total)),
         "open_fraction": float(max(np.max(part) for part in response.open_fraction.values())),

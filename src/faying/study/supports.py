@@ -1,4 +1,4 @@
-"""[[support]]: what a study holds, firmly or softly, beside the supports of its source."""
+"""[[support]]: what a study holds beside the supports of its source."""
 
 from typing import get_args
 
@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import ModelError, StudyError
 from faying.model.assembly import Assembly
-from faying.model.supports import nodes_of_set, with_held_nodes, with_soft_springs
+from faying.model.supports import nodes_of_set, with_held_nodes
 from faying.study.model_tables import DisplacementComponent
 from faying.study.tables import Study
 
@@ -20,15 +20,11 @@ def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
     StudyError
         If a node or a set does not exist.
     """
-    known = get_args(DisplacementComponent)
-    held = []
-    for place, section in enumerate(study.supports):
-        nodes = _nodes(assembly, study, place)
-        components = [known.index(name) for name in section.components]
-        if section.stiffness is None:
-            held.append((nodes, components))
-        else:
-            assembly = with_soft_springs(assembly, nodes, components, section.stiffness)
+    components = get_args(DisplacementComponent)
+    held = [
+        (_nodes(assembly, study, place), [components.index(name) for name in section.components])
+        for place, section in enumerate(study.supports)
+    ]
     return with_held_nodes(assembly, held)
 
 

@@ -113,7 +113,7 @@ def _needs(
     if free.count:
         yield (
             "supports: something can move, as the rigid-body modes say; where contact holds it, "
-            "soft springs let statics run ([[support]] with stiffness, which faying init writes)"
+            'weak springs let statics run (weak_springs = "auto" under [model])'
         )
     for spec in loaded.bolts:
         if spec.name not in loaded.preloads and spec.name not in loaded.initial_forces:

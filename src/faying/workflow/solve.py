@@ -4,13 +4,16 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from faying import __version__
+from faying.assessment.case_metrics import WEAK_SHARE
 from faying.assessment.requirements import Requirements
+from faying.assessment.weak_share import weak_warning
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
 from faying.files.atomic import remove_left_over, write_text
@@ -136,7 +139,7 @@ def solve_loads(
             **found,
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
-            "warnings": extras.failed,
+            "warnings": [*_barely_held(found), *extras.failed],
             "timings": stages.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
@@ -196,6 +199,22 @@ def _worst(pieces: Pieces, count: int) -> dict[str, Any]:
         entry = {"case": pieces.label(one.row), "value": plain(one.value)}
         worst.setdefault(one.metric, []).append(entry)
     return {"count": sum(len(piece["metrics"]) for piece in pieces), "worst": worst}
+
+
+def _barely_held(found: Mapping[str, Any]) -> list[str]:
+    """Say where weak springs carry most, if that is too much."""
+    static = {"": found["static"]} if "static" in found else {}
+    said = (
+        weak_warning(
+            metric.removeprefix(WEAK_SHARE),
+            f"{name} at {worst[0]['case']}" if name else str(worst[0]["case"]),
+            inf if worst[0]["value"] is None else worst[0]["value"],
+        )
+        for name, one in {**static, **found.get("transients", {})}.items()
+        for metric, worst in one["worst"].items()
+        if metric.startswith(WEAK_SHARE) and worst
+    )
+    return [text for text in said if text]
 
 
 def _fields(pieces: Pieces, count: int, named: Sequence[int]) -> SolvedFields | None:

@@ -1,0 +1,179 @@
+"""Bodies that nothing but contact and friction holds, held by weak springs across their contact.
+
+The compliance between ports exists of a structure that is held without contact. Springs that are
+weak beside it make it so. They hold a body to those it touches and move with them: where contact
+and friction hold it they hardly stretch, and carry next to nothing.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Literal
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Mask, Matrix, SparseMatrix
+from faying.exceptions import ModelError
+from faying.joint.diagnosis import unconstrained
+from faying.joint.model import Model
+from faying.joint.weak_support import WeakSupport
+from faying.model.assembly import Assembly, Spring
+from faying.model.bodies import bodies, body_names
+from faying.model.local_stiffness import rigid_stiffness, stiffness_at
+from faying.model.rigid_motion import free_motions
+
+WEAK = 1e-5
+"""Automatic stiffness over the stiffness at the nodes that the springs hold.
+
+They take 1e-5 of a load from friction. Weaker ones take less, but increments with friction then
+take more Newton steps; with 1e-7 one was not solved (``docs/how-to/hold_a_free_body.md``).
+"""
+
+MOVING = 0.01
+"""Nodes that move by more than this fraction of the largest free motion belong to a free body."""
+
+
+def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto") -> Model:
+    """Hold every body that only contact holds by weak springs to the bodies it touches.
+
+    Of each two bodies in contact of which one moves freely, three pairs of nodes that lie far from
+    one another get springs in three directions.
+
+    Parameters
+    ----------
+    stiffness : [force/length]
+        Of each spring; ``"auto"`` is 1e-5 of the stiffness at these nodes.
+
+    Returns
+    -------
+    Model
+        With ``weak_supports`` by the names of both bodies, whose forces
+        :meth:`Solution.weak_force` tells; the model itself where no body in contact is free.
+
+    Raises
+    ------
+    ModelError
+        If the stiffness is not a positive number, or there are too many parts to look for free
+        ones.
+
+    Notes
+    -----
+    Where neither contact nor friction resists, the springs carry the load and displacements mean
+    nothing: look at their forces. They are part of K, and of C by its Rayleigh factor.
+    """
+    if stiffness != "auto" and not 0 < stiffness < np.inf:
+        message = f"weak springs: the stiffness is {stiffness:g}; give a positive number or 'auto'"
+        raise ModelError(message)
+    assembly, dofs = model.assembly, model.dofs
+    held = _held_pairs(model)
+    if not held:
+        return model
+    pairs = np.concatenate(list(held.values()))
+    if stiffness == "auto":
+        stiffness = WEAK * _stiffness_there(model, np.unique(pairs))
+    supports = {
+        name: WeakSupport(
+            nodes=assembly.mesh.node_ids[own],
+            stiffness=stiffness,
+            forces=stiffness * _relative(dofs.transformation, own),
+        )
+        for name, own in held.items()
+    }
+    rows = sp.vstack([one.forces for one in supports.values()]).tocsr()
+    said = ", ".join(f"{name} (nodes {_listed(one.nodes)})" for name, one in supports.items())
+    note = f"weak springs of {stiffness:.3g} hold what nothing but contact does: {said}"
+    supported = replace(
+        assembly,
+        springs=(*assembly.springs, *_springs(assembly, pairs, stiffness)),
+        ignored=(*assembly.ignored, note),
+    )
+    stiffened = model.with_stiffness((rows.T @ rows) / stiffness, stuck={})
+    return replace(
+        stiffened,
+        assembly=supported,
+        structure=replace(stiffened.structure, diagnose=partial(unconstrained, supported, dofs)),
+        weak_supports={**model.weak_supports, **supports},
+    )
+
+
+def _stiffness_there(model: Model, nodes: Indices) -> float:
+    """Return the median of what it takes to move one of some nodes alone [force/length]."""
+    rows = _translations(model.dofs.transformation, nodes)
+    K = stiffness_at(model.assembly, model.dofs, nodes)
+    return float(np.median((rows @ K @ rows.T).diagonal()))
+
+
+def _held_pairs(model: Model) -> Mapping[str, Indices]:
+    """Return three pairs of nodes of each two bodies in contact of which one is free, by names."""
+    free = _free_nodes(model)
+    touching = [one.pairs for one in model.interfaces.values()]
+    pairs = np.concatenate([np.empty((0, 2), np.int64), *touching])
+    pairs = pairs[free[pairs].any(axis=1)]
+    labels = bodies(model.assembly.mesh)[pairs]
+    names = [*body_names(model.assembly.mesh), "other parts"]  # label -1 is of no solid
+    return {
+        "-".join(names[label] for label in both): _spread(
+            model.assembly.mesh.nodes, pairs[(labels == both).all(axis=1)]
+        )
+        for both in np.unique(labels, axis=0).tolist()
+    }
+
+
+def _free_nodes(model: Model) -> Mask:
+    """Return which nodes (n_node,) belong to what moves freely."""
+    assembly, dofs = model.assembly, model.dofs
+    K = model.K if model.stuck else rigid_stiffness(assembly, dofs)
+    found = free_motions(assembly, dofs, K)
+    if not found.searched:
+        message = (
+            "there are too many parts to find those that weak springs would hold; support them, "
+            "or tie them to one another"
+        )
+        raise ModelError(message)
+    size = np.zeros(len(assembly.mesh.nodes))
+    if found.motions.size:
+        nodal = np.moveaxis(dofs.nodal(found.motions.T), 0, -1)
+        size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
+    free: Mask = (size > MOVING * size.max()) & (found.labels >= 0)
+    return free
+
+
+def _spread(points: Matrix, pairs: Indices) -> Indices:
+    """Return three pairs that are far from one another and not in line; all of three or less."""
+    if len(pairs) <= 3:
+        return pairs
+    places = points[pairs[:, 0]]
+    first = np.linalg.norm(places - places.mean(axis=0), axis=1).argmax()
+    away = places - places[first]
+    second = np.linalg.norm(away, axis=1).argmax()
+    along = away[second] / np.linalg.norm(away[second])
+    third = np.linalg.norm(away - np.outer(away @ along, along), axis=1).argmax()
+    chosen: Indices = pairs[[first, second, third]]
+    return chosen
+
+
+def _relative(transformation: SparseMatrix, pairs: Indices) -> SparseMatrix:
+    """Return the rows (3 n_pair, n_dof) of the displacements between two nodes each."""
+    minus, plus = (_translations(transformation, nodes) for nodes in pairs.T)
+    rows: SparseMatrix = (plus - minus).tocsr()
+    return rows
+
+
+def _translations(transformation: SparseMatrix, nodes: Indices) -> SparseMatrix:
+    rows: SparseMatrix = transformation.tocsr()[(6 * nodes[:, None] + np.arange(3)).ravel()]
+    return rows
+
+
+def _springs(assembly: Assembly, pairs: Indices, stiffness: float) -> tuple[Spring, ...]:
+    first = assembly.largest_id + 1
+    return tuple(
+        Spring(id=first + number, ends=((minus, component), (plus, component)), stiffness=stiffness)
+        for number, (minus, plus, component) in enumerate(
+            (minus, plus, component) for minus, plus in pairs.tolist() for component in range(3)
+        )
+    )
+
+
+def _listed(pairs: Indices) -> str:
+    return ", ".join(f"{minus}-{plus}" for minus, plus in pairs.tolist())

@@ -1,0 +1,39 @@
+"""Weak support: springs between two bodies, one of which contact and friction alone would hold."""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, SparseMatrix, frozen
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WeakSupport:
+    """Springs across the contact of two bodies, in all three directions at three pairs of nodes.
+
+    Attributes
+    ----------
+    nodes : (n_pair, 2)
+        Ids of the nodes, one of each body.
+    stiffness : [force/length]
+        Of each spring.
+    forces : (3 n_pair, n_dof) [force/length]
+        Rows that take displacements to the forces of the springs.
+    residual_forces : (3 n_pair, n_relative) [1]
+        Such forces per force between the contact pairs that the trial vectors of a reduced model
+        lack; None where there are none.
+    """
+
+    nodes: Indices
+    stiffness: float
+    forces: Matrix | SparseMatrix
+    residual_forces: Matrix | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
+
+    def projected(self, vectors: Matrix) -> "WeakSupport":
+        """Return the springs as seen by coordinates q of u = vectors q."""
+        return replace(self, forces=frozen(np.asarray(self.forces @ vectors)))

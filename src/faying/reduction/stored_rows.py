@@ -1,0 +1,54 @@
+"""What the file of a reduced model tells beyond pressures: resultants along interfaces, springs."""
+
+from collections.abc import Mapping
+
+import h5py
+
+from faying.files.described import member, read_member
+from faying.joint.system import boundary_dofs
+from faying.joint.tangential import TangentialRows
+from faying.joint.weak_support import WeakSupport
+from faying.reduction.model_fields import TABLES
+from faying.reduction.reduced_model import ReducedModel
+
+
+def tangential_of(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows, ...]:
+    """Return what is carried along the interfaces, where the file tells."""
+    group = member(file, "ports")
+    if "tangential" not in group:
+        return ()
+    found: tuple[TangentialRows, ...] = read_member(
+        member(group, "tangential"), tuple[TangentialRows, ...], TABLES
+    )
+    n_relative = int(joint.contact.relative_operator.shape[0])
+    n_input = len(boundary_dofs(joint.boundaries)) + len(joint.bolts) + len(joint.load_patterns)
+    for one in found:
+        known = one.interface in joint.interfaces and one.bolt in ("", *joint.bolts)
+        shapes = ((3, n_input), (3, n_relative))
+        fits = bool(one.unknown) or (one.per_input.shape, one.per_pair.shape) == shapes
+        if not (known and fits) or (one.origin.shape, one.tangents.shape) != ((3,), (2, 3)):
+            message = (
+                f"/ports/tangential of interface '{one.interface}', bolt '{one.bolt}' does not fit "
+                f"{n_input} inputs and {n_relative} pairs"
+            )
+            raise ValueError(message)
+    return found
+
+
+def weak_supports_of(group: h5py.Group, n: int, n_relative: int) -> dict[str, WeakSupport]:
+    """Return the weak springs of bodies, where the file has any."""
+    if "weak_supports" not in group:
+        return {}
+    found: dict[str, WeakSupport] = read_member(
+        member(group, "weak_supports"), Mapping[str, WeakSupport], TABLES
+    )
+    for body, one in found.items():
+        residual, n_row = one.residual_forces, 3 * len(one.nodes)
+        fits = residual is None or residual.shape == (n_row, n_relative)
+        if one.forces.shape != (n_row, n) or one.nodes.shape[1:] != (2,) or not fits:
+            message = (
+                f"'{group.name}/weak_supports' of '{body}' do not fit {n} coordinates and "
+                f"{n_relative} pairs"
+            )
+            raise ValueError(message)
+    return found

@@ -1,0 +1,98 @@
+"""Weak springs: bodies that contact and friction hold as they would without them."""
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.exceptions import ModelError
+from faying.joint.diagnosis import check_held
+
+PULL = fy.Load({"tip.Fx": 300.0, "tip.Fz": -50.0}, name="pull")
+BOTH = ["lower-middle", "middle-upper"]
+
+
+@pytest.fixture(scope="module")
+def plates():
+    """Three plates, of which the middle one carries the load and nothing but contact holds it."""
+    joint = fy.lap_joint(
+        element_size=10.0,
+        plates=3,
+        hole_radius=0.0,
+        washer_radius=11.0,
+        tip_suspension=(0.0, 0.0),
+        penalty=1e6,
+    )
+    return joint.with_bolt_forces({"bolt": 10e3})
+
+
+@pytest.fixture(scope="module")
+def held(plates):
+    return fy.with_weak_springs(plates)
+
+
+def path(joint):
+    return fy.solve_path(joint.with_friction(0.4), [fy.Load(), PULL])
+
+
+def carried(solution):
+    return sum(solution.weak_force(name) for name in BOTH)
+
+
+def test_only_what_is_free_is_held(plates, held):
+    with pytest.raises(ModelError, match=r"body 'middle' .*weak_springs = .auto."):
+        check_held(plates)
+    check_held(held)
+    assert sorted(held.weak_supports) == BOTH
+    assert fy.with_weak_springs(held) is held
+    (note,) = held.assembly.ignored
+    assert note.startswith("weak springs of ")
+    assert "lower-middle (nodes " in note
+
+
+@pytest.mark.parametrize("stiffness", [0.0, -1.0, float("nan"), float("inf")])
+def test_stiffness_is_a_positive_number(plates, stiffness):
+    with pytest.raises(ModelError, match="give a positive number or 'auto'"):
+        fy.with_weak_springs(plates, stiffness)
+
+
+def test_friction_holds_a_plate_whatever_the_springs(plates, held):
+    found = path(held)
+    stiffness = held.weak_supports[BOTH[0]].stiffness
+    again = path(fy.with_weak_springs(plates, 10 * stiffness))
+    moved = found.displacement("tip")[1]
+    # The springs carry less than 1e-5 of the load, ten times as stiff ones ten times that.
+    np.testing.assert_allclose(again.displacement("tip")[1], moved, atol=1e-4 * abs(moved).max())
+    np.testing.assert_allclose(
+        again.contact_forces, found.contact_forces, atol=1e-4 * found.contact_forces.max()
+    )
+    # The penalty lets the surfaces, and with them the springs, give way by 1e-3 mm.
+    assert carried(found)[1] < 1e-5 * found.contact_forces[1].sum()
+
+
+def test_without_friction_the_springs_carry_the_load(held):
+    free = fy.solve_static(held, PULL)
+    pulled = sum(
+        (one.forces @ free.states).reshape(3, 3).sum(axis=0)[0] * sign
+        for one, sign in zip((held.weak_supports[n] for n in BOTH), (1, -1), strict=True)
+    )
+    # Balance of forces along x of the middle plate, where nothing else resists: round-off.
+    assert abs(pulled) == pytest.approx(300.0, rel=1e-6)
+    assert carried(free) >= 300.0 * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_a_reduced_model_tells_the_same_after_loading_too(held, friction, tmp_path):
+    joint = held.with_friction(friction)
+    rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    loads = [fy.Load(), PULL]
+    full, reduced = (fy.solve_path(one, loads) for one in (joint, rom))
+    # Statics are those of the full model, up to the condition of weakly held plates.
+    np.testing.assert_allclose(carried(reduced), carried(full), rtol=1e-5)
+    rom.save(tmp_path / "joint.faying")
+    again = fy.solve_path(fy.load(tmp_path / "joint.faying"), loads)
+    np.testing.assert_array_equal(carried(again), carried(reduced))
+
+
+def test_bodies_without_springs_have_no_force(held):
+    with pytest.raises(ModelError, match=r"no weak springs 'lower'; those there are hold lower-mi"):
+        fy.solve_static(held, PULL).weak_force("lower")
