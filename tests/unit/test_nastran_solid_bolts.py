@@ -8,24 +8,17 @@ from clamped_plates import abaqus_deck, nastran_deck
 from faying.exceptions import FormatError
 from faying.io.abaqus import read_joint as read_abaqus
 from faying.io.nastran import read_joint as read_nastran
-from faying.model.bodies import bodies
-from faying.model.supports import with_soft_springs
 
 
 def tightened(described, name):
     """Contact forces and largest motion down, of the joint tightened and loaded."""
-    assembly = described.assembly
-    for half in range(4):
-        nodes = np.flatnonzero(bodies(assembly.mesh) == half)
-        places = assembly.mesh.nodes[nodes]
-        if np.ptp(places[:, 2]) > 15.0:  # a half of the bolt, not a plate
-            assembly = with_soft_springs(assembly, nodes, (0, 1, 2), 6.0)
     interfaces = [
         fy.InterfaceSpec(name=one.name, minus=one.minus, plus=one.plus, penalty=1e6)
         for one in described.interfaces
     ]
-    model = fy.build_model(assembly, interfaces=interfaces, bolts=described.bolts)
-    joint = fy.preload(model.with_deck_loads(name), described.preloads)
+    model = fy.build_model(described.assembly, interfaces=interfaces, bolts=described.bolts)
+    held = fy.with_weak_springs(model.with_deck_loads(name), 6.0)
+    joint = fy.preload(held, described.preloads)
     found = []
     for factor in (0.0, 1.0):
         solution = fy.solve_static(joint, fy.Load({name: factor}))
