@@ -6,7 +6,8 @@
 
 Two blocks on top of each other that overlap by three tenths, the lower one held at its end, the
 upper one loaded at its, a declared contact pair where they touch and a tightened bolt through it.
-Decks are written to the folder unless they are there. Each check is a process of its own.
+Decks are written to the folder unless they are there. Each check is a process of its own, whose
+peak memory counts what this one had before: of decks that it wrote itself, take the second run.
 """
 
 import argparse
