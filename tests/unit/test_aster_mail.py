@@ -93,9 +93,16 @@ def test_groups(read):
         ("\n UP\nFINSF", "\n DOWN\nFINSF", r":18: GROUP_MA: there is no cell 'DOWN'"),
         ("FIN\nnothing", "nothing", "does not end with FIN, so it was cut off"),
         ("QUAD4", "HEXA27", r":15: HEXA27: 5 words; expected 28 each"),
+        ("B3\n UP", f"{'B' * 300}\n UP", r":10: HEXA8: a word of 300 characters; .* at most 80"),
     ],
 )
 def test_what_is_wrong_is_named(read, old, new, message):
     assert old in TWO
     with pytest.raises(FormatError, match=message):
         read(TWO.replace(old, new))
+
+
+def test_empty_lines_are_passed_once(read):
+    """Looking for the end anew from each of them, through all that follow, took minutes."""
+    found = read(TWO.replace("TITRE", "\n" * 300_000 + "TITRE"))
+    assert len(found.mesh.nodes) == 12

@@ -34,8 +34,12 @@ _FACES = {
 }
 _CELLS = re.compile(r"(?:HEXA|PENTA|TETRA|PYRAM|TRIA|QUAD|SEG|POI)(\d+)")
 _HEADER = re.compile(r"\b(NOM|NBOBJ|NOBJ|NBLIGE|NBLIGT|NUMIN|NUMAX|AUTEUR|DATE)[ \t]*=[ \t]*(\S*)")
-_END = re.compile(r"^\s*FIN\s*$", re.MULTILINE)
+_END = re.compile(r"^[ \t]*FIN[ \t]*$", re.MULTILINE)
 _GROUPS = ("GROUP_MA", "GROUP_NO")
+
+LONGEST_WORD = 80
+"""Characters of a name, which code_aster ends at 24, or of a number: all words of a section take as
+much memory as the longest."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -154,7 +158,15 @@ def _sections(path: Path) -> list[_Section]:
         if keyword in ("", "TITRE"):
             continue
         headers = dict(_HEADER.findall(body))
-        words = np.array(_HEADER.sub(" ", body).replace("=", " ").split()[1:], dtype=np.str_)
+        split = _HEADER.sub(" ", body).replace("=", " ").split()[1:]
+        longest = max(map(len, split), default=0)
+        if longest > LONGEST_WORD:
+            message = (
+                f"{path}:{first}: {keyword[:LONGEST_WORD]}: a word of {longest} characters; "
+                f"expected names and numbers of at most {LONGEST_WORD}"
+            )
+            raise FormatError(message)
+        words = np.array(split, dtype=np.str_)
         name = headers.get("NOM", "")
         if keyword in _GROUPS and not name and len(words):
             name, words = str(words[0]), words[1:]
