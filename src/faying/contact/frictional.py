@@ -13,7 +13,7 @@ active set. An increment begins where forces go if no point changes sides, found
 system.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import final
 
@@ -23,6 +23,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
+from faying.contact.fixed_bounds import FixedBounds
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import Factors, NewtonSteps
 from faying.contact.predictor import Predictor
@@ -64,13 +65,7 @@ BOLD = 1e3
 SOFTEST, MOST_PROXIMAL = 1.0, 40
 """First yield of proximal points over that of the structure, and how many of them are tried."""
 
-SOFT = 100.0
-"""Most that the structure counts over the law in factors r where a part is hardly held.
-
-The middle one of three plates yields a million times more than the law of its points.
-"""
-
-MOST_BOUNDS = 100
+MOST_BOUNDS = 10
 """Fixed friction bounds tried where Newton's method on Coulomb's law stalls."""
 
 
@@ -113,13 +108,10 @@ class FrictionalContact:
         Gaps, tangential displacements and laws.
     S : (n_relative, n_relative) [length/force]
         Compliance between pairs.
-    softest
-        What a point yields with the structure, over what its law yields, at most in the factors r.
     """
 
     contact: Contact
     S: Matrix
-    softest: float = np.inf
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -164,10 +156,7 @@ class FrictionalContact:
     @cached_property
     def scale(self) -> Matrix:
         """Factors r of (F1) (3, n_point) [force/length], one over the diagonal of H and more."""
-        own = self.steps.own
-        if np.isfinite(self.softest):
-            own = np.where(self.D > 0, np.minimum(own, self.softest * self.D), own)
-        total = own + self.D
+        total = self.steps.own + self.D
         usable = (total > 0) & np.isfinite(total)
         scale = np.where(usable, 1.0 / np.where(usable, total, 1.0), 1.0)
         scale[1:] *= TANGENTIAL_SCALE
@@ -207,14 +196,7 @@ class FrictionalContact:
         x, steps, left = self._newton(z_free, x, None, factors=factors)
         if left > SOLVED and similar is not None:
             return self.solve(z_free, start)
-        others = (
-            self._boldly,
-            self._from_smooth_contact,
-            self._as_the_law_scales,
-            self._by_proximal_points,
-            self._with_fixed_bounds,
-        )
-        for other in others:
+        for other in (self._with_fixed_bounds, self._by_proximal_points):
             if left > SOLVED:
                 x, more, _ = other(z_free, x)
                 steps += more
@@ -306,35 +288,6 @@ class FrictionalContact:
         compliance = self.laws.closure(x)[1] + added * self.steps.own
         return self.steps.step(wrong, slope, self.scale, compliance, factors, tolerance)
 
-    def _from_smooth_contact(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
-        """Begin where contact without friction is, with all that it presses sticking."""
-        smooth, steps, _ = self._smooth(z_free)
-        stuck, factors = self.predictor.as_before(z_free, smooth)
-        found, more, left = self._newton(z_free, stuck, None, WATCHED, factors=factors)
-        return found if left <= SOLVED else x, steps + more, left
-
-    def _as_the_law_scales(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
-        """Take factors r that a part which little holds does not make small, from smooth contact.
-
-        Begins with the forces of contact without friction, whatever sticks under them.
-        """
-        other = replace(self, softest=SOFT)
-        smooth, steps, left = other._smooth(z_free)
-        for watched in (1, WATCHED):
-            found, more, left = other._newton(z_free, smooth, None, watched)
-            steps += more
-            if left <= SOLVED:
-                return found, steps, left
-        return x, steps, left
-
-    def _smooth(self, z_free: Matrix) -> tuple[Matrix, int, float]:
-        """Return the forces of contact without friction, as near as Newton's method comes."""
-        return self._newton(z_free, np.zeros_like(z_free), np.zeros(z_free.shape[1]))
-
-    def _boldly(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
-        """Let residuals rise between steps."""
-        return self._newton(z_free, x, None, watched=WATCHED)
-
     def _by_proximal_points(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Let points yield as much as the structure does, from where they are, then less and less.
 
@@ -358,15 +311,19 @@ class FrictionalContact:
         return x, steps, _relative(self._residual(x, self._slack(x, z_free), None), x)
 
     def _with_fixed_bounds(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
-        """Solve for fixed friction bounds, a convex problem, and renew the bounds (Tresca)."""
+        """Solve with the friction bounds of the forces so far, again and again (Tresca).
+
+        Newton's method on Coulomb's law goes on from each solution.
+        """
         steps, left = 0, np.inf
         for _ in range(MOST_BOUNDS):
-            x, more, _ = self._newton(z_free, x, np.maximum(x[0], 0.0))
-            steps += more
-            wrong = self._residual(x, self._slack(x, z_free), None)
-            before, left = left, _relative(wrong, x)
-            if left <= SOLVED or left > 0.999 * before:
-                break
+            about = self.laws.admissible(x, None)
+            bounded = FixedBounds(steps=self.steps, laws=self.laws, z_free=z_free, about=about)
+            x, taken = bounded.solve()
+            found, more, left = self._newton(z_free, x, None)
+            steps += taken + more
+            if left <= SOLVED:
+                return found, steps, left
         return x, steps, left
 
 
