@@ -325,8 +325,8 @@ def test_gravity_and_rotation_act_on_all_masses(read: Read) -> None:
 @pytest.mark.parametrize(
     ("cards", "message"),
     [
-        ("CBAR,1,5,1,2,0.,1.,0.\n,5", r"CBAR: a pin flag '5'"),
-        ("CBAR,1,5,1,2,0.,1.,0.\n,,,.5", r"CBAR: an offset '\.5'"),
+        ("CBAR,1,5,1,2,0.,1.,0.\n,55", r"CBAR: pin flag: components are '55'"),
+        ("CBAR,1,5,1,2,0.,1.,0.,GOG\n,,,.5", "CBAR: OFFT = GOG: offsets along the element"),
         ("CBAR,1,5,1,2,1.,0.,0.", "zero or parallel"),
         ("CBAR,1,5,1,1,1.,0.,0.", "no length"),
         ("CBAR,1,4,1,2,0.,1.,0.", "property 4 is not a PBAR"),

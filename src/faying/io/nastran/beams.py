@@ -5,33 +5,42 @@ from dataclasses import replace
 
 import numpy as np
 
+from faying._typing import Vector
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.sections import Property
 from faying.model.assembly import Beam
 
-_PINS = (8, 9)
-_OFFSETS = range(10, 16)
 _WARPING = (16, 17)
 _PARALLEL = 1e-8
 
 
 def read_beams(
-    cards: Mapping[str, Cards], grids: Grids, sections: Mapping[str, Mapping[int, Property]]
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    sections: Mapping[str, Mapping[int, Property]],
+    ends: BeamEnds,
 ) -> list[Beam]:
     """Read beams; orientation vectors are turned into the basic frame.
+
+    Parameters
+    ----------
+    ends
+        Takes the nodes of beams with offsets and pins.
 
     Raises
     ------
     FormatError
-        If a beam has pins, offsets, no length or no orientation, or its property is missing.
+        If a beam has no length or no orientation, or its property is missing.
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):
         default = _default(cards, {"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name])
         beams += [
-            _beam(_filled(card, default), grids, sections[name]) for card in cards.get(name, ())
+            _beam(_filled(card, default), grids, sections[name], ends)
+            for card in cards.get(name, ())
         ]
     return beams
 
@@ -62,36 +71,36 @@ def _filled(card: Card, default: Card | None) -> Card:
     return replace(card, texts=texts)
 
 
-def _beam(card: Card, grids: Grids, sections: Mapping[int, Property]) -> Beam:
+def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: BeamEnds) -> Beam:
     number = card.integer(0)
     pid = card.integer(1, number)
     if pid not in sections:
         kinds = "PBAR or PBARL" if card.cards.name == "CBAR" else "PBEAM or PBEAML"
         text = f"property {pid} is not a {kinds} of the deck; define it"
         raise card.error(text, 1)
-    card.refuse_non_zero(_PINS, "a pin flag", "release the node by an MPC or a second node")
-    card.refuse_non_zero(_OFFSETS, "an offset", "move the nodes to the axis or tie them by RBE2")
     if card.cards.name == "CBEAM":
         card.refuse_non_zero(_WARPING, "a warping point", "leave SA and SB blank")
     section, material = sections[pid]
-    start, end = grids.one(card, 2), grids.one(card, 3)
+    own = grids.one(card, 2), grids.one(card, 3)
+    (start, at), (end, to) = (ends.offset(card, grids, i, node) for i, node in enumerate(own))
+    vector = _orientation(card, grids, own[0], to - at)
+    x, y, z = vector.tolist()
     return Beam(
         id=number,
-        nodes=(start, end),
+        nodes=ends.pinned(card, (start, end), (at, to), vector),
         section=section,
         material=material,
-        orientation=_orientation(card, grids, start, end),
+        orientation=(x, y, z),
         property=pid,
     )
 
 
-def _orientation(card: Card, grids: Grids, start: int, end: int) -> tuple[float, float, float]:
+def _orientation(card: Card, grids: Grids, start: int, axis: Vector) -> Vector:
     flag = card.text(7)
     # OFFT; a real number here would be BIT of CBEAM, a p-version element.
     if flag and flag not in {a + b + c for a in "GB" for b in "GO" for c in "GO"}:
         text = f"OFFT = '{flag}' is not supported; leave it blank or give GGG or BGG"
         raise card.error(text, 7)
-    axis = grids.nodes[end] - grids.nodes[start]
     if card.text(5) or card.text(6) or numbers.integer(card.text(4)) is None:
         vector = np.array([card.real(4 + j, 0.0) for j in range(3)])
         axes = None if flag.startswith("B") else grids.systems.axes(start)
@@ -107,5 +116,4 @@ def _orientation(card: Card, grids: Grids, start: int, end: int) -> tuple[float,
     if not across > _PARALLEL * length * size or not np.isfinite(across):
         text = "the orientation vector is zero or parallel to the beam; give another one"
         raise card.error(text, 4)
-    x, y, z = vector.tolist()
-    return (x, y, z)
+    return np.asarray(vector)

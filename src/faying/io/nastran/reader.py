@@ -9,6 +9,7 @@ import numpy as np
 
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
+from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.beams import read_beams
 from faying.io.nastran.bends import read_bends
 from faying.io.nastran.body_loads import BODY_LOADS
@@ -163,9 +164,13 @@ def read_parts(
         laminates = read_shell_properties(cards, plane, factor, ignored)
         shells = read_shells(cards, grids, laminates, straight, ignored)
         rigid, rigid_equations = read_rigid_elements(cards, grids)
+        sections = read_sections(cards, materials, factors, factor, ignored)
+        ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
+        beams = read_beams(cards, grids, sections, ends)
+        ids = np.concatenate([grids.ids, straight.node_ids])
         mesh = Mesh(
-            nodes=np.vstack([grids.nodes, straight.nodes]),
-            node_ids=np.concatenate([grids.ids, straight.node_ids]),
+            nodes=np.vstack([grids.nodes, straight.nodes, ends.nodes]),
+            node_ids=np.concatenate([ids, ends.ids_behind(ids)]),
             blocks=solids.blocks,
             node_sets=node_sets,
             element_sets={**by_property, **more_sets},
@@ -174,12 +179,7 @@ def read_parts(
             mesh=mesh,
             materials=solids.materials,
             element=solids.element,
-            beams=(
-                *read_beams(
-                    cards, grids, read_sections(cards, materials, factors, factor, ignored)
-                ),
-                *read_rods(cards, grids, materials, factors, factor),
-            ),
+            beams=(*beams, *read_rods(cards, grids, materials, factors, factor)),
             shells=shells.blocks,
             shell_sections=shells.sections,
             springs=tuple(read_springs(cards, grids, ignored)),
@@ -189,11 +189,12 @@ def read_parts(
             ),
             masses=tuple(read_masses(cards, grids, factor)),
             scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
-            rigid_couplings=tuple(rigid),
+            rigid_couplings=(*rigid, *ends.couplings),
             average_couplings=tuple(read_average_couplings(cards, grids)),
             equations=(
                 *straight.equations(),
                 *rigid_equations,
+                *ends.equations,
                 *read_equations(cards, grids, control.mpc),
             ),
             supports=tuple(read_supports(cards, grids, control.spc)),

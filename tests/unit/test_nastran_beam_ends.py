@@ -1,0 +1,86 @@
+"""Offsets and pins of CBAR and CBEAM against beam theory."""
+
+import numpy as np
+import pytest
+import scipy.sparse.linalg as spla
+
+from faying.exceptions import FormatError
+from faying.io.nastran import read_deck
+from faying.model.constraints import constrain
+from faying.model.matrices import assemble_matrices, used_components
+
+E, A, I1, I2, L, F = 2e5, 400.0, 2e4, 1e4, 1000.0, 100.0
+HEAD = f"PBAR,5,1,{A},{I1},{I2},3.+4\nPBEAM,6,1,{A},{I1},{I2},,3.+4\n,,,,,,,,\nMAT1,1,2.+5,,.3\n"
+HALVES = "GRID,1\nGRID,2,,500.,0.,0.\nGRID,3,,1000.,0.,0.\nSPC1,1,123456,1,3\n"
+
+
+def moved(tmp_path, text, place, force):
+    """Displacements (n_node, 6) under a force at one grid."""
+    path = tmp_path / "beam.bdf"
+    path.write_text(f"{HEAD}{text}ENDDATA\n")
+    assembly = read_deck(path)
+    T = constrain(assembly, used_components(assembly)).transformation
+    K = T.T @ assemble_matrices(assembly).K @ T
+    f = np.zeros((len(assembly.mesh.nodes), 6))
+    f[place] = force
+    return (T @ spla.spsolve(K.tocsc(), T.T @ f.ravel())).reshape(-1, 6)
+
+
+@pytest.mark.parametrize(
+    ("grid", "offset"),
+    [("", "0.,50.,0."), (",2", "50.,0.,0.")],  # along y, which is the first axis of system 2
+    ids=["basic", "turned"],
+)
+@pytest.mark.parametrize("kind", ["CBAR,7,5", "CBEAM,7,6"])
+def test_a_pull_beside_the_axis_bends(tmp_path, kind, grid, offset):
+    text = (
+        "CORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.\n"
+        f"GRID,1,,0.,0.,0.{grid}\nGRID,2,,1000.,0.,0.{grid}\nSPC1,1,123456,1\n"
+        f"{kind},1,2,0.,1.,0.,BGG\n,,,{offset},{offset}\n"
+    )
+    u = moved(tmp_path, text, 1, [F, 0, 0, 0, 0, 0])[1]
+    e = 50.0
+    turned = F * e * L / (E * I1)
+    expected = [F * L / (E * A) + turned * e, turned * L / 2, 0, 0, 0, turned]
+    np.testing.assert_allclose(u, expected, rtol=1e-9, atol=1e-15)  # beams are exact
+
+
+def test_a_hinge_at_an_end_turned_about_the_beam(tmp_path):
+    """Clamped and hinged in the plane of v, clamped twice in the other."""
+    beams = "CBAR,7,5,1,2,0.,1.,1.\nCBAR,8,5,2,3,0.,1.,1.\n,,6\n"
+    v, w = np.array([0, 1, 1]) / np.sqrt(2), np.array([0, -1, 1]) / np.sqrt(2)
+    for direction, deflection in (
+        (v, 7 * F * L**3 / (768 * E * I1)),
+        (w, F * L**3 / (192 * E * I2)),
+    ):
+        u = moved(tmp_path, HALVES + beams, 1, [*(F * direction), 0, 0, 0])
+        # Beams are exact; equations of unit vectors round at 1e-16 of 1e8.
+        np.testing.assert_allclose(u[1, :3], deflection * direction, rtol=1e-7, atol=1e-12)
+
+
+def test_pins_and_offsets_of_one_end(tmp_path):
+    """A truss bar: hinged at both ends, free to turn about itself; it carries its axis alone."""
+    text = (
+        "GRID,1\nGRID,2,,1000.,0.,0.\nGRID,3,,1000.,0.,300.\nSPC1,1,123456,1,3\n"
+        "CBAR,7,5,1,2,0.,1.,0.\nCBAR,8,5,2,3,0.,1.,0.\n,456,456,100.,0.,0.,100.,0.,0.\n"
+    )
+    u = moved(tmp_path, text, 1, [0, 0, F, 0, 0, 0])[1]
+    # Deflection and slope of the end; the bar of 300 stands 100 beyond it, joined rigidly.
+    cantilever = E * I2 * np.array([[12 / L**3, -6 / L**2], [-6 / L**2, 4 / L]])
+    reach = np.array([1.0, 100.0])
+    stiffness = cantilever + E * A / 300 * np.outer(reach, reach)
+    # Beams are exact; the bar is a thousand times stiffer than the cantilever.
+    np.testing.assert_allclose([u[2], -u[4]], np.linalg.solve(stiffness, [F, 0]), rtol=1e-7)
+
+
+REFUSED = [
+    ("CBAR,7,5,1,2,0.,1.,0.\n,7", "pin flag: components are '7'"),
+    ("CBAR,7,5,1,2,0.,1.,0.,GOG\n,,,1.", "OFFT = GOG: offsets along the element"),
+    ("CBAR,7,5,1,2,0.,1.,0.\n,,,,,,-500.", "the beam has no length"),
+]
+
+
+@pytest.mark.parametrize(("card", "message"), REFUSED)
+def test_ends_that_are_refused(tmp_path, card, message):
+    with pytest.raises(FormatError, match=rf"CBAR: {message}"):
+        moved(tmp_path, f"{HALVES}{card}\n", 1, np.zeros(6))
