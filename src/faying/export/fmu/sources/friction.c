@@ -24,7 +24,7 @@ struct friction {
     const struct joint *joint;
     size_t n;                      /* points */
     double *S;                     /* (n_relative, n_relative) */
-    double *M;                     /* (n_relative, n_relative) room for the system between pairs */
+    double *M, *B, *S_touched;     /* (n_relative, n_relative) room for systems between pairs */
     double *D, *own, *scale;       /* (3 n) what laws and structure yield, and r of (F1) */
     double *mu;                    /* (n) */
     double *slack;                 /* (3 n) z of the last increment */
@@ -33,7 +33,7 @@ struct friction {
     double *F, *dx, *tried, *tried_slack, *tried_F, *start, *found, *near; /* (3 n) room */
     double *pressing, *outward;                                                   /* (n) room */
     double *K, *J;                                                                /* (n, 3, 3) */
-    double *pairs, *moved, *rows;              /* (n_relative), (n_relative), (6, n_relative) */
+    double *pairs, *moved, *rows;              /* (n_relative), (n_relative), (3, n_relative) */
     size_t *touched, *order, *place;           /* (n_relative) */
 };
 
@@ -52,14 +52,16 @@ static int create_friction(struct friction *f, const struct joint *joint)
     memset(f, 0, sizeof *f);
     f->joint = joint;
     f->n = n;
-    f->S = malloc((2 * r * r + 1) * sizeof *f->S);
-    f->D = calloc(12 * 3 * n + 3 * n + 18 * n + 8 * r + 1, sizeof *f->D);
+    f->S = malloc((4 * r * r + 1) * sizeof *f->S);
+    f->D = calloc(12 * 3 * n + 3 * n + 18 * n + 5 * r + 1, sizeof *f->D);
     f->touched = calloc(3 * r + 1, sizeof *f->touched);
     if (!f->S || !f->D || !f->touched) {
         free_friction(f);
         return -1;
     }
     f->M = f->S + r * r;
+    f->B = f->M + r * r;
+    f->S_touched = f->B + r * r;
     double **vectors[] = {&f->D,           &f->own,     &f->scale, &f->slack, &f->F,
                           &f->dx,          &f->tried,   &f->start, &f->found, &f->near,
                           &f->tried_slack, &f->tried_F};
@@ -287,33 +289,41 @@ static size_t touch_pairs(struct friction *f)
     return count;
 }
 
-/* M = I + G'K G S at the pairs touched (t). */
+/* B = G'K G at the pairs touched (t). */
+static void fill_springs(struct friction *f, size_t t)
+{
+    memset(f->B, 0, t * t * sizeof(double));
+    for (size_t p = 0; p < f->n; p++)
+        for (size_t c = 0; c < 3 && is_closed(f, p); c++) {
+            const struct row row = row_of(f->joint, c, p);
+            for (size_t d = 0; d < 3; d++) {
+                const struct row other = row_of(f->joint, d, p);
+                const double K = f->K[9 * p + 3 * c + d];
+                for (size_t e = 0; e < row.n && K != 0.0; e++) {
+                    double *place = f->B + f->place[row.column[e]] * t;
+                    for (size_t g = 0; g < other.n; g++)
+                        place[f->place[other.column[g]]] += row.value[e] * K * other.value[g];
+                }
+            }
+        }
+}
+
+/* M = I + B S at the pairs touched (t). */
 static void fill_system(struct friction *f, size_t t)
 {
     const size_t r = f->joint->n_relative;
-    double *half = f->rows, *pull = f->rows + 3 * r;
+    for (size_t i = 0; i < t; i++) {
+        f->place[f->touched[i]] = i;
+        for (size_t k = 0; k < t; k++)
+            f->S_touched[i * t + k] = f->S[f->touched[i] * r + f->touched[k]];
+    }
+    fill_springs(f, t);
     memset(f->M, 0, t * t * sizeof(double));
     for (size_t i = 0; i < t; i++) {
         f->M[i * t + i] = 1.0;
-        f->place[f->touched[i]] = i;
-    }
-    for (size_t p = 0; p < f->n; p++) {
-        if (!is_closed(f, p))
-            continue;
-        for (size_t c = 0; c < 3; c++) {
-            multiply_row(f, half + c * r, c, p);
-            for (size_t i = 0; i < t; i++)
-                half[c * r + i] = half[c * r + f->touched[i]];
-        }
-        for (size_t c = 0; c < 3; c++) {
-            const double *K = f->K + 9 * p + 3 * c;
-            const struct row row = row_of(f->joint, c, p);
-            memset(pull, 0, t * sizeof(double));
-            for (size_t k = 0; k < 3; k++)
-                add_row(pull, half + k * r, K[k], t);
-            for (size_t e = 0; e < row.n; e++)
-                add_row(f->M + f->place[row.column[e]] * t, pull, row.value[e], t);
-        }
+        for (size_t k = 0; k < t; k++)
+            if (f->B[i * t + k] != 0.0)
+                add_row(f->M + i * t, f->S_touched + k * t, f->B[i * t + k], t);
     }
 }
 

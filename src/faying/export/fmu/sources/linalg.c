@@ -91,29 +91,48 @@ static void solve_cholesky(const double *U, size_t n, double *b)
     solve_upper(U, n, b);
 }
 
-/* Replace A (n, n) by its LU factors with rows exchanged as in ``order``; -1 where it is singular. */
+static void swap_rows(double *restrict a, double *restrict b, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double swapped = a[i];
+        a[i] = b[i];
+        b[i] = swapped;
+    }
+}
+
+/* Replace A (n, n) by its LU factors with rows exchanged as in ``order``, four columns at a time as
+ * above; -1 where it is singular. */
 static int factorize_lu(double *A, size_t n, size_t *order)
 {
-    for (size_t k = 0; k < n; k++) {
-        size_t best = k;
-        for (size_t i = k + 1; i < n; i++)
-            if (fabs(A[i * n + k]) > fabs(A[best * n + k]))
-                best = i;
-        order[k] = best;
-        for (size_t j = 0; best != k && j < n; j++) {
-            const double swapped = A[k * n + j];
-            A[k * n + j] = A[best * n + j];
-            A[best * n + j] = swapped;
+    for (size_t start = 0; start < n; start += 4) {
+        const size_t stop = start + 4 < n ? start + 4 : n;
+        for (size_t k = start; k < stop; k++) {
+            size_t best = k;
+            for (size_t i = k + 1; i < n; i++)
+                if (fabs(A[i * n + k]) > fabs(A[best * n + k]))
+                    best = i;
+            order[k] = best;
+            if (best != k)
+                swap_rows(A + k * n, A + best * n, n);
+            const double pivot = A[k * n + k];
+            if (!(fabs(pivot) > 0.0) || !isfinite(pivot))
+                return -1;
+            for (size_t i = k + 1; i < n; i++) {
+                double *row = A + i * n;
+                row[k] /= pivot;
+                add_row(row + k + 1, A + k * n + k + 1, -row[k], stop - k - 1);
+            }
         }
-        const double pivot = A[k * n + k];
-        if (!(fabs(pivot) > 0.0) || !isfinite(pivot))
-            return -1;
-        for (size_t i = k + 1; i < n; i++) {
+        if (stop - start < 4)
+            break;
+        const double *a = A + start * n, *b = a + n, *c = b + n, *d = c + n;
+        for (size_t k = start + 1; k < stop; k++)
+            for (size_t p = start; p < k; p++)
+                add_row(A + k * n + stop, A + p * n + stop, -A[k * n + p], n - stop);
+        for (size_t i = stop; i < n; i++) {
             double *row = A + i * n;
-            if (row[k] == 0.0)
-                continue;
-            row[k] /= pivot;
-            add_row(row + k + 1, A + k * n + k + 1, -row[k], n - k - 1);
+            subtract_four_rows(row + stop, a + stop, b + stop, c + stop, d + stop, row + start,
+                               n - stop);
         }
     }
     return 0;
