@@ -7,10 +7,14 @@ import pytest
 from typer.testing import CliRunner
 
 import faying as fy
+from faying.assessment import choose_normal_modes
 from faying.assessment.choose_normal_modes import excited_frequency
+from faying.assessment.transient_error import OBSERVED
 from faying.cli import app
 from faying.exceptions import ModelError, StudyError
+from faying.linalg.singular import InertiaError
 from faying.reduction.basis import ModeKind
+from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.study import normal_modes
 from faying.study.schema import parse_study
 from faying.study.store import read_results
@@ -198,3 +202,61 @@ def test_a_tolerance_is_positive():
     model = fy.lap_joint(element_size=10.0, hole_radius=0.0)
     with pytest.raises(ModelError, match="give a positive share"):
         fy.choose_normal_modes(model, fy.Load({}), step=1e-5, duration=1e-4, tolerance=0.0)
+
+
+def test_a_joint_with_friction_is_judged_from_where_it_was_tightened(tmp_path):
+    rubs = (
+        '[[interface]]\nname = "joint"\npenalty = 1e6\nfriction = 0.2\ntangential_penalty = 8e5\n'
+    )
+    text = STUDY.replace('reference = "none"', "half_step = false") + rubs
+    summary, results = computed(text.replace('"craig-bampton"', ""), tmp_path)
+    told = summary["normal_mode_choice"]["load_cases"]["push"]
+    assert told["met"]
+    assert modes_of(results.reduced["compliance"][0]) == told["count"]
+    found = summary["load_cases"]["push"]["methods"]["compliance"]["0"]
+    assert found["estimated_max_relative_error"] == pytest.approx(told["error"], rel=1e-6)
+    # As wide as it was seen on joints without friction.
+    ratio = told["error"] / found["max_relative_error"]
+    assert OBSERVED[0] < ratio < OBSERVED[1]
+
+
+@pytest.fixture(scope="module")
+def shaken():
+    model = fy.lap_joint(
+        element_size=10.0,
+        hole_radius=0.0,
+        washer_radius=11.0,
+        damping=fy.Rayleigh(alpha=0.0, beta=1e-6),
+    )
+    return fy.preload(model, {"bolt": 5e3})
+
+
+def tried(joint):
+    """Return the choice after a jump, and the numbers of modes that were computed for it."""
+    counts = []
+
+    def modes(count):
+        counts.append(count)
+        return fixed_interface_normal_modes(joint.structure, count)
+
+    options = {"step": 2e-5, "duration": 4e-4, "modes": modes}
+    return fy.choose_normal_modes(joint, fy.Load({"tip.Fz": -100.0}), **options), counts
+
+
+def test_modes_below_what_is_excited_are_counted_and_not_computed(shaken):
+    found, counts = tried(shaken)
+    below = fy.count_modes_below(shaken, found.excited)
+    assert counts == found.counts.tolist()
+    # The first that is tried has them all, half as many would not.
+    assert found.counts[0] >= below > found.counts[0] / 2 > 2
+
+
+def test_where_modes_cannot_be_counted_the_fewest_are_tried_first(shaken, monkeypatch):
+    def uncounted(*_):
+        message = "some pivots have no sign"
+        raise InertiaError(message)
+
+    monkeypatch.setattr(choose_normal_modes, "count_modes_below", uncounted)
+    found, counts = tried(shaken)
+    assert counts == found.counts.tolist()
+    assert counts[0] == choose_normal_modes.FEWEST

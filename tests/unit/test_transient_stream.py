@@ -160,6 +160,47 @@ def test_what_cannot_go_on_is_refused(rom, load, tmp_path):
         fy.stream_transient(rom, load, tmp_path / "no" / "a.h5", step=STEP, duration=STEP)
 
 
+def _linked(file):
+    file["elsewhere"] = h5py.ExternalLink("other.h5", "/")
+
+
+def _without_a_motion(file):
+    slot = str(file["restart"].attrs["slot"])
+    del file["restart"][slot]["v"]
+
+
+def _announcing_more(file):
+    place = file["restart"][str(file["restart"].attrs["slot"])]
+    del place["trend"]
+    place.create_dataset("trend", shape=(10**12,), chunks=(1024,), dtype=float)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (_linked, "damaged, or another program wrote it .'/elsewhere' is a link to another place"),
+        (_without_a_motion, r"damaged, or another program wrote it .*'v'.*start anew without"),
+        (_announcing_more, "is of another model; start anew without resume"),
+    ],
+)
+def test_files_of_others_are_looked_through_before_they_are_gone_on_with(
+    rom, load, tmp_path, change, said
+):
+    path = fy.stream_transient(rom, load, tmp_path / "long.h5", step=STEP, duration=10 * STEP)
+    with h5py.File(path, "r+") as file:
+        change(file)
+    with pytest.raises(FormatError, match=said):
+        fy.stream_transient(rom, load, path, step=STEP, duration=20 * STEP, resume=True)
+
+
+def test_what_is_no_history_is_not_gone_on_with(rom, load, tmp_path):
+    path = tmp_path / "notes.txt"
+    path.write_text("nothing of ours")
+    with pytest.raises(FormatError, match=r"not an HDF5 file.*a history that fy\.stream_transient"):
+        fy.stream_transient(rom, load, path, step=STEP, duration=STEP, resume=True)
+    assert path.read_text() == "nothing of ours"
+
+
 def test_every_field_can_be_kept(rom, load, tmp_path):
     path = tmp_path / "all.h5"
     fy.stream_transient(rom, load, path, step=STEP, duration=5 * STEP, fields=tuple(FIELDS))

@@ -16,7 +16,10 @@ from faying.assessment.transient_error import LARGE, finer_model, transient_erro
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.joint.system import System
+from faying.linalg.memory import NotEnoughMemoryError
+from faying.linalg.singular import InertiaError
 from faying.reduction.craig_bampton import classic_basis
+from faying.reduction.mode_count import count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.reduction.projection import projected
 from faying.simulation.divided_steps import divided_steps
@@ -123,10 +126,10 @@ def choose_normal_modes(
     Notes
     -----
     The first number tried, 5, 10, 20 … 320, is the one whose modes reach up to what the loads
-    excite. Each takes a Lanczos run, a projection and two reduced transients
-    (:func:`faying.transient_error`). More are tried until the estimate is within the tolerance,
-    modes have periods shorter than a step, or the estimates of the last two say that 320 modes
-    would not do either. Estimates are no bounds.
+    excite, which one factorization counts. Each takes a Lanczos run, a projection and two reduced
+    transients (:func:`faying.transient_error`). More are tried until the estimate is within the
+    tolerance, modes have periods shorter than a step, or the estimates of the last two say that
+    320 modes would not do either. Estimates are no bounds, and say nothing of tractions.
     """
     check_times(step, duration)
     if not tolerance > 0:
@@ -145,10 +148,8 @@ def choose_normal_modes(
     resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
     counts, highest, estimates = [], [], []
     steps: Indices | None = None
-    for count in _numbers(len(model.structure.interior)):
+    for count in _numbers(len(model.structure.interior), _moved(model, excited)):
         kept = found(count)
-        if kept.next_frequency <= excited and count < MOST:
-            continue
         error, steps = trial.estimate(kept, steps)
         counts.append(count)
         highest.append(float(kept.frequencies.max(initial=0.0)))
@@ -169,12 +170,21 @@ def choose_normal_modes(
     )
 
 
-def _numbers(n_interior: int) -> list[int]:
-    """Return the numbers of modes to try, rising; all there are where they are few."""
+def _numbers(n_interior: int, first: int) -> list[int]:
+    """Return the numbers of modes to try, rising, from ``first`` or the last on."""
     doubled = [FEWEST]
     while doubled[-1] < MOST:
         doubled.append(2 * doubled[-1])
-    return sorted({min(count, n_interior) for count in doubled})
+    every = sorted({min(count, n_interior) for count in doubled})
+    return [count for count in every if count >= first] or every[-1:]
+
+
+def _moved(model: Model, excited: float) -> int:
+    """Return how many modes lie below a frequency; none where they cannot be counted."""
+    try:
+        return count_modes_below(model, excited) if excited > 0 else 0
+    except (InertiaError, NotEnoughMemoryError):
+        return 0  # what is then tried besides are fewer modes
 
 
 def _hopeless(estimates: list[float], count: int, tolerance: float) -> bool:

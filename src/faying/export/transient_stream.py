@@ -8,8 +8,9 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import FormatError, ModelError
+from faying.exceptions import FayingError, FormatError, ModelError
 from faying.files.described import member_name
+from faying.files.hdf5 import check_hdf5, damaged
 from faying.files.reserve import growing, reserve
 from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
@@ -24,6 +25,9 @@ from faying.simulation.transient_pieces import Steps, transient_pieces
 FORMAT = "faying transient"
 PIECE = 2000
 """Steps between two writes: 15 MB for a thousand contact points, a second of computing or less."""
+
+HISTORY = "a history that fy.stream_transient wrote"
+ANEW = "start anew without resume"
 
 CHUNK = 1024
 """Instants stored together."""
@@ -121,9 +125,11 @@ def stream_transient(
         "step": step,
         "tolerance": 0.0 if tolerance is None else tolerance,
     }
+    if resume and target.is_file() and target.stat().st_size:
+        check_hdf5(target, HISTORY, ANEW, whole=False)
     try:
         with growing(target, new=not resume) as file:
-            restart = _restart(file, system, began) if resume and len(file) else None
+            restart = _resumed(file, system, began) if resume and len(file) else None
             if restart is None:
                 file.attrs.update({**began, "load": load.name, "complete": False})
             pieces = transient_pieces(
@@ -197,6 +203,16 @@ def _mark(file: h5py.File, end: Restart) -> None:
     file.flush()
 
 
+def _resumed(file: h5py.File, system: System, began: Mapping[str, object]) -> Restart | None:
+    """Return where the run of a file stands, whatever its bytes are."""
+    try:
+        return _restart(file, system, began)
+    except (FayingError, OSError):
+        raise
+    except Exception as error:  # HDF5 and h5py raise whatever a damaged file meets
+        raise damaged(Path(file.filename), error, ANEW) from None
+
+
 def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Restart | None:
     for name, value in began.items():
         # Files of earlier versions know of no tolerance.
@@ -212,8 +228,10 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
             del file[name]  # of a run that was stopped in its first piece
         return None
     place = places[str(places.attrs["slot"])]
-    n_force = system.contact.components * system.contact.n_points
-    if place["u"].shape != (system.K.shape[0],) or place["contact"].shape != (n_force,):
+    n_dof, n_force = system.K.shape[0], system.contact.components * system.contact.n_points
+    sizes = [data.size for data in place.values()]
+    known = place["u"].shape == (n_dof,) and place["contact"].shape == (n_force,)
+    if not known or max(sizes) > max(n_dof, n_force):
         message = f"{file.filename} is of another model; start anew without resume"
         raise FormatError(message)
     done = int(place.attrs["done"])

@@ -26,22 +26,38 @@ def open_hdf5(path: Path, expected: str, remedy: str) -> Iterator[h5py.File]:
     FormatError
         If it cannot be read; also if what is done with it inside meets damage.
     """
-    try:
-        look_through(path)
-    except FileNotFoundError:
-        message = f"{path} is not an HDF5 file, or was cut off; expected {expected}"
-        raise FormatError(message) from None
-    except OSError as error:
-        raise _damaged(path, error, remedy) from None
+    check_hdf5(path, expected, remedy)
     try:
         with h5py.File(path, "r") as file:
             yield file
     except FayingError:
         raise
     except Exception as error:  # HDF5 and h5py raise whatever a damaged file meets
-        raise _damaged(path, error, remedy) from None
+        raise damaged(path, error, remedy) from None
 
 
-def _damaged(path: Path, error: Exception, remedy: str) -> FormatError:
+def check_hdf5(path: Path, expected: str, remedy: str, *, whole: bool = True) -> None:
+    """Refuse a file that is damaged or leads elsewhere, before this process opens it.
+
+    Parameters
+    ----------
+    whole
+        Whether all its data are to be read: then they must be there, and fit in memory.
+
+    Raises
+    ------
+    FormatError
+    """
+    try:
+        look_through(path, whole=whole)
+    except FileNotFoundError:
+        message = f"{path} is not an HDF5 file, or was cut off; expected {expected}"
+        raise FormatError(message) from None
+    except OSError as error:
+        raise damaged(path, error, remedy) from None
+
+
+def damaged(path: Path, error: Exception, remedy: str) -> FormatError:
+    """Return the message about a file in which an error was met."""
     reason = " ".join((str(error) or type(error).__name__).split())[:200]
     return FormatError(f"{path} is damaged, or another program wrote it ({reason}); {remedy}")

@@ -7,7 +7,9 @@ circles; and a few bytes may announce terabytes. None of this is followed or tak
 import json
 import signal
 import sys
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import h5py
 
@@ -28,25 +30,26 @@ def serve() -> None:
         if hasattr(signal, "setitimer"):
             # Ends the process: no handler of Python's would run inside a loop of HDF5.
             signal.setitimer(signal.ITIMER_PROF, request["seconds"])
-        sys.stdout.write(json.dumps(_answer(Path(request["path"]), request["room"])) + "\n")
+        sys.stdout.write(json.dumps(_answer(request)) + "\n")
         sys.stdout.flush()
 
 
-def _answer(path: Path, room: int | None) -> dict[str, str]:
+def _answer(request: Mapping[str, Any]) -> dict[str, str]:
+    path = Path(request["path"])
     try:
         file = h5py.File(path, "r")
     except Exception:  # HDF5 and h5py raise whatever a damaged file meets
         return {"closed": "it cannot be opened"}
     try:
         with file:
-            _check(file, path, room)
+            _check(file, path, request["room"], whole=request["whole"])
     except Exception as error:
         return {"wrong": str(error) or type(error).__name__}
     return {}
 
 
-def _check(file: h5py.File, path: Path, room: int | None) -> None:
-    """Walk through the groups, each of which has one name."""
+def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> None:
+    """Walk through the groups, each of which has one name; look at the data if all are read."""
     total, groups = 0, [file]
     dict(file.attrs)
     while groups:
@@ -63,16 +66,21 @@ def _check(file: h5py.File, path: Path, room: int | None) -> None:
             dict(node.attrs)
             if isinstance(node, h5py.Group):
                 groups.append(node)
-            else:
+                continue
+            _require_own_data(node, place)
+            if whole:
                 total += _size(node, place, path, room)
     check_fits(total, room, path)
 
 
-def _size(node: h5py.Dataset | h5py.Datatype, place: str, path: Path, room: int | None) -> int:
-    """Bytes of a dataset in memory."""
+def _require_own_data(node: h5py.Dataset | h5py.Datatype, place: str) -> None:
     if not isinstance(node, h5py.Dataset) or node.is_virtual or node.external:
         message = f"{place} is no dataset that holds its own data"
         raise ValueError(message)
+
+
+def _size(node: h5py.Dataset, place: str, path: Path, room: int | None) -> int:
+    """Bytes of a dataset in memory."""
     announced, stored = node.size * node.dtype.itemsize, node.id.get_storage_size()
     if announced > MOST_PACKED * stored:
         message = f"{place} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}"

@@ -29,8 +29,13 @@ _LOCK = threading.Lock()
 _WATCHES: dict[int, "subprocess.Popen[str]"] = {}
 
 
-def look_through(path: Path) -> None:
+def look_through(path: Path, *, whole: bool = True) -> None:
     """Let the other process walk through a file.
+
+    Parameters
+    ----------
+    whole
+        Whether all its data are to be read: then they must be there, and fit in memory.
 
     Raises
     ------
@@ -40,7 +45,9 @@ def look_through(path: Path) -> None:
         If it is damaged, leads elsewhere, or holds more than the memory that is free.
     """
     extra = path.stat().st_size / SLOWEST if path.is_file() else 0.0
-    request = {"path": str(path.resolve()), "room": free_memory(), "seconds": STALLED + extra}
+    seconds = STALLED + extra
+    file = {"path": str(path.resolve()), "room": free_memory()}
+    request = {**file, "whole": whole, "seconds": seconds}
     with _LOCK:
         answer = _asked(json.dumps(request), PATIENCE + extra)
     if answer is None:

@@ -1,6 +1,6 @@
 """Galerkin projection, Eq. (15.16), and what a reduced model keeps of the full one beside it."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -71,6 +71,13 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
         residual_compliance=residual_compliance(model, basis) if compliance else None,
     )
     mesh = model.assembly.mesh
+    bending: dict[str, Matrix] = {}
+    held: dict[str, Matrix] = {}
+    if compliance:
+        moments = {n: one.bending for n, one in model.bolts.items() if one.bending is not None}
+        bending = _residuals(model, basis, moments)
+        forces = {body: one.forces for body, one in model.weak_supports.items()}
+        held = _residuals(model, basis, forces)
     return ReducedModel(
         M=_symmetric(model.M @ phi, phi),
         C=_symmetric(model.C @ phi, phi),
@@ -78,18 +85,11 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
         contact=contact,
         boundaries=_boundaries(model, basis),
         bolts={
-            name: bolt.projected(phi)
-            if bolt.bending is None or not compliance
-            else replace(
-                bolt.projected(phi), residual_bending=_residual(model, basis, bolt.bending)
-            )
+            name: replace(bolt.projected(phi), residual_bending=bending.get(name))
             for name, bolt in model.bolts.items()
         },
         weak_supports={
-            body: replace(
-                one.projected(phi),
-                residual_forces=_residual(model, basis, one.forces) if compliance else None,
-            )
+            body: replace(one.projected(phi), residual_forces=held.get(body))
             for body, one in model.weak_supports.items()
         },
         basis=basis,
@@ -264,16 +264,21 @@ def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
     return _beyond(model, basis, at_dofs).T.reshape(*np.shape(forces)[:-1], -1)
 
 
-def _residual(model: Model, basis: Basis, rows: SparseMatrix | Matrix) -> Matrix:
-    """Return what rows (k, n_dof) tell of pair forces beyond a basis (k, n_relative).
+def _residuals(
+    model: Model, basis: Basis, rows: Mapping[str, SparseMatrix | Matrix]
+) -> dict[str, Matrix]:
+    """Return what rows (k, n_dof) tell of pair forces beyond a basis (k, n_relative), by name.
 
     What pair forces do to them is, the operator being symmetric, what the rows, taken as forces,
     do to the pairs: one back-substitution each.
     """
-    forces = sp.csr_array(rows).toarray().T
-    seen = model.structure.relative_operator @ _beyond(model, basis, forces)
-    residual: Matrix = frozen(np.ascontiguousarray(seen.T))
-    return residual
+    if not rows:
+        return {}
+    stacked = np.vstack([sp.csr_array(some).toarray() for some in rows.values()])
+    seen = model.structure.relative_operator @ _beyond(model, basis, stacked.T)
+    ends = np.cumsum([some.shape[0] for some in rows.values()])[:-1]
+    residuals: Matrix = frozen(np.ascontiguousarray(seen.T))
+    return dict(zip(rows, np.split(residuals, ends), strict=True))
 
 
 def _beyond(model: Model, basis: Basis, forces: Matrix) -> Matrix:
