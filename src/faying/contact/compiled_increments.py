@@ -128,6 +128,29 @@ def touched(columns: Indices, values: Matrix, points: Indices, n_pair: int) -> I
     return np.flatnonzero(met)
 
 
+@numba.njit(cache=True, fastmath=SUMS)
+def moved_at(
+    points: Indices,
+    pairs: Indices,
+    columns: Indices,
+    values: Matrix,
+    matrix: Matrix,
+    forces: Vector,
+    moved: Matrix,
+) -> None:
+    """Write G times a matrix times forces between pairs, at points and the pairs they touch."""
+    n, there = moved.shape[1], np.zeros(len(forces))
+    for i in pairs:
+        row, total = matrix[i], 0.0
+        for j in range(len(forces)):
+            total += row[j] * forces[j]
+        there[i] = total
+    for p in points:
+        for a in range(3):
+            for j in range(columns.shape[1]):
+                moved[a, p] += values[a * n + p, j] * there[columns[a * n + p, j]]
+
+
 @numba.njit(cache=True)
 def differing(slope: Matrix, other: Matrix, least: float) -> Indices:
     """Return the points where J (n_point, 9) differs from another by more than ``least``."""
@@ -289,8 +312,8 @@ def solve(
         blockwise(inverse, wrong, -1.0, alone)
         share_out(columns, values, alone, between)
         if len(at):
-            interpolate(columns, values, np.dot(supported, between), dy)
-            dx[:] = 0.0
+            dx[:], dy[:] = 0.0, 0.0
+            moved_at(changed, at, columns, values, supported, between, dy)
             blockwise(more, dy, 1.0, dx)
             share_out(columns, values, dx, seen)
             right = np.empty((1, len(at)))
