@@ -143,6 +143,17 @@ def test_large_interfaces_are_solved_anew_until_problems_are_similar():
     assert twice.supported is not None
 
 
+@pytest.mark.parametrize(("touched", "pays"), [(0.12, False), (0.13, True)])
+def test_pairs_are_supported_where_an_eighth_of_them_touches(touched, pays):
+    n_pair = FEW_PAIRS + 100
+    given = {"N": sp.eye_array(n_pair, format="csr"), "S": np.eye(n_pair), "D": np.ones(n_pair)}
+    contact, state = solver(given), None
+    gap = np.where(np.arange(n_pair) < touched * n_pair, -1.0, 1.0)
+    for _ in range(3):
+        _, state = contact.solve(gap, state)
+    assert (state.supported is not None) is pays
+
+
 def test_forces_that_do_not_become_exact_are_refused():
     rng = np.random.default_rng(5)
     given = parts(rng)
