@@ -40,6 +40,7 @@ _LAWS = ("tests/unit/test_contact_laws.py", "tests/verification/test_laws.py")
 _CONTACT = ("tests/verification/test_contact_problem.py", *_LAWS)
 _MOTION = ("tests/verification/test_transient.py", "tests/verification/test_energy_decaying.py")
 _STEPS = ("tests/unit/test_integrator_steps.py",)
+_INCREMENTS = ("tests/unit/test_increments.py",)
 _REDUCTION = ("tests/unit/test_basis.py",)
 TARGETS: dict[str, tuple[str, ...]] = {
     "contact/active_set.py": _CONTACT,
@@ -50,6 +51,12 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "contact/elastic.py": ("tests/verification/test_similar_contact.py",),
     "contact/dense_points.py": ("tests/unit/test_dense_points.py",),
     "contact/newton_steps.py": ("tests/unit/test_newton_steps.py",),
+    "contact/frictional.py": _INCREMENTS,
+    "contact/predictor.py": _INCREMENTS,
+    "contact/laws_at_points.py": _INCREMENTS,
+    "contact/compiled_frictional.py": _INCREMENTS,
+    "contact/compiled_points.py": _INCREMENTS,
+    "contact/compiled_increments.py": _INCREMENTS,
     "simulation/integrators/implicit_euler.py": _STEPS,
     "simulation/integrators/generalized_alpha.py": _STEPS,
     "simulation/integrators/energy_decaying.py": _STEPS,

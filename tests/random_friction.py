@@ -137,6 +137,16 @@ def outcomes(index, joints, *, compiled=False):
             solver = CompiledFrictionalContact(counted, here.increment.forces)
 
 
+def walked(solver, relatives):
+    """Yield the end of each increment of a path, and the slip that it began with."""
+    n = solver.contact.n_points
+    nothing = Increment(forces=np.zeros((3, n)), slack=np.zeros((3, n)), iterations=0, residual=0.0)
+    here = PathStep(relative=np.zeros(len(solver.S)), increment=nothing, slip=np.zeros((2, n)))
+    for target in relatives:
+        (here,) = follow(solver, [target], here)
+        yield here, here.slip - here.increment.slack[1:]
+
+
 def natural_residual(solver, step, slip):
     """Return the residual of Coulomb's law over the largest force, by its definition."""
     contact, x = solver.contact, step.increment.forces
