@@ -1,5 +1,5 @@
-/* Increments with Coulomb friction, (F1) of friction.c, as faying.contact.frictional solves them,
- * with its constants. Nothing is kept from one to the next, so that a restored state continues with
+/* Increments with Coulomb friction, (F1) of friction.c, by the Newton method and the constants of
+ * faying.contact.frictional, and by other ways where that stops. Nothing is kept from one to the next, so that a restored state continues with
  * the same bits. */
 
 /* Natural residual over the largest force at which an increment is solved, and which is accepted
