@@ -1,6 +1,6 @@
 /* Increments with Coulomb friction, (F1) of friction.c, by the Newton method and the constants of
- * faying.contact.frictional, and by other ways where that stops. Nothing is kept from one to the next, so that a restored state continues with
- * the same bits. */
+ * faying.contact.frictional, and by other ways where that stops. Nothing is kept from one to the
+ * next, so that a restored state continues with the same bits. */
 
 /* Natural residual over the largest force at which an increment is solved, and which is accepted
  * where round-off allows no less. */
