@@ -11,9 +11,11 @@ import faying as fy
 from faying import cli
 from faying.assessment.backbone import Backbone
 from faying.exceptions import ModelError, StudyError
+from faying.report.figures import write_figures
 from faying.report.figures.backbone import backbone_figure
 from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.report.quantities import number
+from faying.report.slip import slip_sentence
 from faying.study.load_model import build
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
@@ -148,6 +150,18 @@ def test_slip_is_mapped_where_a_study_says_and_drawn_over_energy(results):
     assert shift.get_xlabel() == "energy of the vibration [N·mm]"
     (second,) = (line for line in damping.get_lines() if line.get_label().startswith("mode 2, "))
     np.testing.assert_array_equal(second.get_xdata(), curves["2"].energy)
+
+
+def test_the_report_says_that_vibrations_slip(results, tmp_path):
+    """Its fields are those of the preloaded joint, in which nothing slips."""
+    one = results.cases["ring"].reference.backbones["2"]
+    said = slip_sentence(results)
+    assert said.startswith("In vibration the joint slips: ")
+    smallest = number(float(one.amplitude[one.energy_per_cycle > 0].min()))
+    assert f"mode 2 of ring from amplitude {smallest} on" in said
+    drawn = [entry.path.name for entry in write_figures(results, tmp_path)]
+    assert "case_ring_backbones.png" in drawn
+    assert "case_ring_pressure.png" not in drawn
 
 
 def test_check_says_how_many_increments_there_are(tmp_path, monkeypatch, capsys):

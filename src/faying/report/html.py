@@ -107,6 +107,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         results=results,
         joint=joint_headline(results),
         slips=slip_sentence(results),
+        vibrations=any(case.reference.backbones for case in results.cases.values()),
         joint_tables=[
             one
             for of in (

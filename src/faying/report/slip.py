@@ -6,6 +6,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.assessment.slip import SLIP, STICK
+from faying.report.figures.backbone import abscissa
 from faying.report.quantities import number, percent, quantity
 from faying.study.comparison import increments, rubbed
 from faying.study.results import CaseResult, InterfaceRecord, Results
@@ -69,13 +70,30 @@ def slip_sentence(results: Results) -> str:
         most[name] = max((most_slip(one) for one in found), default=0.0)
         if any(bool(one.macroslip.any()) for one in found):
             gross.append(name)
+    vibrating = _in_vibration(results)
     if not most or max(most.values()) <= 0:
-        return "Nothing slips in these load cases." if most else ""
+        return vibrating or ("Nothing slips in these load cases." if most else "")
     worst = max(most, key=lambda name: most[name])
     text = f"The joint slips: up to {percent(most[worst])} of the area in contact, in {worst}"
     if gross:
         text += f"; everything that touches slips (macroslip) in {', '.join(gross)}"
-    return f"{text}."
+    return " ".join([f"{text}.", vibrating]).rstrip()
+
+
+def _in_vibration(results: Results) -> str:
+    """Say from what amplitudes on the modes of backbones slip; nothing where none does."""
+    said = []
+    for name, case in results.cases.items():
+        for mode, one in case.reference.backbones.items():
+            along = abscissa(one)
+            slips, whole = along[one.energy_per_cycle > 0], along[one.macroslip.astype(bool)]
+            if not len(slips):
+                continue
+            text = f"mode {mode} of {name} from {one.over} {number(float(slips.min()))} on"
+            if len(whole):
+                text += f", everything that touches from {number(float(whole.min()))} on"
+            said.append(text)
+    return f"In vibration the joint slips: {'; '.join(said)}." if said else ""
 
 
 def most_slip(path: SlipRecord) -> float:
