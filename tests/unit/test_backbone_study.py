@@ -158,7 +158,7 @@ def test_the_report_says_that_vibrations_slip(results, tmp_path):
     said = slip_sentence(results)
     assert said.startswith("In vibration the joint slips: ")
     smallest = number(float(one.amplitude[one.energy_per_cycle > 0].min()))
-    assert f"mode 2 of ring from amplitude {smallest} on" in said
+    assert f"mode 2 of ring from amplitude {smallest} mm on" in said
     drawn = [entry.path.name for entry in write_figures(results, tmp_path)]
     assert "case_ring_backbones.png" in drawn
     assert "case_ring_pressure.png" not in drawn

@@ -216,7 +216,7 @@ def test_unconstrained_body_in_a_process_of_its_own(deck, tmp_path):
     [
         (b"0,0\n1,1\n0.5,2\n", ["line 3", "0.5 does not come after 1", "must increase"]),
         (b"time,value\n0,0\n1,abc\n", ["line 3", "'1,abc'", "expected two numbers"]),
-        (b"0,0\n1,nan\n", ["line 2", "not finite", "remove the line"]),
+        (b"0,0\n1,nan\n", ["line 2", "not finite", "correct the line"]),
         (b"", ["found 0 samples", "expected two or more lines"]),
         (b"\xff\xfe\x00\x81", ["no UTF-8 text", "give lines 'time, value'"]),
         (None, ["'push.csv' does not exist", "relative to the study file"]),
@@ -288,7 +288,7 @@ def with_beam_in_one_body() -> Assembly:
     return replace(JOINT, beams=(*JOINT.beams, beam))
 
 
-LOOSE = "support it, or tie it to a held body with a bolt"
+LOOSE = "support it, tie it to a held body with a bolt"
 OTHER_BOLT = '\n[[bolt]]\nname = "M8"\npreload = 1e3\n'
 OWN_WASHERS = "diameter = 6.0\nwasher_radius = 4.0\n"
 

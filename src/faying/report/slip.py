@@ -6,12 +6,12 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.assessment.slip import SLIP, STICK
-from faying.report.figures.backbone import abscissa
+from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.quantities import number, percent, quantity
 from faying.study.comparison import increments, rubbed
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.study.slip_record import SlipRecord
-from faying.units import Units
+from faying.units import Units, units_of
 
 
 def slipping(record: InterfaceRecord, status: Indices) -> float:
@@ -89,9 +89,10 @@ def _in_vibration(results: Results) -> str:
             slips, whole = along[one.energy_per_cycle > 0], along[one.macroslip.astype(bool)]
             if not len(slips):
                 continue
-            text = f"mode {mode} of {name} from {one.over} {number(float(slips.min()))} on"
+            unit = unit_of(one, units_of(results.units))
+            text = f"mode {mode} of {name} from {one.over} {quantity(slips.min(), unit)} on"
             if len(whole):
-                text += f", everything that touches from {number(float(whole.min()))} on"
+                text += f", everything that touches from {quantity(whole.min(), unit)} on"
             said.append(text)
     return f"In vibration the joint slips: {'; '.join(said)}." if said else ""
 

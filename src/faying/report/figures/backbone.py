@@ -20,6 +20,13 @@ def abscissa(one: Backbone) -> Vector:
     return one.energy if one.over == "energy" else one.amplitude
 
 
+def unit_of(one: Backbone, units: Units) -> str:
+    """Return the unit of that."""
+    if one.over == "energy":
+        return units.of("force·length")
+    return "rad" if ".r" in one.measured_at else units.length
+
+
 def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw damping over amplitude: all of it, and the share of the damping matrix."""
     curves = case.reference.backbones
@@ -77,11 +84,11 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     plot_shift(case, shift)
     plot_modal_loops(case, loops)
     places = sorted({one.measured_at for one in curves.values()})
-    unit = "rad" if any(".r" in place for place in places) else units.length
-    if any(one.over == "energy" for one in curves.values()):
-        shift.set_xlabel(f"energy of the vibration [{units.of('force·length')}]")
-    else:
-        shift.set_xlabel(f"amplitude at {', '.join(places)} [{unit}]")
+    one = next(iter(curves.values()))
+    what = (
+        "energy of the vibration" if one.over == "energy" else f"amplitude at {', '.join(places)}"
+    )
+    shift.set_xlabel(f"{what} [{unit_of(one, units)}]")
     loops.set_title("loops at the largest amplitude", loc="left")
     figure.suptitle(heading(f"{case.name}: backbones, full model"))
     remarks = " ".join(
