@@ -5,7 +5,7 @@ import pytest
 import scipy.sparse as sp
 
 import faying as fy
-from faying.assessment.load_path import load_path
+from faying.assessment.load_path import Walk, load_path
 from faying.contact import pair_pieces
 from faying.contact.linear_pieces import PointPiece
 from faying.contact.pair_pieces import PairPiece
@@ -57,3 +57,29 @@ def test_path_that_pairs_cannot_prove_is_followed_between_points(joint, monkeypa
     assert found.factors == pytest.approx(expected.factors, rel=1e-8)
     largest = expected.forces.max()
     assert found.forces == pytest.approx(expected.forces, abs=1e-9 * largest)
+
+
+@pytest.mark.parametrize("of", ["pairs", "points"])
+def test_a_stiff_flange_lets_go_everywhere_at_once(of):
+    """Gap and forces vanish together there, and nothing of them tells how large round-off is."""
+    rng = np.random.default_rng(2)
+    for _ in range(20):
+        half = rng.normal(size=(30, 30))
+        half -= half.mean(axis=0)  # moves of single pairs, none of all together
+        S = half @ half.T + np.full((30, 30), rng.uniform(0.1, 10.0))
+        N, D = sp.eye_array(30, format="csr"), np.full(30, rng.uniform(0.01, 1.0))
+        H = S + np.diag(D)
+        opening = rng.uniform(0.3, 30.0)
+        sides = np.column_stack([-np.ones(30), np.full(30, 1.0 / opening)])
+        pairs = SupportedPairs(N=N, S=S, D=D, own=np.diag(H))
+        at_rest = np.linalg.solve(H, np.ones(30))
+        every = at_rest > 0
+        piece = PairPiece.of(pairs, sides, every) if of == "pairs" else PointPiece.of(H, sides)
+        walk = Walk(a=sides[:, 0], b=sides[:, 1], at_rest=at_rest)
+        factors, forces, closed, rate, ended = walk.followed(piece, np.inf)
+        # One kink, of as many digits as the condition of H leaves.
+        assert factors == pytest.approx([0.0, opening], rel=1e-10)
+        assert ended
+        assert not closed[-1].any()
+        assert not rate.any()
+        assert forces[-1] == pytest.approx(0.0, abs=1e-10 * at_rest.max())

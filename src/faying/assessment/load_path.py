@@ -281,7 +281,8 @@ class Walk:
         turned
             The points closed there if one point alone changes sides.
         """
-        gap = np.abs(self.a + t * self.b).max(initial=0.0)
+        # Of what cancels: where all points let go at once, gap and forces themselves vanish.
+        gap = (np.abs(self.a) + t * np.abs(self.b)).max(initial=0.0)
         small = TOGETHER * max(gap, np.abs(forces * piece.own).max(initial=0.0))
         at_once = (forces * piece.own <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
