@@ -83,6 +83,16 @@ def test_without_friction_run_and_solve_warn(tmp_path):
     assert worst["weak_share.lower-middle"][0]["value"] == pytest.approx(share, rel=1e-6)
 
 
+def test_a_study_is_checked_without_matrices(tmp_path, monkeypatch):
+    def never(_assembly):
+        pytest.fail("the matrices of the whole model were formed")
+
+    monkeypatch.setattr("faying.joint.free_matrices.assemble_matrices", never)
+    monkeypatch.setattr("faying.joint.expected_memory.MOST_COUNTED", 0)
+    said = invoked("check", written(tmp_path, "friction = 0.4"))
+    assert "hold what nothing but contact does: " in said
+
+
 def test_a_number_is_their_stiffness(tmp_path):
     model = build(read_study(written(tmp_path, "friction = 0.4", "2.5")))
     pairs = np.concatenate([one.pairs for one in model.interfaces.values()])

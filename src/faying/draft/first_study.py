@@ -85,7 +85,8 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
     if problem:
         supported = replace(found, weak_springs=True)
         joints, other = _tried(study_text(supported, target, {}), target)
-        found, built, problem = (found, {}, problem) if other else (supported, joints, "")
+        if not other:
+            found, built, problem = supported, joints, ""
     text = study_text(found, target, built, problem)
     return FirstStudy(text=text, undecided=text.count(MARK), problem=problem)
 

@@ -40,7 +40,7 @@ def check_held(model: Model) -> None:
     Finds what :func:`faying.model.rigid_motion.free_motions` finds; a hinge inside a body shows
     when the stiffness is factorized.
     """
-    found = _free_motions(model)
+    found = model_motions(model)
     if found.motions.shape[1]:
         raise ModelError(_described(model.assembly, model.dofs, found.labels, found.motions))
 
@@ -68,7 +68,7 @@ def free_parts(model: Model) -> FreeParts:
     -----
     As :func:`check_held`, which refuses such a model.
     """
-    found = _free_motions(model)
+    found = model_motions(model)
     count = found.motions.shape[1] if found.searched else None
     if not count:
         return FreeParts(count=count, parts={})
@@ -89,7 +89,7 @@ def free_parts(model: Model) -> FreeParts:
     return FreeParts(count=count, parts=parts)
 
 
-def _free_motions(model: Model) -> FreeMotions:
+def model_motions(model: Model) -> FreeMotions:
     """Find free motions, of a model without pairs that stick before its matrices are formed."""
     K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
     return free_motions(model.assembly, model.dofs, K)

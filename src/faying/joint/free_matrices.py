@@ -25,10 +25,9 @@ class FreeMatrices:
 
     form: Callable[[], _Three]
 
-    @classmethod
-    def of(cls, M: SparseMatrix, C: SparseMatrix, K: SparseMatrix) -> "FreeMatrices":
-        """Return matrices that are there already."""
-        return cls(form=partial(_given, M, C, K))
+    def stiffened(self, added: SparseMatrix, damping: Rayleigh) -> "FreeMatrices":
+        """Return matrices with springs (n_dof, n_dof) in K, and in C by the Rayleigh factor."""
+        return FreeMatrices(form=partial(_stiffened, self, added, damping))
 
     @cached_property
     def _formed(self) -> _Three:
@@ -55,8 +54,9 @@ def free_matrices(assembly: Assembly, dofs: DofMap, damping: Rayleigh) -> FreeMa
     return FreeMatrices(form=partial(_assembled, assembly, dofs, damping))
 
 
-def _given(M: SparseMatrix, C: SparseMatrix, K: SparseMatrix) -> _Three:
-    return M, C, K
+def _stiffened(own: FreeMatrices, added: SparseMatrix, damping: Rayleigh) -> _Three:
+    K = read_only((own.K + added).tocsr())
+    return own.M, read_only((own.C + damping.beta * added).tocsr()), K
 
 
 def _assembled(assembly: Assembly, dofs: DofMap, damping: Rayleigh) -> _Three:

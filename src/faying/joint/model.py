@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from faying._typing import Mask, Matrix, SparseMatrix, Vector, read_only
+from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Law, normal_law
@@ -13,7 +13,6 @@ from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
 from faying.interface.friction import TangentialPenalty, with_friction
 from faying.interface.interface import Interface, stack
-from faying.joint.free_matrices import FreeMatrices
 from faying.joint.load_pattern import (
     LoadPattern,
     check_pattern_name,
@@ -309,9 +308,7 @@ class Model(Shown):
         stiffness : [force/length]
             That of each pair, if what the springs carry is to be known.
         """
-        K = read_only((self.K + added).tocsr())
-        C = read_only((self.C + self.damping.beta * added).tocsr())
-        matrices = FreeMatrices.of(self.M, C, K)
+        matrices = self.structure.matrices.stiffened(added, self.damping)
         structure = replace(self.structure, matrices=matrices)
         return replace(
             self,

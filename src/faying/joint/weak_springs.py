@@ -15,13 +15,12 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
 from faying.exceptions import ModelError
-from faying.joint.diagnosis import unconstrained
+from faying.joint.diagnosis import model_motions, unconstrained
 from faying.joint.model import Model
 from faying.joint.weak_support import WeakSupport
 from faying.model.assembly import Assembly, Spring
 from faying.model.bodies import bodies, body_names
-from faying.model.local_stiffness import rigid_stiffness, stiffness_at
-from faying.model.rigid_motion import free_motions
+from faying.model.local_stiffness import stiffness_at
 
 WEAK = 1e-5
 """Automatic stiffness over the stiffness at the nodes that the springs hold.
@@ -122,18 +121,16 @@ def _held_pairs(model: Model) -> Mapping[str, Indices]:
 
 def _free_nodes(model: Model) -> Mask:
     """Return which nodes (n_node,) belong to what moves freely."""
-    assembly, dofs = model.assembly, model.dofs
-    K = model.K if model.stuck else rigid_stiffness(assembly, dofs)
-    found = free_motions(assembly, dofs, K)
+    found = model_motions(model)
     if not found.searched:
         message = (
             "there are too many parts to find those that weak springs would hold; support them, "
             "or tie them to one another"
         )
         raise ModelError(message)
-    size = np.zeros(len(assembly.mesh.nodes))
+    size = np.zeros(len(model.assembly.mesh.nodes))
     if found.motions.size:
-        nodal = np.moveaxis(dofs.nodal(found.motions.T), 0, -1)
+        nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
     free: Mask = (size > MOVING * size.max()) & (found.labels >= 0)
     return free
