@@ -102,30 +102,26 @@ def _drawings(results: Results) -> Iterator[Draw]:
     ):
         yield _of_run(draw, results)
     for case in results.cases.values():
-        for draw_case in (
-            (
-                pressure_figure,
-                slip_figure,
-                path_figure,
-                loop_figure,
-                fretting_figure,
-                gap_figure,
-                deformed_figure,
-                error_figure,
-            )
-            if case.times is None and not case.reference.backbones
-            # The fields of backbones are those of the preload, which stands above.
-            else (backbone_figure, backbone_slip_figure)
-            if case.times is None
-            else (
-                response_figure,
-                motion_slip_figure,
-                slip_figure,
-                gap_figure,
-                time_step_figure,
-            )
-        ):
+        for draw_case in _of_kind(case):
             yield _of_case(draw_case, results, case)
+
+
+def _of_kind(case: CaseResult) -> tuple[Callable[[Results, CaseResult], Drawn | None], ...]:
+    """Return what draws a case; the fields of backbones are the preload's and not drawn again."""
+    if case.times is not None:
+        return response_figure, motion_slip_figure, slip_figure, gap_figure, time_step_figure
+    if case.reference.backbones:
+        return backbone_figure, backbone_slip_figure
+    return (
+        pressure_figure,
+        slip_figure,
+        path_figure,
+        loop_figure,
+        fretting_figure,
+        gap_figure,
+        deformed_figure,
+        error_figure,
+    )
 
 
 def _of_run(draw: Callable[[Results], Drawn | None], results: Results) -> Draw:
