@@ -235,6 +235,29 @@ def test_no_column_is_lost_on_a_phone(written):
     assert "content: attr(data-label)" in page
 
 
+def test_what_makes_the_joint_itself_doubtful_stands_first():
+    def held_by_springs(case, share):
+        shares = {"upper-lower": np.array([share])}
+        return replace(case, reference=replace(case.reference, weak_shares=shares))
+
+    doubtful = replace(
+        RESULTS,
+        cases={name: held_by_springs(case, 0.02) for name, case in RESULTS.cases.items()},
+        warnings=("LC1: not converged",),
+    )
+    page = render(doubtful, [], WHERE)
+    # A sentence, not one for each load case.
+    assert page.count("the weak springs upper-lower carry 0.02 of the contact force") == 1
+    assert page.index("weak springs upper-lower") < page.index('class="view-stage"')
+    assert page.index("1 solution(s) did not converge") < page.index('class="view-stage"')
+    harmless = replace(
+        RESULTS,
+        cases={name: held_by_springs(case, 1e-6) for name, case in RESULTS.cases.items()},
+        warnings=(),
+    )
+    assert "Before these figures are used" not in render(harmless, [], WHERE)
+
+
 def with_errors(**errors):
     """Give every case the same errors by method and joint modes."""
 

@@ -1,5 +1,7 @@
 """Whether weak springs carry next to nothing, as they should."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from faying._typing import Matrix
@@ -29,12 +31,27 @@ def weak_share(solution: Solution, bodies: str) -> Matrix:
     return np.where(pressed > 0, share, np.where(carried > 0, np.inf, 0.0))
 
 
-def weak_warning(bodies: str, case: str, share: float) -> str:
-    """Say that weak springs hold what nothing else does; nothing where they do not."""
-    if share <= NEGLIGIBLE:
-        return ""
-    return (
-        f"{case}: the weak springs {bodies} carry {share:.2g} of the contact force, for neither "
-        "contact nor friction holds the bodies together there; displacements, and what acts along "
-        "the interfaces, mean nothing: give the interface friction, or support the free body"
-    )
+def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Say in one sentence where weak springs hold what nothing else does; nothing where none do.
+
+    Parameters
+    ----------
+    shares
+        Names of two bodies to load case to the largest share there.
+    """
+    worst = [
+        (share, bodies, case)
+        for bodies, of_case in shares.items()
+        for share, case in [max((share, case) for case, share in of_case.items())]
+        if share > NEGLIGIBLE
+    ]
+    if not worst:
+        return []
+    (share, bodies, case), *rest = sorted(worst, reverse=True)
+    also = "".join(f", those of {bodies} {share:.2g} in {case}" for share, bodies, case in rest)
+    return [
+        f"{case}: the weak springs {bodies} carry {share:.2g} of the contact force{also}; neither "
+        "contact nor friction holds these bodies together there, so that displacements, and what "
+        "acts along the interfaces, mean nothing: give the interface friction, or support the "
+        "free body"
+    ]

@@ -18,6 +18,7 @@ from faying.report.joint import (
     bolt_judgement,
     clamp_judgement,
     interface_judgement,
+    joint_doubts,
     joint_headline,
     requirement_table,
     scatter_table,
@@ -106,6 +107,7 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
     return environment.get_template("report.html.j2").render(
         results=results,
         joint=joint_headline(results),
+        doubts=joint_doubts(results),
         slips=slip_sentence(results),
         vibrations=any(case.reference.backbones for case in results.cases.values()),
         joint_tables=[

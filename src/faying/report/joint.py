@@ -12,6 +12,7 @@ from faying.assessment.requirements import Verdict
 from faying.assessment.slip_demand import SlipDemand
 from faying.report.quantities import number, place, quantity
 from faying.report.tables import Cell, Table, table
+from faying.study.declared import barely_held, missing_contacts
 from faying.study.results import Results
 from faying.study.summary import required
 from faying.units import Units, units_of
@@ -69,6 +70,17 @@ def joint_headline(results: Results) -> str:
         what = "; ".join(f"{name} ({', '.join(places)})" for name, places in failed.items())
         return f"The joint does not hold what the study demands: {what}."
     return "The joint holds all that the study demands in these load cases."
+
+
+def joint_doubts(results: Results) -> list[str]:
+    """Return why the joint itself may not be as computed, whatever method is used."""
+    doubts = [*missing_contacts(results), *barely_held(results)]
+    if results.warnings:
+        doubts.append(
+            f"{len(results.warnings)} solution(s) did not converge or deserve notice; "
+            "see the warnings"
+        )
+    return doubts
 
 
 def bolt_judgement(results: Results) -> Table:

@@ -10,7 +10,6 @@ from faying.reduction.methods import METHODS
 from faying.report.quantities import number, percent
 from faying.report.reference import against, reference_note
 from faying.report.style import label
-from faying.study.declared import barely_held, missing_contacts
 from faying.study.jumps import jump_sentence
 from faying.study.results import CaseResult, MethodResult, Results
 from faying.study.step_check import step_check
@@ -213,13 +212,7 @@ def _answer(found: list[MethodVerdict]) -> str:
 
 def reservations(results: Results) -> list[str]:
     """Return what the errors do not say, the pressing ones first."""
-    said = [*filter(None, [reference_note(results)]), *missing_contacts(results)]
-    said += barely_held(results)
-    if results.warnings:
-        said.append(
-            f"{len(results.warnings)} solution(s) did not converge or deserve notice; "
-            "see the warnings."
-        )
+    said = [*filter(None, [reference_note(results)])]
     if results.omissions:
         said.append(
             f"{len(results.omissions)} part(s) of the validation could not be computed; see the "

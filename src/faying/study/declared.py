@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying.assessment.weak_share import weak_warning
+from faying.assessment.weak_share import weak_warnings
 from faying.study.results import Results
 
 ALMOST_ALL = 0.99
@@ -36,10 +36,9 @@ def missing_contacts(results: Results) -> list[str]:
 
 
 def barely_held(results: Results) -> list[str]:
-    """Say in which load cases weak springs carry what contact and friction should."""
-    said = (
-        weak_warning(body, name, float(np.max(share)))
-        for name, case in results.cases.items()
-        for body, share in case.reference.weak_shares.items()
-    )
-    return [text for text in said if text]
+    """Say where weak springs carry what contact and friction should."""
+    shares: dict[str, dict[str, float]] = {}
+    for name, case in results.cases.items():
+        for bodies, share in case.reference.weak_shares.items():
+            shares.setdefault(bodies, {})[name] = float(np.max(share))
+    return weak_warnings(shares)

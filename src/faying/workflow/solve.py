@@ -13,7 +13,7 @@ import numpy as np
 from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE
 from faying.assessment.requirements import Requirements
-from faying.assessment.weak_share import weak_warning
+from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
 from faying.files.atomic import remove_left_over, write_text
@@ -204,17 +204,14 @@ def _worst(pieces: Pieces, count: int) -> dict[str, Any]:
 def _barely_held(found: Mapping[str, Any]) -> list[str]:
     """Say where weak springs carry most, if that is too much."""
     static = {"": found["static"]} if "static" in found else {}
-    said = (
-        weak_warning(
-            metric.removeprefix(WEAK_SHARE),
-            f"{name} at {worst[0]['case']}" if name else str(worst[0]["case"]),
-            inf if worst[0]["value"] is None else worst[0]["value"],
-        )
-        for name, one in {**static, **found.get("transients", {})}.items()
-        for metric, worst in one["worst"].items()
-        if metric.startswith(WEAK_SHARE) and worst
-    )
-    return [text for text in said if text]
+    shares: dict[str, dict[str, float]] = {}
+    for name, one in {**static, **found.get("transients", {})}.items():
+        for metric, worst in one["worst"].items():
+            if metric.startswith(WEAK_SHARE) and worst:
+                case = f"{name} at {worst[0]['case']}" if name else str(worst[0]["case"])
+                share = inf if worst[0]["value"] is None else worst[0]["value"]
+                shares.setdefault(metric.removeprefix(WEAK_SHARE), {})[case] = share
+    return weak_warnings(shares)
 
 
 def _fields(pieces: Pieces, count: int, named: Sequence[int]) -> SolvedFields | None:
