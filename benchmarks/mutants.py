@@ -62,6 +62,7 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "simulation/integrators/energy_decaying.py": _STEPS,
     "simulation/integrators/spectral_radius.py": _STEPS,
     "simulation/step_contact.py": ("tests/unit/test_step_contact.py",),
+    "simulation/frictional_step.py": ("tests/unit/test_frictional_step.py",),
     "simulation/energies.py": ("tests/unit/test_energies.py", *_MOTION),
     "reduction/craig_bampton.py": _REDUCTION,
     "reduction/normal_modes.py": _REDUCTION,

@@ -11,7 +11,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Matrix
 from faying.contact.compiled_frictional import CompiledFrictionalContact, compilable
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
@@ -108,7 +108,7 @@ class FrictionalMean:
         """Return forces at the end, with the slip that they add to that of the mean."""
         contact, none = self.condensed.contact, np.zeros_like(forces)
         opened = np.concatenate([mean.slack[:1], none[1:]])
-        if self._obeyed(opened[0], forces):
+        if self._obeyed(forces):
             return replace(mean, forces=forces, slack=opened)
         z_free = opened - self._given_way(forces)
         if contact.residual_compliance is not None:
@@ -119,12 +119,11 @@ class FrictionalMean:
         elastic = self._laws.admissible(stuck, None)
         return replace(mean, forces=elastic, slack=z_free + self._laws.closure(elastic)[0])
 
-    def _obeyed(self, gap: Vector, forces: Matrix) -> bool:
-        """Say whether forces press closed points alone, and shear them no more than they may."""
-        rubbing, largest = self.condensed.contact.rubbing, np.abs(forces).max(initial=0.0)
+    def _obeyed(self, forces: Matrix) -> bool:
+        """Say whether forces 2 λ̄ − λ₀ press, so only closed points, and shear as they may."""
+        rubbing, largest = self.condensed.contact.rubbing, np.abs(forces).max()
         limit = self.condensed.contact.friction * forces[0, rubbing] + ADMISSIBLE * largest
-        wrong = (forces[0] < 0) | ((gap > 0) & (forces[0] > 0))
-        return not wrong.any() and not (np.hypot(*forces[1:, rubbing]) > limit).any()
+        return not (forces[0] < 0).any() and not (np.hypot(*forces[1:, rubbing]) > limit).any()
 
     def _given_way(self, forces: Matrix) -> Matrix:
         """W λ (3, n_point)."""
