@@ -89,7 +89,7 @@ def test_free_structure_with_one_boundary_is_found(seed):
     D = sp.diags_array([-np.ones(n - 1), np.ones(n - 1)], offsets=[0, 1], shape=(n - 1, n))
     K = (D.T @ sp.diags_array(stiffness) @ D).tocsr()
     free = Structure(
-        matrices=FreeMatrices(form=lambda: (K, K, K)),
+        matrices=FreeMatrices(form=lambda: (K, K, None)),
         relative_operator=sp.csr_array((1, n)),
         boundary=np.array([n - 1]),
         elongations=np.zeros((0, n)),

@@ -36,7 +36,7 @@ def chains(n, copies=1):
     one = sp.diags_array([-np.ones(n - 1), main, -np.ones(n - 1)], offsets=[-1, 0, 1])
     K = sp.block_diag([one] * copies, format="csr")
     return Structure(
-        matrices=FreeMatrices(form=lambda: (sp.eye_array(n * copies, format="csr"), K, K)),
+        matrices=FreeMatrices(form=lambda: (sp.eye_array(n * copies, format="csr"), K, None)),
         relative_operator=sp.csr_array((0, n * copies)),
         boundary=n * np.arange(1, copies + 1) - 1,
         elongations=np.zeros((0, n * copies)),

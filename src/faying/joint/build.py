@@ -115,7 +115,6 @@ def _built(
     ends = [_boundary_components(assembly, spec, movable) for spec in boundaries]
     _check_disjoint(assembly, boundaries, ends)
     dofs = constrain(assembly, used, keep=np.concatenate([*ends, np.empty(0, dtype=np.int64)]))
-    damping = damping or Rayleigh()
     joints = _interfaces(assembly, dofs, interfaces)
     placed = {
         spec.name: Boundary(
@@ -130,7 +129,7 @@ def _built(
     n_dof = len(dofs.free)
     relative_operator, places = _relative(joints, n_dof)
     structure = Structure(
-        matrices=free_matrices(assembly, dofs, damping),
+        matrices=free_matrices(assembly, dofs, damping or Rayleigh()),
         relative_operator=relative_operator,
         places=places,
         boundary=boundary_dofs(placed),
@@ -144,7 +143,6 @@ def _built(
         boundaries=placed,
         dofs=dofs,
         assembly=assembly,
-        damping=damping,
         name=assembly.name,
         units=units,
     )

@@ -1,7 +1,7 @@
 """M, C and K of a model, formed when they are first asked for: a model is checked without them."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 from faying._typing import SparseMatrix, read_only
@@ -10,7 +10,7 @@ from faying.model.dofs import DofMap
 from faying.model.matrices import assemble_matrices
 from faying.model.specs import Rayleigh
 
-_Three = tuple[SparseMatrix, SparseMatrix, SparseMatrix]
+_Formed = tuple[SparseMatrix, SparseMatrix, SparseMatrix | None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -20,17 +20,20 @@ class FreeMatrices:
     Attributes
     ----------
     form
-        Returns M, C and K; called once.
+        Returns M, K and the dampers D, None without any; called once.
+    damping
+        Factors α and β of C = α M + β K + D.
     """
 
-    form: Callable[[], _Three]
+    form: Callable[[], _Formed]
+    damping: Rayleigh = field(default_factory=Rayleigh)
 
-    def stiffened(self, added: SparseMatrix, damping: Rayleigh) -> "FreeMatrices":
+    def stiffened(self, added: SparseMatrix) -> "FreeMatrices":
         """Return matrices with springs (n_dof, n_dof) in K, and in C by the Rayleigh factor."""
-        return FreeMatrices(form=partial(_stiffened, self, added, damping))
+        return FreeMatrices(form=partial(_stiffened, self, added), damping=self.damping)
 
     @cached_property
-    def _formed(self) -> _Three:
+    def _formed(self) -> _Formed:
         return self.form()
 
     @property
@@ -39,30 +42,32 @@ class FreeMatrices:
         return self._formed[0]
 
     @property
-    def C(self) -> SparseMatrix:
-        """Damping."""
+    def K(self) -> SparseMatrix:
+        """Stiffness."""
         return self._formed[1]
 
     @property
-    def K(self) -> SparseMatrix:
-        """Stiffness."""
+    def dampers(self) -> SparseMatrix | None:
+        """Damping beside what is in proportion to M and K; None without any."""
         return self._formed[2]
+
+    @cached_property
+    def C(self) -> SparseMatrix:
+        """Damping."""
+        C = self.damping.alpha * self.M + self.damping.beta * self.K
+        return read_only((C if self.dampers is None else C + self.dampers).tocsr())
 
 
 def free_matrices(assembly: Assembly, dofs: DofMap, damping: Rayleigh) -> FreeMatrices:
     """Return the matrices of an assembly, with Rayleigh damping added to C."""
-    return FreeMatrices(form=partial(_assembled, assembly, dofs, damping))
+    return FreeMatrices(form=partial(_assembled, assembly, dofs), damping=damping)
 
 
-def _stiffened(own: FreeMatrices, added: SparseMatrix, damping: Rayleigh) -> _Three:
-    K = read_only((own.K + added).tocsr())
-    return own.M, read_only((own.C + damping.beta * added).tocsr()), K
+def _stiffened(own: FreeMatrices, added: SparseMatrix) -> _Formed:
+    return own.M, read_only((own.K + added).tocsr()), own.dampers
 
 
-def _assembled(assembly: Assembly, dofs: DofMap, damping: Rayleigh) -> _Three:
+def _assembled(assembly: Assembly, dofs: DofMap) -> _Formed:
     nodal = assemble_matrices(assembly)
-    M, K = dofs.projected(nodal.M), dofs.projected(nodal.K)
-    C = damping.alpha * M + damping.beta * K
-    if nodal.C is not None:
-        C = C + dofs.projected(nodal.C)
-    return read_only(M), read_only(C.tocsr()), read_only(K)
+    dampers = None if nodal.C is None else read_only(dofs.projected(nodal.C))
+    return read_only(dofs.projected(nodal.M)), read_only(dofs.projected(nodal.K)), dampers

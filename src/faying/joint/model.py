@@ -48,8 +48,6 @@ class Model(Shown):
         From the six degrees of freedom of every node to the free ones.
     assembly
         The description the model was built from.
-    damping
-        Rayleigh factors of C.
     units
         Label of the consistent unit set, carried into every output.
     stuck
@@ -68,7 +66,6 @@ class Model(Shown):
     boundaries: Mapping[str, Boundary]
     dofs: DofMap
     assembly: Assembly
-    damping: Rayleigh = field(default_factory=Rayleigh)
     name: str = "model"
     units: str = "mm-t-s"
     stuck: Mapping[str, Mask] = field(default_factory=dict)
@@ -129,6 +126,11 @@ class Model(Shown):
     def K(self) -> SparseMatrix:
         """Stiffness matrix (n_dof, n_dof), bolts and sticking areas included."""
         return self.structure.K
+
+    @property
+    def damping(self) -> Rayleigh:
+        """Rayleigh factors of C."""
+        return self.structure.matrices.damping
 
     @cached_property
     def contact(self) -> Contact:
@@ -308,8 +310,7 @@ class Model(Shown):
         stiffness : [force/length]
             That of each pair, if what the springs carry is to be known.
         """
-        matrices = self.structure.matrices.stiffened(added, self.damping)
-        structure = replace(self.structure, matrices=matrices)
+        structure = replace(self.structure, matrices=self.structure.matrices.stiffened(added))
         return replace(
             self,
             structure=structure,

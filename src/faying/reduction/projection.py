@@ -64,25 +64,27 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
 
 def projected(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:
     """Project as :func:`reduce`, without what recovers pressures of the full model."""
-    phi = basis.vectors
-    contact = replace(
-        model.contact,
-        relative_operator=frozen(model.contact.relative_operator @ phi),
-        residual_compliance=residual_compliance(model, basis) if compliance else None,
-    )
-    mesh = model.assembly.mesh
+    phi, mesh = basis.vectors, model.assembly.mesh
+    M, C, K = _matrices(model, phi)
+    residual: Compliance | None = None
     bending: dict[str, Matrix] = {}
     held: dict[str, Matrix] = {}
     if compliance:
+        stiffness = _vanishing(basis, K)
+        residual = _residual_compliance(model, basis, stiffness)
         moments = {n: one.bending for n, one in model.bolts.items() if one.bending is not None}
-        bending = _residuals(model, basis, moments)
+        bending = _residuals(model, basis, stiffness, moments)
         forces = {body: one.forces for body, one in model.weak_supports.items()}
-        held = _residuals(model, basis, forces)
+        held = _residuals(model, basis, stiffness, forces)
     return ReducedModel(
-        M=_symmetric(model.M @ phi, phi),
-        C=_symmetric(model.C @ phi, phi),
-        K=_symmetric(model.K @ phi, phi),
-        contact=contact,
+        M=M,
+        C=C,
+        K=K,
+        contact=replace(
+            model.contact,
+            relative_operator=frozen(model.contact.relative_operator @ phi),
+            residual_compliance=residual,
+        ),
         boundaries=_boundaries(model, basis),
         bolts={
             name: replace(bolt.projected(phi), residual_bending=bending.get(name))
@@ -206,10 +208,15 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
     P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, where the structure is held, and exists where it is not. Positive
     semidefinite: it is the compliance of the structure with its boundary and Φ_f held.
     """
-    fixed = basis.of_kind(*VANISHING)
-    seen = model.structure.relative_operator @ fixed
-    stiffness = fixed.T @ (model.K @ fixed)
-    residual = plus(model.structure.held_compliance, seen, -np.linalg.inv(stiffness))
+    return _residual_compliance(
+        model, basis, _vanishing(basis, _projection(model.K, basis.vectors))
+    )
+
+
+def _residual_compliance(model: Model, basis: Basis, stiffness: Matrix) -> Compliance:
+    seen = model.structure.relative_operator @ basis.of_kind(*VANISHING)
+    flexibility = np.asarray(np.linalg.inv(stiffness), dtype=np.float64)
+    residual = plus(model.structure.held_compliance, seen, -flexibility)
     return frozen(residual) if isinstance(residual, np.ndarray) else residual
 
 
@@ -248,10 +255,10 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
         raise ModelError(message)
     moved: Matrix = solution.states @ vectors.T
     pairs = rom.contact.at_pairs(solution.contact_forces, solution.shear_forces).T
-    return moved + residual_displacement(model, rom.basis, pairs)
+    return moved + _residual_displacement(model, rom, pairs)
 
 
-def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
+def _residual_displacement(model: Model, rom: ReducedModel, forces: Matrix) -> Matrix:
     """Displacements (..., n_dof) behind R: those of pair forces (..., n_relative) beyond a basis.
 
     K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
@@ -261,11 +268,12 @@ def residual_displacement(model: Model, basis: Basis, forces: Matrix) -> Matrix:
     One back-substitution for each f.
     """
     at_dofs = (np.atleast_2d(forces) @ model.structure.relative_operator).T
-    return _beyond(model, basis, at_dofs).T.reshape(*np.shape(forces)[:-1], -1)
+    beyond = _beyond(model, rom.basis, _vanishing(rom.basis, rom.K), at_dofs)
+    return beyond.T.reshape(*np.shape(forces)[:-1], -1)
 
 
 def _residuals(
-    model: Model, basis: Basis, rows: Mapping[str, SparseMatrix | Matrix]
+    model: Model, basis: Basis, stiffness: Matrix, rows: Mapping[str, SparseMatrix | Matrix]
 ) -> dict[str, Matrix]:
     """Return what rows (k, n_dof) tell of pair forces beyond a basis (k, n_relative), by name.
 
@@ -275,17 +283,17 @@ def _residuals(
     if not rows:
         return {}
     stacked = np.vstack([sp.csr_array(some).toarray() for some in rows.values()])
-    seen = model.structure.relative_operator @ _beyond(model, basis, stacked.T)
+    seen = model.structure.relative_operator @ _beyond(model, basis, stiffness, stacked.T)
     ends = np.cumsum([some.shape[0] for some in rows.values()])[:-1]
     residuals: Matrix = frozen(np.ascontiguousarray(seen.T))
     return dict(zip(rows, np.split(residuals, ends), strict=True))
 
 
-def _beyond(model: Model, basis: Basis, forces: Matrix) -> Matrix:
+def _beyond(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Matrix:
     """Return displacements (n_dof, n) under forces, boundary held, that a basis lacks."""
     fixed = basis.of_kind(*VANISHING)
     held = model.structure.solve_held(forces)
-    shares = np.linalg.solve(fixed.T @ (model.K @ fixed), fixed.T @ forces)
+    shares = np.linalg.solve(stiffness, fixed.T @ forces)
     beyond: Matrix = held - fixed @ shares
     return beyond
 
@@ -317,9 +325,25 @@ def _shared_vectors(bases: Sequence[Basis]) -> tuple[Basis, list[Indices]]:
     return together, chosen
 
 
-def _symmetric(image: Matrix, phi: Matrix) -> Matrix:
-    product: Matrix = phi.T @ image
+def _matrices(model: Model, phi: Matrix) -> tuple[Matrix, Matrix, Matrix]:
+    """Return M, C and K of a reduced model; C of the full one need not be formed."""
+    law, dampers = model.damping, model.structure.matrices.dampers
+    M, K = _projection(model.M, phi), _projection(model.K, phi)
+    C = law.alpha * M + law.beta * K
+    return M, C if dampers is None else C + _projection(dampers, phi), K
+
+
+def _projection(A: SparseMatrix, phi: Matrix) -> Matrix:
+    """Return ΦᵀAΦ of a symmetric matrix."""
+    product: Matrix = phi.T @ (A @ phi)
     return (product + product.T) / 2
+
+
+def _vanishing(basis: Basis, stiffness: Matrix) -> Matrix:
+    """Return Φ_fᵀ K Φ_f, the part of ΦᵀKΦ of shapes that vanish on the boundary."""
+    inner = np.array([kind in VANISHING for kind in basis.kinds], dtype=bool)
+    vanishing: Matrix = stiffness[np.ix_(inner, inner)]
+    return vanishing
 
 
 def _boundaries(model: Model, basis: Basis) -> dict[str, Boundary]:

@@ -85,7 +85,8 @@ def supported_operator(model: Model, basis: Basis) -> Recovery:
     One back-substitution per trial vector. Damping in proportion to mass and stiffness follows
     from the same, K⁻¹ (α M + β K) Φ = α K⁻¹ M Φ + β Φ; any other takes a second one.
     """
-    structure, vectors, law = model.structure, basis.vectors, model.damping
+    structure, vectors = model.structure, basis.vectors
+    law, dampers = model.damping, structure.matrices.dampers
     if vectors.shape[0] != structure.n_dof:
         message = (
             f"the basis has {vectors.shape[0]} rows but the model has {structure.n_dof} "
@@ -94,9 +95,8 @@ def supported_operator(model: Model, basis: Basis) -> Recovery:
         raise ModelError(message)
     inertia = at_ports(model, structure.solve(model.M @ vectors))
     damping = law.alpha * inertia + law.beta * at_ports(model, vectors)
-    others = model.C - (law.alpha * model.M + law.beta * model.K)
-    if others.count_nonzero():
-        damping = damping + at_ports(model, structure.solve(others @ vectors))
+    if dampers is not None:
+        damping = damping + at_ports(model, structure.solve(dampers @ vectors))
     return Recovery(joint=model, inertia=inertia, damping=damping)
 
 
