@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from faying.contact import frictional
 from faying.contact.frictional import SOLVED
 from random_friction import Joints, outcomes
 
@@ -28,9 +29,20 @@ def test_increments_are_solved_or_refused_with_the_reason(joints, index):
             assert one.residual <= 2 * SOLVED
 
 
-@pytest.mark.parametrize("index", [0, 1, 23, 57])
+@pytest.mark.parametrize("index", [0, 1, 23, 57, 95])
 def test_paths_that_newton_steps_alone_do_not_solve(joints, index):
-    """Rank-deficient and stiff: full steps, or points that yield at first, lead to the end."""
+    """Rank-deficient and stiff: points that yield at first, or bounds renewed, lead to the end."""
     found = list(outcomes(index, joints))
     assert len(found) == 5
     assert all(not one.refused and one.residual <= 2 * SOLVED for one in found)
+
+
+@pytest.mark.parametrize(
+    ("index", "reason"), [(95, "there is a solution"), (208, "may contradict each other")]
+)
+def test_refusals_say_whether_there_is_a_solution(joints, monkeypatch, index, reason):
+    """One with penalties, where few steps are allowed, and one whose rigid gaps contradict."""
+    for limit in ("MOST_STEPS", "MOST_BOUNDS", "MOST_PROXIMAL"):
+        monkeypatch.setattr(frictional, limit, 1)
+    *_, last = outcomes(index, joints)
+    assert reason in last.refused
