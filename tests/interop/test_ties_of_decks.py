@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from calculix_runs import displacements, needs_calculix, solved
 
+from faying.exceptions import FormatError
 from faying.io.abaqus import read_deck, read_joint
 from faying.model.elements import SOLIDS
 from solid_blocks import solid_block
@@ -154,3 +155,41 @@ def test_a_tie_of_a_part_says_how_much_it_ties(tmp_path):
     (tmp_path / "deck.inp").write_text(text)
     notes = read_deck(tmp_path / "deck.inp").ignored
     assert "*TIE T: 50% of the smaller surface is tied" in notes
+
+
+@needs_calculix
+@pytest.mark.parametrize("kind", ["hex8", "hex20"])
+def test_single_nodes_follow_the_place_they_lie_on(kind, tmp_path):
+    """An edge and a corner of the upper block, which make no facet, tied to the lower one."""
+    load = PULL.replace("*BOUNDARY\nTOP,3,3,0.003", "*CLOAD\nTOP,1,0.3\nTOP,3,-0.2")
+    load = load.replace("X,1\nY,2\n", "Z,1,2\n")
+    text, nodes = deck(kind, (2, 1, 1), (3, 2, 1), 0.0, load)
+    upper = np.arange(len(nodes)) >= len(solid_block(kind, (2, 1, 1), SIZE).nodes)
+    under = 1 + np.flatnonzero(upper & (nodes[:, 2] == SIZE[2]))
+    loose = [node for node in under.tolist() if nodes[node - 1, 0] == 0.0] + [int(under[-1])]
+    rows = "".join(f"{node},\n" for node in loose)
+    surfaces = (
+        f"*NSET,NSET=LOOSE\n{rows}*SURFACE,NAME=SLAVE,TYPE=NODE\nLOOSE,\n"
+        "*SURFACE,NAME=MASTER\nA,S2\n"
+    )
+    text = text.replace(text[text.index("*SURFACE") : text.index("*TIE")], surfaces)
+    theirs = displacements(tmp_path, text)[-1]
+    assembly = read_deck(tmp_path / "job.inp")
+    assert "*TIE T: each slave node follows the place of the master next to it" in assembly.ignored
+    ours = solved(assembly)[:, :3]
+    wanted = np.array([theirs[i + 1] for i in range(len(nodes))])
+    # Seven digits are printed.
+    np.testing.assert_allclose(ours, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
+
+
+def test_slave_nodes_beyond_the_tolerance_are_counted(tmp_path):
+    text, nodes = deck("hex8", (2, 2, 2), (3, 1, 1), 0.0, PULL)
+    text = text.replace("*SURFACE,NAME=SLAVE\nA,S2\n", "*SURFACE,NAME=SLAVE,TYPE=NODE\nX,1.\n")
+    (tmp_path / "deck.inp").write_text(text)
+    (note,) = [n for n in read_deck(tmp_path / "deck.inp").ignored if n.startswith("*TIE T")]
+    # Of 9 and 4 nodes at x = 0, three of the slave and two of the master itself lie on it.
+    beyond = int((nodes[:, 0] == 0.0).sum()) - 5
+    assert note.endswith(f"; {beyond} of {beyond + 5} lie beyond 0.1 of it and do not")
+    (tmp_path / "deck.inp").write_text(text.replace("B,S1", "B,S2").replace("X,1.", "Z,1."))
+    with pytest.raises(FormatError, match=r"TIE: no node of slave surface 'SLAVE' lies within 0.1"):
+        read_deck(tmp_path / "deck.inp")

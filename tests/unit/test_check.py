@@ -252,6 +252,16 @@ def test_bolts_and_contact_that_cannot_be_built_are_needs_of_a_deck_alone(check_
     assert (status, err) == (0, "")
     assert ["Bodies"] in lines
     assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
+    # A bolt through one body and no contact at all: both are told.
+    path.write_text(
+        without_contact(DECK.replace("NAME=HEAD\nUPPER, S2", "NAME=HEAD\nLOWER, S2")).replace(
+            "UPPER\n2, 11, 12, 13, 14", "UPPER\n2, 5, 6, 7, 8"
+        )
+    )
+    status, lines, _ = check_file(path)
+    assert status == 0
+    assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
+    assert any(line[:4] == ["an", "interface:", "none", "is"] for line in lines)
     # The slave lies inside out, so that it sees nothing of the master.
     path.write_text(DECK.replace("NAME=MASTER\n2, S1", "NAME=MASTER\n2, S2"))
     status, lines, _ = check_file(path)

@@ -47,9 +47,32 @@ def test_what_is_tied_or_paired_already_is_left_out(tmp_path):
     assert len(both.interfaces) == 3
 
 
+LISTED = ("*Contact", "*Contact Inclusions", "Under, Over", "Seat, Head", "Bottom, Nut")
+
+
+def test_listed_surfaces_are_pairs(tmp_path):
+    """The property of two of them overrides that of all; what is solution control stays out."""
+    control = ("*Contact Formulation, type=MASTER SLAVE ROLES", "Seat, Head, SLAVE")
+    described = read(
+        tmp_path, *LISTED, *ASSIGNED, "Head, Seat, Soft", *control, "*Contact Stabilization",
+        "*Surface Interaction, name=Soft", "*Surface Behavior, pressure-overclosure=LINEAR", "1.e4",
+    )  # fmt: skip
+    assert areas(described) == areas(read(tmp_path, *PAIRS))
+    assert [one.penalty for one in described.interfaces] == ["hard", 1e4, "hard"]
+    assert [one.minus for one in described.interfaces] == ["Under", "Seat", "Bottom"]
+    assert {rule.closed_up_to for rule in described.gap_rules.values()} == {0.0}
+    notes = described.assembly.ignored
+    assert any("general contact of listed surfaces" in note for note in notes)
+    assert any(note.startswith("1 *CONTACT FORMULATION: roles") for note in notes)
+
+
 REFUSED = [
     (EVERYTHING, "CONTACT INCLUSIONS: it needs"),
-    ((EVERYTHING[0], "*Contact Inclusions", "Seat, Head", *ASSIGNED), "only ALL EXTERIOR is read"),
+    ((*EVERYTHING, "Seat, Head", *ASSIGNED), "list surfaces without it"),
+    ((*LISTED, "Seat,", *ASSIGNED), "expected the slave and the master surface"),
+    (LISTED, "gives this pair no"),
+    ((*LISTED, *ASSIGNED, "Seat, , IntProp-1"), "found 'Seat, , IntProp-1', expected two"),
+    ((*LISTED, *ASSIGNED, "Seat, Nut, IntProp-1"), "surfaces Nut and Seat have a property, but"),
     (
         (*EVERYTHING, ASSIGNED[0], "Seat, Head, IntProp-1"),
         "found 'Seat, Head, IntProp-1', expected",

@@ -10,6 +10,8 @@ from faying._typing import Indices, SparseMatrix
 from faying.interface.across import declared_area, pairs_across
 from faying.interface.candidate_facets import candidates
 from faying.interface.mortar import find_couplings
+from faying.interface.projection import nearest_places
+from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly, Equation
 from faying.model.specs import InterfaceSpec
 
@@ -38,6 +40,35 @@ def moving_together(
         if share < MOST_OF_IT:
             partial.append((spec.name, share))
     return equations, partial
+
+
+def following(
+    assembly: Assembly, own: Indices, surface: str, reach: float, first: int
+) -> tuple[tuple[Equation, ...], int]:
+    """Return the equations by which single nodes follow a surface, and how many nodes do.
+
+    Parameters
+    ----------
+    own : (n,)
+        Indices of the nodes; those of the surface itself move with it anyway.
+    reach : [length]
+        Largest distance of a node from its place.
+    first
+        Id of the first equation.
+    """
+    facets = select_facets(assembly, surface)
+    places = nearest_places(assembly.mesh.nodes, own, facets, reach)
+    free = ~np.isin(own[places.rows], facets.nodes)
+    rows = np.repeat(np.arange(int(free.sum())), places.shape.shape[1])
+    shape = (int(free.sum()), len(assembly.mesh.nodes))
+    follow = sp.csr_array(
+        (places.shape[free].ravel(), (rows, places.columns[free].ravel())), shape=shape
+    )
+    follow.eliminate_zeros()
+    slaves = own[places.rows[free]]
+    ones = np.ones(len(slaves))
+    own_part = sp.csr_array((ones, (np.arange(len(slaves)), slaves)), shape=shape)
+    return tuple(_equations(slaves, follow - own_part, first)), len(places.rows)
 
 
 def _tied_equations(

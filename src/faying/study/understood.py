@@ -66,7 +66,7 @@ def understood(study: Study, loaded: LoadedModel, *, bare: bool) -> Understood:
             raise
         model, problem = _without_joint(loaded), str(error)
     free = free_parts(model)
-    needs = tuple(_needs(study, loaded, model, free, problem))
+    needs = tuple(_needs(study, loaded, model, free, problem, candidate))
     return Understood(model=model, candidate=candidate, free=free, needs=needs)
 
 
@@ -100,15 +100,23 @@ def _structure(loaded: LoadedModel) -> Model:
 
 
 def _needs(
-    study: Study, loaded: LoadedModel, model: Model, free: FreeParts, problem: str
+    study: Study,
+    loaded: LoadedModel,
+    model: Model,
+    free: FreeParts,
+    problem: str,
+    candidate: InterfaceSpec | None,
 ) -> Iterator[str]:
     if problem:
         yield f"contact and bolts that can be built: {problem}"
-    elif not model.interfaces:
+    if not loaded.interfaces and candidate is None:
         why = "faces found would be those of ties and of cuts through bolts too"
         why = why if loaded.has_joined_faces else "no bodies touch"
-        yield f"an interface: none is declared, and {why}; name both sides of one"
-    elif not loaded.interfaces:
+        yield (
+            f"an interface: none is declared, and {why}; name both sides of one, for models "
+            "without contact are read and not computed"
+        )
+    elif not loaded.interfaces and not problem:
         yield "an interface in the study; those found are above, with what to paste below"
     if free.count:
         yield (

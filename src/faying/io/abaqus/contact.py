@@ -286,7 +286,7 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
                 "of facets instead of at each point; where contact is hard or far stiffer than the "
                 "elements, coarse meshes give way some percent more"
             )
-        if pair.adjusted is not None:
+        if pair.adjusted is not None and pair.keyword.has("ADJUST"):
             ignored.append(
                 f"ADJUST of contact pair {name}: gaps start closed there, the mesh stays as it is"
             )

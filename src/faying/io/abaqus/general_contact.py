@@ -1,4 +1,4 @@
-"""``*CONTACT``: contact of everything, as interfaces between the bodies that face each other."""
+"""``*CONTACT``: interfaces between bodies that face each other, or between listed surfaces."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import product
@@ -7,17 +7,24 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.interface.facing import facing_bodies
-from faying.io.abaqus.contact import Interaction
+from faying.io.abaqus.contact import Interaction, Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
+from faying.model.gap_rule import GapRule
 from faying.model.specs import InterfaceSpec
 
 EVERYTHING = (
     "general contact: an interface for each pair of bodies whose faces touch, or face each other "
     "within half a facet; bodies that are tied or in a contact pair with each other have none"
+)
+
+LISTED = (
+    "general contact of listed surfaces: an interface for each pair, whose first surface has the "
+    "contact points; what overlaps of them starts in contact without strain, as Abaqus adjusts it"
 )
 
 SEEN_ACROSS = 1.01
@@ -41,17 +48,16 @@ def read_general_contact(
     Raises
     ------
     FormatError
-        If the contact is of some surfaces only, or has properties that differ among them.
+        If its properties differ among the surfaces.
     """
-    everything = deck.of("CONTACT INCLUSIONS")
-    assigned = deck.of("CONTACT PROPERTY ASSIGNMENT")
-    for keyword in everything:
-        keyword.allow("ALL EXTERIOR")
-        if not keyword.has("ALL EXTERIOR") or keyword.rows():
-            message = "only ALL EXTERIOR is read; define *CONTACT PAIR for surfaces"
-            raise keyword.error(message)
+    everything = [k for k in deck.of("CONTACT INCLUSIONS") if k.has("ALL EXTERIOR")]
     if not everything:
         return ()
+    assigned = deck.of("CONTACT PROPERTY ASSIGNMENT")
+    for keyword in everything:
+        if keyword.rows():
+            message = "ALL EXTERIOR is of everything; list surfaces without it"
+            raise keyword.error(message)
     found = _interaction(assigned, interactions)
     if found is None:
         message = "it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION"
@@ -74,6 +80,83 @@ def read_general_contact(
     )
 
 
+def read_listed(
+    deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces, ignored: list[str]
+) -> list[Pair]:
+    """Return the pairs of surfaces that ``*CONTACT INCLUSIONS`` lists.
+
+    Raises
+    ------
+    FormatError
+        If a surface or a property is missing, or a line leaves a surface out.
+    """
+    pairs = []
+    chosen, everywhere = _assigned(deck, interactions, surfaces)
+    for keyword in deck.of("CONTACT INCLUSIONS"):
+        keyword.allow("ALL EXTERIOR")
+        if keyword.has("ALL EXTERIOR"):
+            continue
+        for row, fields in enumerate(keyword.rows()):
+            slave, master = slave_and_master(surfaces, keyword, row, fields)
+            sides = frozenset((slave.name, master.name))
+            interaction = chosen.pop(sides, everywhere)
+            if interaction is None:
+                message = "*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION"
+                raise keyword.error(message, row)
+            pairs.append(
+                Pair(
+                    keyword=keyword,
+                    row=row,
+                    slave=slave,
+                    master=master,
+                    penalty=interaction.penalty,
+                    adjusted=GapRule(closed_up_to=0.0),
+                    interaction=interaction.name,
+                    friction=interaction.friction,
+                )
+            )
+    if pairs:
+        ignored.append(LISTED)
+    if pairs and chosen:
+        names = " and ".join(sorted(next(iter(chosen))))
+        message = f"surfaces {names} have a property, but are no pair of *CONTACT INCLUSIONS"
+        raise deck.of("CONTACT PROPERTY ASSIGNMENT")[0].error(message)
+    return pairs
+
+
+def _assigned(
+    deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces
+) -> tuple[dict[frozenset[str], Interaction], Interaction | None]:
+    """Return the interactions of pairs of surfaces by name, and that of all others."""
+    chosen: dict[frozenset[str], Interaction] = {}
+    everywhere = None
+    if all(keyword.has("ALL EXTERIOR") for keyword in deck.of("CONTACT INCLUSIONS")):
+        return chosen, everywhere
+    for keyword in deck.of("CONTACT PROPERTY ASSIGNMENT"):
+        keyword.allow()
+        for row, fields in enumerate(keyword.rows()):
+            name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
+            if name not in interactions or any(fields[:2]) != all(fields[:2]):
+                message = (
+                    f"found '{', '.join(fields)}', expected two surfaces, or none for all pairs, "
+                    "and the name of a *SURFACE INTERACTION"
+                )
+                raise keyword.error(message, row)
+            _check_opens(keyword, row, interactions[name])
+            if any(fields[:2]):
+                sides = [find_surface(surfaces, keyword, text, row).name for text in fields[:2]]
+                chosen[frozenset(sides)] = interactions[name]
+            else:
+                everywhere = interactions[name]
+    return chosen, everywhere
+
+
+def _check_opens(keyword: Keyword, row: int, interaction: Interaction) -> None:
+    if interaction.tied:
+        message = "general contact that is TIED is not supported; give *TIE"
+        raise keyword.error(message, row)
+
+
 def _interaction(
     assigned: list[Keyword], interactions: Mapping[str, Interaction]
 ) -> Interaction | None:
@@ -90,9 +173,7 @@ def _interaction(
                 )
                 raise keyword.error(message, row)
             found = interactions[name]
-            if found.tied:
-                message = "general contact that is TIED is not supported; give *TIE"
-                raise keyword.error(message, row)
+            _check_opens(keyword, row, found)
     return found
 
 

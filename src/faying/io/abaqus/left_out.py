@@ -23,6 +23,11 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "solution control: faying has its own tolerances": (
         "HCF",
         *("CONTROLS", "SOLVER CONTROLS", "CONTACT CONTROLS", "NO ANALYSIS", "DYNAMIC CONTROLS"),
+        *("CONTACT STABILIZATION", "CONSTRAINT CONTROLS", "DIAGNOSTICS"),
+    ),
+    "roles of slave and master, and smoothing: an interface has its contact points on its first "
+    "surface, and gaps of curved surfaces are those of smooth ones": (
+        *("CONTACT FORMULATION", "SURFACE SMOOTHING"),
     ),
     "optimization and sensitivities: nothing is optimized": (
         *("DESIGN VARIABLES", "DESIGN VARIABLE", "DESIGN RESPONSE", "OBJECTIVE", "SENSITIVITY"),
@@ -63,7 +68,7 @@ _PLANE = (
 )
 _MATRICES = 'give matrices instead (source = "matrices")'
 _GENERATED = "write nodes and elements out; preprocessors and CalculiX's cgx do"
-_PAIRS = "define *CONTACT PAIR; of general contact only that of everything alike is supported"
+_PAIRS = "define *CONTACT PAIR; general contact is of everything alike, or of listed surfaces"
 _FLOW = "flow, electric and magnetic fields are not supported; remove them"
 _ELASTIC = "give *ELASTIC; materials are linear elastic"
 _STARTS = "remove it; structures start without stress"
@@ -74,7 +79,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
     _PAIRS: (
         *("CONTACT EXCLUSIONS", "CONTACT INITIALIZATION DATA"),
         "CONTACT INITIALIZATION ASSIGNMENT",
-        "CONTACT FORMULATION",
+        *("CONTACT CLEARANCE", "CONTACT CLEARANCE ASSIGNMENT", "SURFACE PROPERTY ASSIGNMENT"),
     ),
     _ELASTIC: (
         *("HYPERELASTIC", "HYPERFOAM", "DEFORMATION PLASTICITY", "USER MATERIAL", "DEPVAR"),
@@ -92,7 +97,11 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
         *("MODEL CHANGE", "CHANGE FRICTION", "CHANGE MATERIAL", "CHANGE SOLID SECTION"),
         *("CHANGE SURFACE BEHAVIOR", "CHANGE CONTACT TYPE"),
     ),
-    "use *COUPLING, *MPC or *EQUATION": ("CONNECTOR SECTION", "CONNECTOR BEHAVIOR"),
+    "use *COUPLING, *MPC or *EQUATION": (
+        *("CONNECTOR SECTION", "CONNECTOR BEHAVIOR", "CONNECTOR ELASTICITY", "CONNECTOR LOAD"),
+        *("CONNECTOR MOTION", "CONNECTOR LOCK", "CONNECTOR STOP", "CONNECTOR DAMPING"),
+        *("CONNECTOR FRICTION", "FASTENER", "FASTENER PROPERTY"),
+    ),
     "cut the model yourself and hold it by *BOUNDARY": ("SUBMODEL",),
     _MATRICES: (
         *("USER ELEMENT", "MATRIX INPUT", "MATRIX ASSEMBLE", "UEL PROPERTY", "USER SECTION"),

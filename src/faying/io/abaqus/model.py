@@ -16,7 +16,11 @@ from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
 from faying.io.abaqus.elements import Elements, read_elements
 from faying.io.abaqus.equations import read_equations
-from faying.io.abaqus.general_contact import joined_bodies, read_general_contact
+from faying.io.abaqus.general_contact import (
+    joined_bodies,
+    read_general_contact,
+    read_listed,
+)
 from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ, without_blanks
@@ -91,6 +95,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
     interactions = contact.read_interactions(deck, ignored)
     declared = contact.read_pairs(deck, interactions, surfaces, by_node, ignored)
+    declared += read_listed(deck, interactions, surfaces, ignored)
     deck, declared = without_removed_pairs(deck, declared, ignored)
     pairs = [pair for pair in declared if not pair.tied]
     ties = read_ties(deck, surfaces, [pair for pair in declared if pair.tied], ignored)

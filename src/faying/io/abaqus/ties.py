@@ -10,8 +10,8 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
-from faying.io.tied_surfaces import moving_together
-from faying.model.assembly import Assembly
+from faying.io.tied_surfaces import following, moving_together
+from faying.model.assembly import Assembly, Equation
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS
 
@@ -79,7 +79,10 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     FormatError, ModelError
         If a surface cannot be told by its nodes, or the two see nothing of each other.
     """
-    sides = [side for tie in ties for side in (tie.slave, tie.master)]
+    of_nodes = [tie for tie in ties if not tie.slave.facets]
+    of_facets = [tie for tie in ties if tie.slave.facets]
+    sides = [side for tie in of_facets for side in (tie.slave, tie.master)]
+    sides += [tie.master for tie in of_nodes]
     named = replace(assembly, mesh=with_mixed_sides(assembly.mesh, sides))
     specs = [
         InterfaceSpec(
@@ -89,13 +92,37 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
             meshes="non-matching",
             search_distance=_tolerance(assembly, tie),
         )
-        for tie in ties
+        for tie in of_facets
     ]
     equations, partial = moving_together(named, specs)
     ignored += [
         f"*TIE {name}: {share:.0%} of the smaller surface is tied" for name, share in partial
     ]
-    return replace(assembly, equations=(*assembly.equations, *equations))
+    found = (*assembly.equations, *equations)
+    for tie in of_nodes:
+        first = max((equation.id for equation in found), default=0) + 1
+        found += _following(named, tie, first, ignored)
+    return replace(assembly, equations=found)
+
+
+def _following(
+    assembly: Assembly, tie: Tie, first: int, ignored: list[str]
+) -> tuple[Equation, ...]:
+    """Return the equations of a tie whose slave is nodes, and say which of them it leaves out."""
+    tolerance = _tolerance(assembly, tie)
+    equations, n_tied = following(assembly, tie.slave.nodes, tie.master.name, tolerance, first)
+    if not n_tied:
+        message = (
+            f"no node of slave surface '{tie.slave.name}' lies within {tolerance:g} of master "
+            f"surface '{tie.master.name}'; give POSITION TOLERANCE, or correct the surfaces"
+        )
+        raise tie.keyword.error(message)
+    note = f"*TIE {tie.name}: each slave node follows the place of the master next to it"
+    beyond = len(tie.slave.nodes) - n_tied
+    if beyond:
+        note += f"; {beyond} of {len(tie.slave.nodes)} lie beyond {tolerance:g} of it and do not"
+    ignored.append(note)
+    return equations
 
 
 def _tolerance(assembly: Assembly, tie: Tie) -> float:

@@ -1,0 +1,131 @@
+"""Projection of single nodes onto a surface: the facet next to each, and the place on it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from faying._typing import Indices, Matrix, Vector
+from faying.interface.coupling import by_kind
+from faying.interface.facets import shape_functions
+from faying.interface.inverse_map import reference_coordinates
+from faying.model.surface import LINEAR, N_CORNERS, N_NODES, Facets, facet_centres, facet_normals
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Places:
+    """Where nodes lie on a surface; those too far from it are left out.
+
+    Attributes
+    ----------
+    rows : (n,)
+        Which of the nodes each place belongs to.
+    facets : (n,)
+        The facet it lies on.
+    columns : (n, 8)
+        Nodes of that facet; unused columns repeat the first.
+    shape : (n, 8)
+        Their shape functions there, which add up to one; zero in unused columns.
+    """
+
+    rows: Indices
+    facets: Indices
+    columns: Indices
+    shape: Matrix
+
+
+def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) -> Places:
+    """Find the place of a surface nearest to each of some nodes.
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+    own : (n,)
+        Indices of the nodes that are projected.
+    facets
+        The surface.
+    reach : [length]
+        Largest distance of a node from its place.
+
+    Returns
+    -------
+    Places
+        Of all nodes within reach. Beside the surface it is a place on its edge.
+
+    Notes
+    -----
+    Each facet near a node is tried along its normal, by its corners; on the nearest of them the
+    place is found anew where it has mid-side nodes. Linear in the number of facets near each node.
+    """
+    row, which = _near(nodes, own, facets, reach)
+    frames = _frames(nodes, facets)
+    distance = np.full(len(row), np.inf)
+    for kind, members in by_kind(facets).items():
+        here = np.flatnonzero(np.isin(which, members))
+        columns = facets.nodes[which[here], : N_CORNERS[kind]]
+        shape = _shape_at(LINEAR[kind], nodes, columns, own[row[here]], frames[which[here]])
+        away = np.einsum("na,nad->nd", shape, nodes[columns]) - nodes[own[row[here]]]
+        distance[here] = np.linalg.norm(away, axis=1)
+    order = np.lexsort((distance, row))
+    _, first = np.unique(row[order], return_index=True)
+    best = order[first]
+    best = best[distance[best] <= reach]
+    columns = np.repeat(facets.nodes[which[best], :1], facets.nodes.shape[1], axis=1)
+    shape = np.zeros(columns.shape)
+    for kind, members in by_kind(facets).items():
+        here = np.flatnonzero(np.isin(which[best], members))
+        n, at = N_NODES[kind], which[best[here]]
+        columns[here, :n] = facets.nodes[at, :n]
+        shape[here, :n] = _shape_at(
+            kind, nodes, columns[here, :n], own[row[best[here]]], frames[at]
+        )
+    return Places(rows=row[best], facets=which[best], columns=columns, shape=shape)
+
+
+def _near(nodes: Matrix, own: Indices, facets: Facets, reach: float) -> tuple[Indices, Indices]:
+    """Return the pairs of nodes (by row) and facets whose sphere is within reach."""
+    centres, radii = facet_centres(nodes, facets), _radii(nodes, facets)
+    around = cKDTree(centres).query_ball_point(nodes[own], reach + radii.max(initial=0.0))
+    counts = np.fromiter(map(len, around), np.int64, len(around))
+    empty = np.empty(0, dtype=np.int64)
+    which = np.concatenate([empty, *(np.asarray(part, dtype=np.int64) for part in around)])
+    row = np.repeat(np.arange(len(own)), counts)
+    away = np.linalg.norm(nodes[own[row]] - centres[which], axis=1)
+    kept = away <= reach + radii[which]
+    return row[kept], which[kept]
+
+
+def _radii(nodes: Matrix, facets: Facets) -> Vector:
+    away = nodes[facets.corners] - facet_centres(nodes, facets)[:, None]
+    radii: Vector = np.linalg.norm(away, axis=2).max(axis=1, initial=0.0)
+    return radii
+
+
+def _frames(nodes: Matrix, facets: Facets) -> Matrix:
+    """Two tangents of each facet (n, 2, 3)."""
+    normals, corners = facet_normals(nodes, facets), nodes[facets.corners]
+    edges = np.roll(corners, -1, axis=1) - corners
+    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
+    first = edges[np.arange(len(edges)), longest]
+    first = first - np.einsum("nd,nd->n", first, normals)[:, None] * normals
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normals, first)], axis=1)
+
+
+def _shape_at(
+    kind: str, nodes: Matrix, columns: Indices, points: Indices, frames: Matrix
+) -> Matrix:
+    """Shape functions (n, k) of facets (n, k) at the places of points (n,), kept on the facets."""
+    if not len(columns):
+        return np.zeros(columns.shape)
+    flat = np.einsum("nkd,nad->nka", nodes[columns], frames)
+    seen = np.einsum("nd,nad->na", nodes[points], frames)
+    place = reference_coordinates(kind, flat, seen[:, None])[:, 0]
+    if N_CORNERS[kind] == 4:
+        place = np.clip(place, 0.0, 1.0)
+    else:
+        shares = np.maximum(np.column_stack([1.0 - place.sum(axis=1), place]), 0.0)
+        place = (shares / shares.sum(axis=1, keepdims=True))[:, 1:]
+    shape = shape_functions(kind, place)
+    # Shape functions at nodes are 0 and 1 but for rounding, which would fill equations.
+    return np.where(np.abs(shape) < 1e-12, 0.0, shape)
