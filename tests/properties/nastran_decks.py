@@ -92,6 +92,7 @@ LOADS = (
     "FORCE1,1,94,2.,91,92\nMOMENT1,1,93,2.,91,94\nFORCE2,1,94,2.,91,92,93,94\n"
     "MOMENT2,1,93,2.,91,94,92,93\nPLOAD,2,1.5,1,2,3,4\nPLOAD,2,.5,1,2,3\n"
     "PLOAD2,2,2.,431,THRU,432\nPLOAD2,2,2.,433,434\n"
+    "PLOAD1,1,71,FY,FR,.1,2.,.8,3.\nPLOAD1,1,72,MZE,LE,.3,2.\nPLOAD1,1,74,FX,LEPR,.1,1.,.3,2.\n"
     "PLOAD4,2,2,1.,2.,3.,4.,15,17\n,4,1.,0.,0.\nPLOAD4,2,4,1.,,,,21,23\n"
 )
 CONTACT = (
@@ -108,6 +109,7 @@ BULK = SOLIDS + LINES + STRUCTURE + BARS + TIES + LOADS + CONTACT
 # Elements that can be built, whose masses loads act on.
 HEAVY = (
     SOLIDS + LINES + "CORD2R,4,0,0.,0.,0.,1.,0.,0.\n,0.,1.,0.\n"
+    "SPC,5,94,3,.1,92,2,.2\nSPC1,5,12,91,94\nSPCD,1,94,1,.3,91,12,.4\n"
     "GRAV,2,4,9.,.1,.2,-1.\nRFORCE,1,94,4,2.,0.,0.,1.,1\n,0.\nLOAD,10,2.,1.5,1,.5,2\n"
 )
 SUBCASES = (1, 2, 3, 4)

@@ -102,13 +102,13 @@ def test_no_malformed_number_is_read_as_another(tmp_path: Path, bad: str) -> Non
 
 
 @pytest.mark.parametrize("bad", SLIPS)
-def test_no_malformed_number_of_a_body_load_is_read_as_another(tmp_path: Path, bad: str) -> None:
+def test_no_malformed_number_is_read_as_another_with_all_elements(tmp_path: Path, bad: str) -> None:
     lines = HEAVY.splitlines()
     path = tmp_path / "a.bdf"
     path.write_text(HEAVY)
-    assert list(read_joint(path).assembly.loads) == ["1", "2", "10"]
+    assert list(read_joint(path).assembly.loads) == ["spc", "1", "2", "10"]
     for i, line in enumerate(lines):
-        if line.startswith(("GRAV", "RFORCE")):
+        if line.startswith(("GRAV", "RFORCE", "SPC")):
             for k in range(1, len(line.split(","))):
                 fields = line.split(",")
                 fields[k] = bad

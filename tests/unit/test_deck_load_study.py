@@ -23,7 +23,8 @@ LOADS = """\
 FORCE,7,475,,100.,0.,3.,-4.
 FORCE,8,300,,-100.,0.,0.,1.
 MOMENT,8,475,,500.,1.,0.,0.
-PLOAD1,9,1,FY,FR,0.,1.
+ACCEL1,9,,9.,0.,0.,1.
+,475
 ENDDATA"""
 STUDY = """
 title = "Loads of the deck"
@@ -245,7 +246,7 @@ ONE = "{ deck_load = 8, value = 1.0 }"
              "joint.bdf has no load '77'; did you mean '7'?"],
         ),
         ('{ deck_load = "gust", value = 1.0 }', ["no load 'gust'; known are '7', '8'"]),
-        ('{ deck_load = "9", value = 1.0 }', ["no load '9'; left out: load set 9 (", "PLOAD1"]),
+        ('{ deck_load = "9", value = 1.0 }', ["no load '9'; left out: load set 9 (", "ACCEL1"]),
         (
             '{ deck_load = "8", boundary = "tip", value = 1.0 }',
             ["[[load_case]] number 1, forces number 1 of study.toml (line 41)",

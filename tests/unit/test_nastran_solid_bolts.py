@@ -57,7 +57,10 @@ REFUSED = [
     ("BOLT,1,3,0,3,,,,\n,310,399", "element 399 is no solid of the deck"),
     ("BOLT,1,4,0,3", r"ETYPE = 4; it is 1 \(beams\), 2 or 3 \(solids\)"),
     ("BOLT,1,998\n,TOP,300,301\n,BOTTOM,302", "2 grids on TOP and 1 on BOTTOM"),
-    ("BOLT,1,300\n,TOP,301\n,BOTTOM,302", "control grid 300 has no force along one line"),
+    (
+        "BOLT,1,300\n,TOP,301\n,BOTTOM,302",
+        "control grid 300 has no force or displacement along one line",
+    ),
 ]
 
 
@@ -82,3 +85,30 @@ def test_contact_that_begins_in_a_later_step(tmp_path):
     described = read_nastran(path)
     assert [one.name for one in described.interfaces] == ["contact-7-8"]
     assert any("BCONTACT = 4 is that of a later STEP" in one for one in described.assembly.ignored)
+
+
+def test_a_control_grid_that_is_moved_shortens_its_shank(tmp_path):
+    """The sides of the cut overlap by as much, whatever gives way to it."""
+    path = tmp_path / "plates.bdf"
+    text = nastran_deck("split").replace("FORCE,6,999,,5000.,0.,0.,-1.", "SPCD,7,999,3,-.01")
+    path.write_text(text.replace("SPC1,1,12,999", "SPC1,1,123,999"))
+    described = read_nastran(path)
+    assert not described.preloads
+    assert list(described.assembly.loads) == ["7"]
+    interfaces = [
+        fy.InterfaceSpec(name=one.name, minus=one.minus, plus=one.plus, penalty=1e6)
+        for one in described.interfaces
+    ]
+    model = fy.build_model(described.assembly, interfaces=interfaces, bolts=described.bolts)
+    held = fy.with_weak_springs(model, 6.0).with_bolt_forces(described.initial_forces)
+    solution = fy.solve_static(held, fy.Load({}))
+    moved = held.dofs.nodal(solution.full_displacement())[:, 2]
+    card = next(line for line in text.splitlines() if line.startswith(",TOP"))
+    top = [int(word) for word in card.split(",")[2:]]
+    card = next(line for line in text.splitlines() if line.startswith(",BOTTOM"))
+    bottom = [int(word) for word in card.split(",")[2:]]
+    index = model.assembly.mesh.node_index
+    overlap = moved[index(np.array(bottom))] - moved[index(np.array(top))]
+    # The closing spring is 1e-4 of a layer of the shank, where that is all that gives way.
+    np.testing.assert_allclose(overlap, 0.01, rtol=1e-3)
+    assert solution.contact_force(interfaces[0].name) > 100.0

@@ -345,12 +345,6 @@ def test_pressure_on_shells_acts_along_their_normals(read: Read) -> None:
     np.testing.assert_allclose(total["7"], [2 * 8, 0, 0], atol=1e-12)
 
 
-def test_prescribed_displacements_leave_their_load_set_out(read: Read) -> None:
-    assembly = read("SPCD,7,1,1,.5\nFORCE,7,1,,1.,1.,0.,0.\nFORCE,8,1,,1.,1.,0.,0.\nSPC1,1,1,1")
-    assert list(assembly.loads) == ["8"]
-    assert any(note.startswith("load set 7") for note in assembly.ignored)
-
-
 def test_lines_have_the_shear_modulus_they_are_given(read: Read) -> None:
     """E and G of a beam need not be those of an isotropic material; the NU of a shell must."""
     steel = "MAT1,8,1000.,100.,,2."

@@ -32,7 +32,6 @@ from faying.io.abaqus.model_changes import (
     without_removed,
     without_removed_pairs,
 )
-from faying.io.abaqus.moved_supports import with_moved_supports
 from faying.io.abaqus.mpcs import read_mpcs
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
@@ -51,6 +50,7 @@ from faying.io.abaqus.ties import read_ties, with_ties
 from faying.io.abaqus.trusses import read_trusses
 from faying.io.abaqus.vibrations import note_masses
 from faying.io.left_out import Occurrence
+from faying.io.moved_supports import moved_note, with_moved_supports
 from faying.io.solid_cuts import Cut, close_cuts, cut_mesh, origins
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
@@ -129,7 +129,11 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
     bolts = pretension.bolts(sections, [spring.id for spring in closing])
-    assembly, moving = with_moved_supports(assembly, held.moved, deck.n_step, ignored)
+    standing = len(assembly.springs)
+    assembly, moving = with_moved_supports(assembly, held.moved, deck.n_step + 1)
+    if held.moved:
+        count = len(assembly.springs) - standing
+        ignored.append(moved_note(count, "*BOUNDARY", "the loads of the steps"))
     loads = _loads(deck, concentrated, distributed, thermal, moving)
     assembly = replace(
         assembly,

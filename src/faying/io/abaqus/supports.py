@@ -12,6 +12,7 @@ from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.fields import optional_real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import operation
+from faying.io.moved_supports import Place
 from faying.model.assembly import Support
 
 TYPES = {
@@ -25,7 +26,6 @@ TYPES = {
     "ENCASTRE": (0, 1, 2, 3, 4, 5),
 }
 
-Place = tuple[int, int]
 Holds = dict[Place, tuple[float, Keyword, int]]
 """Node and component of the deck to value, keyword and data line."""
 

@@ -16,6 +16,7 @@ from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_parameters import by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.moved_supports import Moved
 from faying.io.nastran.solid_bolts import read_solid_bolts
 from faying.io.nastran.split_bolts import (
     SPLIT,
@@ -44,11 +45,14 @@ class CutBolts:
         By the ids of the bolts.
     preloads
         Forces that are loads on control grids.
+    shortened
+        By how much bolts are shortened whose control grids are moved.
     """
 
     assembly: Assembly
     cuts: Mapping[int, Cut]
     preloads: Mapping[int, float]
+    shortened: Mapping[int, float]
 
 
 def cut_bolts(
@@ -56,6 +60,7 @@ def cut_bolts(
     grids: Grids,
     assembly: Assembly,
     control: CaseControl,
+    moved: Moved,
     ignored: list[str],
 ) -> CutBolts:
     """Cut the solids of a structure at its bolts.
@@ -68,7 +73,7 @@ def cut_bolts(
     mesh, cuts = assembly.mesh, dict[int, Cut]()
     for number, section in read_solid_bolts(cards, grids, mesh).items():
         mesh, cuts[number] = cut_mesh(mesh, section)
-    split = read_split_bolts(cards, grids, assembly.loads)
+    split = read_split_bolts(cards, grids, assembly.loads, moved)
     for number, bolt in split.items():
         mesh, cuts[number] = parted(mesh, number, bolt)
     if split:
@@ -82,19 +87,22 @@ def cut_bolts(
             for number, cut in cuts.items()
             if cut.touching
         )
-    preloads = {}
+    preloads, shortened = dict[int, float](), dict[int, float]()
     for number, bolt in split.items():
-        force = _only_force(bolt, control)
-        if force is None:
+        amount = _only_amount(bolt, control)
+        if amount is None:
+            what = "displacements of" if bolt.shortens else "forces on"
             sets = ", ".join(bolt.sets)
-            ignored.append(f"forces on the control grid of bolt {number} differ in sets {sets}")
+            ignored.append(f"{what} the control grid of bolt {number} differ in sets {sets}")
         else:
-            preloads[number] = force
-    return CutBolts(assembly=replace(assembly, mesh=mesh), cuts=cuts, preloads=preloads)
+            (shortened if bolt.shortens else preloads)[number] = amount
+    return CutBolts(
+        assembly=replace(assembly, mesh=mesh), cuts=cuts, preloads=preloads, shortened=shortened
+    )
 
 
-def _only_force(bolt: SplitBolt, control: CaseControl) -> float | None:
-    """Return the force of the selected set, else the one that all sets agree on."""
+def _only_amount(bolt: SplitBolt, control: CaseControl) -> float | None:
+    """Return the force or displacement of the selected set, else the one all sets agree on."""
     chosen = bolt.sets.get(str(control.load))
     values = set(bolt.sets.values())
     return chosen if chosen is not None or len(values) != 1 else values.pop()

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
@@ -10,6 +10,7 @@ from faying.io.line_texts import joined
 
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
+_HEAT = re.compile(rb"^\s*(SOL\s+(HEAT|53|61|74|89|153|159)\b|APP\s+HEAT)")
 _SETS = frozenset(("SPC", "MPC", "LOAD", "BCSET", "BGSET", "BOLTLD"))
 _BCONTACT = frozenset(("ALLBODY", "NONE", "AUTO"))
 _COMBINATIONS = frozenset(("SUBCOM", "SYM", "SYMCOM", "REPCASE"))
@@ -35,6 +36,8 @@ class CaseControl:
         BOLTLD.
     present
         Whether the deck has a case control section, so that what is not selected is not active.
+    heat
+        Whether the analysis is one of heat transfer, whose constraints are temperatures.
     """
 
     spc: int | None = None
@@ -45,6 +48,7 @@ class CaseControl:
     bolts: int | None = None
     glue: int | None = None
     present: bool = False
+    heat: bool = False
 
 
 @dataclass(kw_only=True)
@@ -92,6 +96,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     subcases: dict[int, _Level] = {}
     combinations: dict[int, str] = {}
     others: set[str] = set()
+    heat = any(_HEAT.match(line) for line in lines.text[: start + 1])
     level, own, steps = common, common, 0
     for i, name, value in _statements(lines, start + 1):
         if name in _MATRICES and start >= 0:
@@ -126,6 +131,9 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
                 ignored.append(f"BCONTACT = {word} is that of a later STEP, for the first has none")
                 own.chosen[name] = wanted
             level.chosen[name] = wanted
+        elif name == "ANALYSIS":
+            heat = heat or value == "HEAT"
+            others.add(name)
         elif name in _SETS:
             level.chosen[name] = _number(lines, i, name, value, "the number of a set")
         elif name not in _SILENT and start >= 0:
@@ -133,7 +141,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     if others:
         ignored.append(f"case control requests {', '.join(sorted(others))}")
     chosen = {**common.chosen, **_subcase(subcases, combinations, subcase, ignored)}
-    return _control(chosen, present=start >= 0)
+    return replace(_control(chosen, present=start >= 0), heat=heat)
 
 
 def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:

@@ -15,10 +15,12 @@ from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.glue import with_glue
+from faying.io.nastran.moved_supports import ALWAYS
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
 from faying.io.solid_cuts import close_cuts
 from faying.model.assembly import Assembly
+from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import exterior_facets, unique_rows
@@ -63,7 +65,7 @@ def read_joint(
 
 def _described(deck: Deck) -> JointDescription:
     regions = read_regions(deck.cards, deck.grids, deck.solids)
-    cut = cut_bolts(deck.cards, deck.grids, deck.assembly, deck.control, deck.ignored)
+    cut = cut_bolts(deck.cards, deck.grids, deck.assembly, deck.control, deck.moved, deck.ignored)
     cuts = [*cut.cuts.values()]
     deck = replace(deck, assembly=cut.assembly)
     regions = {number: one.on_sides_of(cut.assembly.mesh, cuts) for number, one in regions.items()}
@@ -103,6 +105,12 @@ def _described(deck: Deck) -> JointDescription:
         interfaces=tuple(interfaces),
         bolts=bolts,
         preloads=preloads,
+        initial_forces={
+            spec.name: axial_stiffness(assembly, bolt_axis_element(assembly, spec)) * shortening
+            for number, shortening in cut.shortened.items()
+            for spec in bolts
+            if spec.name == f"bolt-{number}"
+        },
         gap_rules={name: rule for name, rule in rules.items() if rule is not None},
         selected_load=_selected_load(deck),
         has_joined_faces=has_joined_faces,
@@ -110,9 +118,11 @@ def _described(deck: Deck) -> JointDescription:
 
 
 def _selected_load(deck: Deck) -> str | None:
-    """Return the load set that case control applies, if it could be read."""
-    name = str(deck.control.load)
-    return name if name in deck.assembly.loads else None
+    """Return what case control applies, as far as it could be read."""
+    for name in (str(deck.control.load), ALWAYS):
+        if name in deck.assembly.loads:
+            return name
+    return None
 
 
 def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:

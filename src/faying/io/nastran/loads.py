@@ -9,6 +9,8 @@ from faying.io.nastran.body_loads import read_accelerations
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.directed_loads import read_directed_loads
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.line_loads import read_line_loads
+from faying.io.nastran.moved_supports import ALWAYS, Moving
 from faying.io.nastran.pressures import read_pressures
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.body_forces import body_forces
@@ -16,8 +18,8 @@ from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock
 
 UNSUPPORTED = (
-    *("ACCEL", "ACCEL1", "DEFORM", "GMLOAD", "LSEQ", "PLOAD1", "QVOL", "SLOAD", "TEMPRB"),
-    *("SPCD", "SPCR"),
+    *("ACCEL", "ACCEL1", "DEFORM", "GMLOAD", "LSEQ", "QVOL", "SLOAD", "SPCR"),
+    "TEMPRB",
 )
 """Static loads that are not read; sets that use them are left out."""
 
@@ -29,6 +31,7 @@ def read_loads(
     grids: Grids,
     structure: Assembly,
     chosen: int | None,
+    moving: Moving,
     ignored: list[str],
 ) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
@@ -39,6 +42,8 @@ def read_loads(
     ----------
     structure
         With all elements, whose mass GRAV and RFORCE act on.
+    moving
+        What moves supports.
 
     Raises
     ------
@@ -56,11 +61,16 @@ def read_loads(
     ):
         for number in np.unique(sets).tolist():
             parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
-    spoiled = _unsupported(cards)
+    for number, forces in moving.by_load.items():
+        parts.setdefault(number, []).append(_part(forces))
+    spoiled = {**moving.unread, **_unsupported(cards)}
+    for sets, nodes, forces in read_line_loads(
+        cards, structure.mesh.nodes, structure.beams, spoiled
+    ):
+        for number in np.unique(sets).tolist():
+            parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
     for number, acceleration in read_accelerations(cards, grids, structure.mesh.nodes, spoiled):
-        forces = body_forces(structure, acceleration)
-        loaded = np.flatnonzero((forces != 0).any(axis=1))
-        parts.setdefault(number, []).append((loaded, forces[loaded]))
+        parts.setdefault(number, []).append(_part(body_forces(structure, acceleration)))
     for card in cards.get("LOAD", ()):
         number = card.integer(0)
         overall = card.real(1, 1.0)
@@ -84,8 +94,20 @@ def read_loads(
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
         ignored.append(f"case control LOAD = {chosen} (no load of the deck that is read has it)")
+    always = [_part(moving.always)] if moving.always.any() else []
+    if chosen in parts:
+        parts[chosen] += always
     order = sorted(parts, key=lambda number: (number != chosen, number))
-    return {str(number): _merged(parts[number]) for number in order}
+    named = {str(number): parts[number] for number in order}
+    if always and chosen not in parts:
+        named = {ALWAYS: always, **named}
+    return {name: _merged(found) for name, found in named.items()}
+
+
+def _part(forces: Matrix) -> _Part:
+    """Return nodes with forces, and these."""
+    loaded = np.flatnonzero((forces != 0).any(axis=1))
+    return loaded, forces[loaded]
 
 
 def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) -> None:

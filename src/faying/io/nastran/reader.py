@@ -1,7 +1,7 @@
 """Read the structure a Nastran deck describes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
@@ -32,6 +32,7 @@ from faying.io.nastran.materials import (
     read_materials,
     shear_factors,
 )
+from faying.io.nastran.moved_supports import Moved, with_moving
 from faying.io.nastran.parameters import LUMPED, lumps_masses, mass_factor
 from faying.io.nastran.plane_materials import read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
@@ -40,6 +41,7 @@ from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
 from faying.io.nastran.shells import SHELL_CARDS, read_shells
+from faying.io.nastran.solid_bolts import control_grids
 from faying.io.nastran.solid_materials import ANISOTROPIC, read_anisotropic
 from faying.io.nastran.solids import (
     SOLID_CARDS,
@@ -86,8 +88,8 @@ _READ = frozenset(
             "PBEAML",
             "PELAS",
         ),
-        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "FORCE", "MOMENT", "LOAD"),
-        *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD4"),
+        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "FORCE", "MOMENT", "LOAD"),
+        *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD1", "PLOAD4"),
         # contact and bolts, read behind the structure
         *("BSURF", "BSURFS", "BCPROP", "BCPROPS", "BCTSET", "BCTADD", "BCTPARM", "BCTPARA"),
         *("BCRPARA", "BGSET", "BGADD", "BGPARM", "BGPARA", "BCTABLE", "BCTABL1", "BCONECT"),
@@ -109,6 +111,8 @@ class Deck:
         Notes so far; readers append theirs.
     ignore
         What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
+    moved
+        What SPC and SPCD displace, control grids of bolts too.
     """
 
     cards: Mapping[str, Cards]
@@ -118,6 +122,7 @@ class Deck:
     assembly: Assembly
     ignored: list[str]
     ignore: frozenset[str] = frozenset()
+    moved: Moved = field(default_factory=Moved)
 
 
 def read_parts(
@@ -167,6 +172,7 @@ def read_parts(
         sections = read_sections(cards, materials, factors, factor, ignored)
         ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
         beams = read_beams(cards, grids, sections, ends)
+        supports, moved = read_supports(cards, grids, control)
         ids = np.concatenate([grids.ids, straight.node_ids])
         mesh = Mesh(
             nodes=np.vstack([grids.nodes, straight.nodes, ends.nodes]),
@@ -197,10 +203,12 @@ def read_parts(
                 *ends.equations,
                 *read_equations(cards, grids, control.mpc),
             ),
-            supports=tuple(read_supports(cards, grids, control.spc)),
+            supports=tuple(supports),
             name=path.stem,
         )
-        loads = read_loads(cards, grids, assembly, control.load, ignored)
+        resting = moved.without(control_grids(cards, grids))
+        assembly, moving = with_moving(assembly, grids, resting, ignored)
+        loads = read_loads(cards, grids, assembly, control.load, moving, ignored)
         assembly = replace(assembly, loads=loads)
     return Deck(
         cards=cards,
@@ -210,6 +218,7 @@ def read_parts(
         assembly=assembly,
         ignored=ignored,
         ignore=ignore,
+        moved=moved,
     )
 
 

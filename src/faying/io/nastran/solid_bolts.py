@@ -48,6 +48,18 @@ def is_split(card: Card) -> bool:
     return "TOP" in card.texts or "BOTTOM" in card.texts
 
 
+def control_grids(cards: Mapping[str, Cards], grids: Grids) -> Indices:
+    """Return the nodes that tighten MSC's bolts.
+
+    Raises
+    ------
+    FormatError
+        If one is missing.
+    """
+    found = [grids.one(card, 1) for card in cards.get("BOLT", ()) if is_split(card)]
+    return np.array(found, dtype=np.int64)
+
+
 def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     nodes = grids.several(card, id_list(card, _texts(card, 4), np.sort(grids.ids)))
     inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)

@@ -2,7 +2,7 @@
 
 MSC Nastran Quick Reference Guide, BOLT: the mesh is parted across the shank; TOP and BOTTOM list
 the grids of both sides in pairs, whose relative displacement is that of the control grid. The force
-on that grid is the pretension.
+on that grid is the pretension, its displacement (SPC, SPCD) by how much the shank is shortened.
 """
 
 from collections.abc import Mapping
@@ -15,14 +15,16 @@ from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.contact_parameters import by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.moved_supports import Moved
 from faying.io.nastran.solid_bolts import is_split
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.mesh import Mesh
 
 SPLIT = (
-    "BOLT of a control grid: its sides move apart along the force on that grid only, and the "
-    "amount of the force is the tension; what else is said of the grid does not count"
+    "BOLT of a control grid: its sides move apart along the force on that grid only, or its "
+    "displacement, and the amount of the force is the tension, that of the displacement by how "
+    "much the shank is shortened; what else is said of the grid does not count"
 )
 
 
@@ -35,7 +37,9 @@ class SplitBolt:
     control
         Node whose load is the pretension.
     sets
-        Load set to the force on it, where it has one.
+        Load set to the force on it, where it has one, or to how far it is moved.
+    shortens
+        Whether it is moved.
     """
 
     card: Card
@@ -44,17 +48,19 @@ class SplitBolt:
     control: int
     sets: Mapping[str, float]
     axis: Vector
+    shortens: bool
 
 
 def read_split_bolts(
-    cards: Mapping[str, Cards], grids: Grids, loads: Mapping[str, NodalLoads]
+    cards: Mapping[str, Cards], grids: Grids, loads: Mapping[str, NodalLoads], moved: Moved
 ) -> dict[int, SplitBolt]:
     """Return the bolts of control grids by id.
 
     Raises
     ------
     FormatError
-        If grids are missing or not in pairs, or no force along one line acts on the control grid.
+        If grids are missing or not in pairs, or nothing pulls or moves the control grid along one
+        line.
     """
     found = {}
     for number, card in by_id(cards, "BOLT").items():
@@ -70,19 +76,28 @@ def read_split_bolts(
             for name, load in loads.items()
             if (load.nodes == control).any()
         }
+        shortens = not any(force.any() for force in forces.values())
+        if shortens:
+            forces = moved.of_node(control, grids.systems.axes(control))
         given = np.array([force for force in forces.values() if force.any()]).reshape(-1, 3)
         axis = given[0] / np.linalg.norm(given[0]) if len(given) else np.zeros(3)
         across = given - np.outer(given @ axis, axis)
         # Directions are given with seven digits in small fields.
         if not len(given) or np.abs(across).max() > 1e-5 * np.abs(given).max():
             text = (
-                f"control grid {card.integer(1)} has no force along one line, which would be the "
-                "tension; give it one by FORCE (displacements by SPCD are not supported)"
+                f"control grid {card.integer(1)} has no force or displacement along one line, "
+                "which would be the tension; give it one by FORCE or SPCD"
             )
             raise card.error(text, 1)
         sets = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
         found[number] = SplitBolt(
-            card=card, top=top, bottom=bottom, control=control, sets=sets, axis=axis
+            card=card,
+            top=top,
+            bottom=bottom,
+            control=control,
+            sets=sets,
+            axis=axis,
+            shortens=shortens,
         )
     return found
 

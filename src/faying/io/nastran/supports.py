@@ -1,15 +1,17 @@
-"""SPC, SPC1, SPCADD and permanent supports: components held at zero."""
+"""SPC, SPC1, SPCADD and permanent supports: components held at zero, or moved."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.components import components
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.moved_supports import Moved, displacements, read_moved
 from faying.io.nastran.selection import selected_sets
 from faying.model.assembly import Support
 
@@ -17,50 +19,73 @@ _Held = dict[tuple[int, tuple[int, ...]], list[Indices]]
 """Set id and components to node indices."""
 
 
-def read_supports(cards: Mapping[str, Cards], grids: Grids, chosen: int | None) -> list[Support]:
+def read_supports(
+    cards: Mapping[str, Cards], grids: Grids, control: CaseControl
+) -> tuple[list[Support], Moved]:
     """Read the selected SPC sets; without a selection in case control, all of them.
 
     Supports of one set with the same components are joined. Where a displacement coordinate system
     makes their directions differ from the basic ones, nodes with equal directions are joined.
     Permanent supports of GRID have the id 0.
 
+    Returns
+    -------
+    supports
+        What stands still.
+    moved
+        What SPC and SPCD displace.
+
     Raises
     ------
     FormatError
-        If a set or grid is missing, or a displacement other than zero is prescribed.
+        If a set or grid is missing, or temperatures are prescribed.
     """
     held: _Held = {}
     members: set[int] = set()
     for name in ("SPC", "SPC1"):
         if name in cards:
             members |= set(cards[name].integers(0).tolist())
-    sets = selected_sets(cards, "SPCADD", members, chosen)
+    sets = selected_sets(cards, "SPCADD", members, control.spc)
     for digits, nodes in grids.permanent.items():
         held.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
-    if "SPC" in cards:
-        _single(cards["SPC"], grids, sets, held)
+    single = cards.get("SPC")
+    if single is not None:
+        single = single.take(np.isin(single.integers(0), list(sets)))
+        for first in (1, 4):
+            these = single.take(single.given(first))
+            _collect(these, grids.of_column(these, first), first + 1, held, grids)
     if "SPC1" in cards:
         _lists(cards["SPC1"], grids, sets, held)
+    joined = {key: np.unique(np.concatenate(parts)) for key, parts in held.items()}
+    fixed = np.zeros((len(grids.ids), 6), dtype=bool)
+    for (_, numbers), nodes in joined.items():
+        fixed[nodes[:, None], list(numbers)] = True
+    by_support = [] if single is None else displacements(single, grids, control)
+    moved = read_moved(cards, grids, control, by_support, fixed)
+    moving = moved.mask(len(grids.ids))
     supports: list[Support] = []
-    for (number, numbers), parts in held.items():
-        supports += _supports(number, numbers, np.unique(np.concatenate(parts)), grids)
-    return supports
+    for (number, numbers), nodes in joined.items():
+        for kept, remaining in _standing(nodes, numbers, moving):
+            supports += _supports(number, remaining, kept, grids)
+    return supports, moved
+
+
+def _standing(
+    nodes: Indices, numbers: tuple[int, ...], moving: Mask
+) -> list[tuple[Indices, tuple[int, ...]]]:
+    """Part nodes by which of the components do not move."""
+    still = ~moving[nodes[:, None], list(numbers)]
+    patterns, which = np.unique(still, axis=0, return_inverse=True)
+    which = which.ravel()
+    return [
+        (nodes[which == i], tuple(np.array(numbers)[pattern].tolist()))
+        for i, pattern in enumerate(patterns)
+        if pattern.any()
+    ]
 
 
 def _permanent_error(text: str) -> FormatError:
     return FormatError(f"GRID or GRDSET: permanent support (PS): {text}")
-
-
-def _single(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
-    cards = cards.take(np.isin(cards.integers(0), list(sets)))
-    for first in (1, 4):
-        these = cards.take(cards.given(first))
-        nodes = grids.of_column(these, first)
-        moved = np.flatnonzero(these.reals(first + 2, 0.0))
-        if moved.size:
-            text = "a prescribed displacement other than zero is not supported; use a force"
-            raise these.error(int(moved[0]), text, first + 2)
-        _collect(these, nodes, first + 1, held, grids)
 
 
 def _collect(cards: Cards, nodes: Indices, field: int, held: _Held, grids: Grids) -> None:

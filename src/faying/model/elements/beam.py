@@ -29,7 +29,7 @@ _TORSION = (3, 9)
 _STRAIGHT = np.kron([[2.0, 1.0], [1.0, 2.0]], [[1.0, 0.0], [0.0, 0.0]]) / 6
 
 
-class _Properties(NamedTuple):
+class BeamProperties(NamedTuple):
     """Sections and materials of a batch of beams, each (n_beam,)."""
 
     length: Vector
@@ -64,7 +64,7 @@ def beam_matrices(beams: Sequence[Beam], nodes: Matrix) -> tuple[Matrix, Matrix]
     """
     ends = np.array([beam.nodes for beam in beams], dtype=np.int64).reshape(-1, 2)
     frames, length = beam_frames(beams, nodes[ends[:, 1]] - nodes[ends[:, 0]])
-    properties = _properties(beams, length)
+    properties = beam_properties(beams, length)
     rotation = np.zeros((len(beams), 12, 12))
     for start in range(0, 12, 3):
         rotation[:, start : start + 3, start : start + 3] = frames
@@ -107,7 +107,8 @@ def beam_frames(beams: Sequence[Beam], axes: Matrix) -> tuple[Matrix, Vector]:
     return np.stack([x, np.cross(z, x), z], axis=1), length
 
 
-def _properties(beams: Sequence[Beam], length: Vector) -> _Properties:
+def beam_properties(beams: Sequence[Beam], length: Vector) -> BeamProperties:
+    """Return sections and materials of beams as columns."""
     rows = [
         (
             beam.material.youngs_modulus,
@@ -122,30 +123,30 @@ def _properties(beams: Sequence[Beam], length: Vector) -> _Properties:
         )
         for beam in beams
     ]
-    return _Properties(length, *np.array(rows, dtype=float).reshape(-1, 9).T)
+    return BeamProperties(length, *np.array(rows, dtype=float).reshape(-1, 9).T)
 
 
-def _local_stiffness(beam: _Properties) -> Matrix:
+def _local_stiffness(beam: BeamProperties) -> Matrix:
     result = np.zeros((len(beam.length), 12, 12))
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
     axial = beam.youngs * beam.area / beam.length
     twist = beam.shear * beam.torsion / beam.length
     _put(result, _AXIAL, axial[:, None, None] * bar)
     _put(result, _TORSION, twist[:, None, None] * bar)
-    for (dofs, signs), inertia, phi in _bending_planes(beam):
+    for (dofs, signs), inertia, phi in bending_planes(beam):
         block = _bending_stiffness(beam.youngs * inertia, beam.length, phi)
         _put(result, dofs, block * np.outer(signs, signs))
     return result
 
 
-def _local_mass(beam: _Properties) -> Matrix:
+def _local_mass(beam: BeamProperties) -> Matrix:
     result = np.zeros((len(beam.length), 12, 12))
     bar = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
     line = beam.density * beam.area
     polar = beam.density * (beam.inertia_y + beam.inertia_z)
     _put(result, _AXIAL, (line * beam.length)[:, None, None] * bar)
     _put(result, _TORSION, (polar * beam.length)[:, None, None] * bar)
-    for (dofs, signs), inertia, phi in _bending_planes(beam):
+    for (dofs, signs), inertia, phi in bending_planes(beam):
         block = _bending_mass(line, beam.density * inertia, beam.length, phi)
         # Without bending stiffness there is no slope for the deflection to follow: a rod.
         straight = (line * beam.length)[:, None, None] * _STRAIGHT
@@ -159,8 +160,8 @@ def _put(matrices: Matrix, dofs: tuple[int, ...], block: Matrix) -> None:
     matrices[:, place[:, None], place] = block
 
 
-def _bending_planes(
-    beam: _Properties,
+def bending_planes(
+    beam: BeamProperties,
 ) -> tuple[tuple[tuple[tuple[int, ...], tuple[float, ...]], Vector, Vector], ...]:
     """Return dofs and signs, second moment and shear parameter Φ = 12 EI / (κ A G L²) per plane."""
     shear = 12 * beam.youngs / (beam.shear * beam.length**2)
@@ -191,10 +192,20 @@ def _bending_stiffness(rigidity: Vector, length: Vector, phi: Vector) -> Matrix:
 
 
 def _bending_mass(line: Vector, rotary: Vector, length: Vector, phi: Vector) -> Matrix:
-    """∫ ρA Nᵀ N + ρI Θᵀ Θ dx, with N and Θ as polynomials in ξ = x/L (rows: dofs)."""
+    """∫ ρA Nᵀ N + ρI Θᵀ Θ dx, with N and Θ as polynomials in ξ = x/L."""
+    deflection, rotation = bending_shapes(length, phi)
+    return length[:, None, None] * (
+        line[:, None, None] * _gram(deflection) + rotary[:, None, None] * _gram(rotation)
+    )
+
+
+def bending_shapes(length: Vector, phi: Vector) -> tuple[Matrix, Matrix]:
+    """Deflection (n_beam, 4, 4) and rotation (n_beam, 4, 3) of unit motions of the ends.
+
+    Coefficients of 1, ξ, ξ², ξ³; rows: deflection and rotation of the first, then the second end.
+    """
     zero, one = np.zeros_like(phi), np.ones_like(phi)
     half = phi / 2
-    # Coefficients of 1, ξ, ξ², ξ³, to be divided by 1 + Φ.
     deflection = np.array(
         [
             [one + phi, -phi, -3 * one, 2 * one],
@@ -211,10 +222,8 @@ def _bending_mass(line: Vector, rotary: Vector, length: Vector, phi: Vector) -> 
             [zero, -(2 - phi), 3 * one],
         ]
     ).transpose(2, 0, 1)
-    scale = (length / (1 + phi) ** 2)[:, None, None]
-    return scale * (
-        line[:, None, None] * _gram(deflection) + rotary[:, None, None] * _gram(rotation)
-    )
+    scale = 1 / (1 + phi)[:, None, None]
+    return scale * deflection, scale * rotation
 
 
 def _gram(polynomials: Matrix) -> Matrix:

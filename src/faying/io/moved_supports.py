@@ -1,0 +1,130 @@
+"""Supports that move: stiff springs to ground, pulled by loads.
+
+A support moved by w is a spring of stiffness k under the force k w. It then stands wherever the
+load case says: at w times the value of the deck's load, and at zero where that is not applied.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Matrix
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Bush, Spring
+from faying.model.constraints import constrain
+from faying.model.matrices import assemble_matrices, used_components
+
+STIFFNESS_FACTOR = 1e6
+"""Spring over the stiffness of what is moved, all else held: the displacement is off by a millionth
+at most, and K loses no more than six digits."""
+
+Place = tuple[int, int]
+"""Node and component 0..5."""
+
+_BASIC: Mapping[int, Matrix] = MappingProxyType({})
+
+
+def with_moved_supports(
+    assembly: Assembly,
+    moved: Mapping[Place, tuple[float, ...]],
+    n_load: int,
+    axes: Mapping[int, Matrix] = _BASIC,
+) -> tuple[Assembly, list[Matrix]]:
+    """Return the assembly with the springs, and the forces (n_node, 6) of each load.
+
+    Parameters
+    ----------
+    moved
+        What is moved to its displacements (n_load,).
+    axes
+        Nodes whose components have directions of their own to these, rows of (3, 3).
+
+    Raises
+    ------
+    ModelError
+        If something else holds what is to be moved.
+
+    Notes
+    -----
+    Forms the stiffness matrix once.
+    """
+    forces = np.zeros((n_load, len(assembly.mesh.nodes), 6))
+    if not moved:
+        return assembly, list(forces)
+    directions = np.array([_direction(place, axes) for place in moved])
+    columns = 6 * np.array([node for node, _ in moved])[:, None] + np.arange(6)
+    n_dof = 6 * len(assembly.mesh.nodes)
+    select = sp.csr_array(
+        (directions.ravel(), columns.ravel(), 6 * np.arange(len(moved) + 1)),
+        shape=(len(moved), n_dof),
+    )
+    used = used_components(assembly)
+    T = constrain(assembly, used).transformation
+    own = np.asarray(T.multiply(assemble_matrices(assembly).K @ T).sum(axis=0)).ravel()
+    rows = sp.csr_array(select @ T)
+    rows.eliminate_zeros()
+    there = np.diff(rows.indptr) > 0
+    held = np.flatnonzero(~there & (abs(select) @ used > 0))
+    if held.size:
+        node, component = [*moved][int(held[0])]
+        message = (
+            f"node {assembly.mesh.node_ids[node]} is moved along component {component + 1}, "
+            "which something else holds; remove one of them"
+        )
+        raise ModelError(message)
+    if not there.any():
+        return assembly, list(forces)
+    # Where nothing is, there is nothing to be moved.
+    places = [place for place, found in zip(moved, there.tolist(), strict=True) if found]
+    # No stiffer than along the softest of what moves with it.
+    each = own[rows.indices] / rows.data**2
+    softest = np.minimum.reduceat(each, rows.indptr[:-1][there])
+    stiffness = STIFFNESS_FACTOR * np.where(softest > 0, softest, own.max())
+    amounts = stiffness * np.array([moved[place] for place in places]).T
+    nodes = np.array([node for node, _ in places])
+    for load, amount in zip(forces, amounts, strict=True):
+        np.add.at(load, nodes, amount[:, None] * directions[there])
+    first = assembly.largest_id + 1
+    springs, bushes = [], []
+    for number, (place, value) in enumerate(
+        zip(places, stiffness.tolist(), strict=True), start=first
+    ):
+        if place[0] in axes:
+            bushes.append(_turned(number, place, value, axes[place[0]], assembly))
+        else:
+            springs.append(Spring(id=number, ends=(place,), stiffness=value))
+    assembly = replace(
+        assembly,
+        springs=(*assembly.springs, *springs),
+        bushes=(*assembly.bushes, *bushes),
+    )
+    return assembly, list(forces)
+
+
+def _direction(place: Place, axes: Mapping[int, Matrix]) -> Matrix:
+    node, component = place
+    result = np.zeros(6)
+    first = component - component % 3
+    result[first : first + 3] = axes.get(node, np.eye(3))[component % 3]
+    return result
+
+
+def _turned(number: int, place: Place, stiffness: float, axes: Matrix, assembly: Assembly) -> Bush:
+    """Return a spring along or about an axis that is none of the basic ones."""
+    node, component = place
+    along = [0.0] * 6
+    along[component] = stiffness
+    x, y, z = assembly.mesh.nodes[node].tolist()
+    a, b, c = ((row[0], row[1], row[2]) for row in axes.tolist())
+    return Bush(id=number, nodes=(node,), stiffness=tuple(along), axes=(a, b, c), place=(x, y, z))
+
+
+def moved_note(count: int, cause: str, loads: str) -> str:
+    """Return what to say of displacements other than zero, and which loads apply them."""
+    return (
+        f"{count} displacements other than zero by {cause}: springs of {STIFFNESS_FACTOR:g} times "
+        f"the stiffness there, moved by {loads} (deck_load) and at zero without them"
+    )

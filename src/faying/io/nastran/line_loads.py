@@ -1,0 +1,146 @@
+"""PLOAD1: forces and moments along CBAR and CBEAM.
+
+MSC Nastran Quick Reference Guide: TYPE names a component along the basic axes (FX, MX, ...) or
+those of the element (FXE, MXE, ...). Without X2, or where it equals X1, P1 acts at X1 alone; else
+the intensity per length goes from P1 at X1 to P2 at X2. X are lengths (LE, LEPR) or parts of the
+length (FR, FRPR) from end A; LEPR and FRPR give the intensity per length as seen along a basic
+force.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.io.nastran.cards import Cards
+from faying.model.assembly import Beam
+from faying.model.elements.beam import beam_frames
+from faying.model.elements.beam_loads import nodal_forces_of_beams
+
+_COMPONENTS = [f"{kind}{axis}" for kind in "FM" for axis in "XYZ"]
+_TYPES = (*_COMPONENTS, *(f"{name}E" for name in _COMPONENTS))
+_SCALES = ("LE", "FR", "LEPR", "FRPR")
+# The deflection is cubic, the intensity linear: exact.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+_BEYOND = 1e-3
+"""Part of the length that eight columns of X may lie beyond the end."""
+
+
+def read_line_loads(
+    cards: Mapping[str, Cards], nodes: Matrix, beams: Sequence[Beam], unread: dict[int, str]
+) -> list[tuple[Indices, Indices, Matrix]]:
+    """Return load sets (n,), nodes (n,) and forces and moments (n, 6).
+
+    Parameters
+    ----------
+    nodes : (n_node, 3) [length]
+        Of the deck, and those at the ends of beams.
+    beams
+        All of them, rods too.
+    unread
+        Load set to what is not read of it; sets with loads on CBEND, or with moments by projected
+        length, are added.
+
+    Raises
+    ------
+    FormatError
+        If an element is no beam of the deck, a place is not on it, or a word or number is
+        malformed.
+    """
+    if "PLOAD1" not in cards:
+        return []
+    own, kinds, scales = _readable(cards, unread)
+    if not len(own):
+        return []
+    loaded = _beams(own, cards, beams)
+    ends = nodes[np.array([beam.nodes for beam in loaded])]
+    axes = ends[:, 1] - ends[:, 0]
+    frames, length = beam_frames(loaded, axes)
+    components = np.array([_COMPONENTS.index(kind[:2]) for kind in kinds])
+    directions = np.eye(3)[components % 3]
+    of_element = np.array([kind.endswith("E") for kind in kinds])
+    directions[of_element] = frames[of_element, components[of_element] % 3]
+    by_length = np.array([scale.startswith("LE") for scale in scales])
+    projected = np.array([scale.endswith("PR") for scale in scales]) & ~of_element
+    seen = np.linalg.norm(np.cross(axes / length[:, None], directions), axis=1)
+    stations, amounts = _stations(own, np.where(by_length, length, 1.0), length)
+    projected &= _is_spread(own)
+    amounts[projected] *= seen[projected, None]
+    vectors = np.zeros((len(own), 3, 6))
+    for first, these in ((0, components < 3), (3, components >= 3)):
+        vectors[these, :, first : first + 3] = amounts[these, :, None] * directions[these, None]
+    forces = nodal_forces_of_beams(loaded, nodes, stations, vectors)
+    if not np.isfinite(forces).all():
+        text = "the load is too large for a number"
+        raise own.error(int(np.flatnonzero(~np.isfinite(forces).all(axis=(1, 2)))[0]), text)
+    places = np.array([beam.nodes for beam in loaded])
+    return [(np.repeat(own.integers(0), 2), places.ravel(), forces.reshape(-1, 6))]
+
+
+def _readable(
+    cards: Mapping[str, Cards], unread: dict[int, str]
+) -> tuple[Cards, list[str], list[str]]:
+    """Return the cards that are read with TYPE and SCALE, and note the sets of the others."""
+    own = cards["PLOAD1"]
+    kinds, scales = own.words(2), own.words(3)
+    for field, found, known in ((2, kinds, _TYPES), (3, scales, _SCALES)):
+        for i, word in enumerate(found):
+            if word not in known:
+                text = f"{('TYPE', 'SCALE')[field - 2]} = '{word}'; it is {', '.join(known)}"
+                raise own.error(i, text, field)
+    bends = cards["CBEND"].integers(0) if "CBEND" in cards else own.index[:0]
+    of_bend = np.isin(own.integers(1), bends)
+    # Moments along a projected length: programs do not say what is projected.
+    turning = np.array(
+        [k in _COMPONENTS[3:] and s.endswith("PR") for k, s in zip(kinds, scales, strict=True)]
+    )
+    for i in np.flatnonzero(of_bend | turning).tolist():
+        reason = "on a CBEND" if of_bend[i] else "with moments by projected length"
+        unread.setdefault(int(own.integers(0)[i]), f"{own.where(i)} {reason}")
+    kept = np.flatnonzero(~(of_bend | turning))
+    return own.take(kept), [kinds[i] for i in kept], [scales[i] for i in kept]
+
+
+def _beams(own: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]) -> list[Beam]:
+    """Return the beam of each card."""
+    known = set[int]().union(*(cards[n].integers(0) for n in ("CBAR", "CBEAM") if n in cards))
+    by_id = {beam.id: beam for beam in beams if beam.id in known}
+    ids = own.integers(1).tolist()
+    for i, number in enumerate(ids):
+        if number not in by_id:
+            text = f"element {number} is no CBAR or CBEAM of the deck; correct the id"
+            raise own.error(i, text, 1)
+    return [by_id[number] for number in ids]
+
+
+def _stations(own: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:
+    """Return places (n, 3) in parts of the length, and the forces there (n, 3)."""
+    spread = _is_spread(own)
+    missing = np.flatnonzero(spread & ~own.given(7))
+    if missing.size:
+        text = "P2 is blank, which programs read differently; give it"
+        raise own.error(int(missing[0]), text, 7)
+    first, intensity = own.reals(4), own.reals(5)
+    last = np.where(spread, own.reals(6, 0.0), first)
+    final = np.where(spread, own.reals(7, 0.0), intensity)
+    places = np.stack([first, last], axis=1) / unit[:, None]
+    outside = np.flatnonzero(~((places >= 0) & (places <= 1 + _BEYOND)).all(axis=1))
+    if outside.size:
+        i = int(outside[0])
+        text = (
+            f"X1 = {first[i]:g}, X2 = {last[i]:g} lie beyond the ends of the beam, which is "
+            f"{length[i]:g} long; correct them, or SCALE"
+        )
+        raise own.error(i, text, 4)
+    places = np.minimum(places, 1.0)
+    part = (1 + _POINTS) / 2
+    stations = places[:, :1] + part * (places[:, 1:] - places[:, :1])
+    amounts = intensity[:, None] + part * (final - intensity)[:, None]
+    extent = np.abs(places[:, 1] - places[:, 0]) * length
+    # A force at a single place: a third of it at each of three that coincide.
+    weights = np.where(spread[:, None], extent[:, None] * _WEIGHTS / 2, 1 / 3)
+    return stations, weights * amounts
+
+
+def _is_spread(own: Cards) -> Mask:
+    return np.asarray(own.given(6) & (own.reals(4) != own.reals(6, 0.0)))
