@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import OPEN, SLIP, STICK, slip_states
 from faying.exceptions import ModelError
 from faying.simulation.cycles import loop_area
@@ -155,6 +156,49 @@ def test_at_gross_slip_friction_carries_what_it_can(rubbing):
     # Directions differ by some degrees about the hole: 2 % is measured in one large increment.
     assert carried == pytest.approx(0.2 * path.contact_forces.sum(), rel=0.05)
     assert not reserve.stopped
+
+
+def test_a_joint_that_bends_slips_everywhere_and_holds(rubbing, tight):
+    """Slip on one side of the bolt cancels slip on the other: nothing slides over its neighbour."""
+    bending = fy.Load({"tip.Fz": 600.0})
+    path = fy.solve_path(rubbing, [bending.scaled(f) for f in (0.5, 1.0, 1.5)], initial=tight)
+    assert slip_states(path, tight).macroslip.all()
+    # What friction carries along the interface is a tenth of what it could, at the largest load.
+    carried = np.linalg.norm(path.traction[-1].T @ rubbing.contact.weights)
+    assert carried < 0.2 * 0.2 * path.contact_forces[-1].sum()
+    reserve = fy.slip_reserve(rubbing, bending, tight, increments=5, largest=1.5)
+    assert reserve.share_slip < 1
+    assert reserve.gross_slip is None
+
+
+@pytest.mark.parametrize(
+    ("component", "load", "least", "most"),
+    [
+        ("Fx", 2500.0, 0.89, 1.0),
+        ("Fy", 600.0, 0.89, 1.0),
+        ("Mz", 2e4, 0.89, 1.0),
+        ("Fz", 400.0, 0.0, 0.02),
+        ("Mx", -6e4, 0.0, 0.02),
+        ("My", 8e4, 0.0, 0.02),
+    ],
+)
+def test_sliding_and_bending_are_told_apart_when_everything_slips(
+    rubbing, tight, component, load, least, most
+):
+    """As docs/how-to/follow_friction.md says of increments of a twentieth of these loads."""
+    loads = [fy.Load({f"tip.{component}": load * factor}) for factor in np.arange(1, 16) / 20]
+    path = fy.solve_path(rubbing, loads, initial=tight)
+    at = int(slip_states(path, tight).macroslip.argmax())
+    assert at > 0
+    forces = path.contact_forces[at]
+    pressed = np.flatnonzero(forces > 0)
+    used = resistance_used(
+        rubbing.interfaces["joint"].points[pressed],
+        rubbing.contact.tangents[:, pressed],
+        path.shear_forces[at][:, pressed],
+        0.2 * forces[pressed],
+    )
+    assert least < used <= most
 
 
 def test_cycles_repeat_and_close_their_energy(rubbing, cycles):

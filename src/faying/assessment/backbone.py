@@ -70,7 +70,7 @@ class Backbone(Shown):
     stick_share : (n,) [1]
         Least share of the closed area that sticks during the cycle.
     macroslip : (n,) [1]
-        Whether an interface slips as a whole, nothing of it sticking.
+        Whether all that is closed on an interface slips at once, nothing of it sticking.
     cycles : (n,) [1]
         Cycles solved until they repeated.
     stationary : (n,) [1]
@@ -383,8 +383,9 @@ def _remarks(
     if any(row.macroslip for row in rows):
         reached = min(row.reached for row in rows if row.macroslip)
         remarks.append(
-            f"an interface slips as a whole from an amplitude of {reached:.3g}: beyond, the joint "
-            "is held by its bolts alone, and quasi-static cycles of one mode are a rough picture"
+            f"all that is closed on an interface slips from an amplitude of {reached:.3g} on: no "
+            "friction is left to stiffen it, and quasi-static cycles of one mode are a rough "
+            "picture"
         )
     changing = [row.reached for row in rows if not row.stationary]
     if changing:

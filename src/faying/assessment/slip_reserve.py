@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 
 from faying._typing import Mask, Vector
+from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
@@ -34,6 +35,13 @@ Of points that tightening left sticking. Tractions that tightening leaves go up 
 without a gap, so that a first point can slip under next to no load.
 """
 
+WHOLE = 0.9
+"""Share of the friction against one rigid motion from which an interface slips as a whole.
+
+When everything first slips it is 0.9 to 1 where sides slide over each other, and 0 to 0.01 where a
+load bends a joint and slip here cancels slip there (``docs/how-to/follow_friction.md``).
+"""
+
 LARGEST = 10.0
 """Load factor at which the search is given up."""
 
@@ -59,8 +67,8 @@ class SlipReserve:
     share_slip : [1]
         Load factor at which that share slips; None where less does.
     gross_slip : [1]
-        Load factor at which everything that is closed slips on some interface with friction; None
-        where it does not.
+        Load factor at which some interface with friction slips as a whole: everything that is
+        closed slips, and along one rigid motion; None where it does not.
     largest : [1]
         Load factor up to which the path was followed.
     stopped
@@ -126,11 +134,11 @@ def slip_reserve(
     rest = solve_path(system, [Load()]) if initial is None else initial
     search = _Search.of(system, load, rest)
     stuck = search.stuck()
-    events: dict[str, Callable[[SlipStates], bool]] = {
-        "first": lambda states: bool(states.slip_share[-1] > 0),
-        "onset": lambda states: search.share(states, stuck) >= ONSET,
-        "share": lambda states: bool(states.slip_of_closed[-1] >= share),
-        "gross": lambda states: bool(states.macroslip[-1]),
+    events: dict[str, _Event] = {
+        "first": lambda states, _: bool(states.slip_share[-1] > 0),
+        "onset": lambda states, _: search.share(states, stuck) >= ONSET,
+        "share": lambda states, _: bool(states.slip_of_closed[-1] >= share),
+        "gross": search.whole,
     }
     found: dict[str, float] = {}
     interface, point = "", -1
@@ -144,7 +152,7 @@ def slip_reserve(
             break
         states = search.states(after, here)
         for name, happens in events.items():
-            if name not in found and happens(states):
+            if name not in found and happens(states, after):
                 found[name], begun = search.bisected(here, after, (factor, target), happens)
                 if name == "first":
                     interface, point = search.farthest(begun, here)
@@ -183,6 +191,10 @@ def _next(factor: float, increments: int) -> float:
     if factor < 1 - 0.5 / increments:
         return (round(factor * increments) + 1) / increments
     return factor * (1 + 1 / increments)
+
+
+_Event = Callable[[SlipStates, PathStep], bool]
+"""Whether something happens in the increment that ends at a step."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -234,12 +246,33 @@ class _Search:
         slipping = float(area[(status == SLIP) & points[contact.rubbing]].sum())
         return slipping / touching if touching > 0 else 0.0
 
+    def whole(self, states: SlipStates, after: PathStep) -> bool:
+        """Say whether all that is closed slips, and along one motion, on some interface."""
+        contact, forces = self.system.contact, after.increment.forces
+        if contact.tangents is None:
+            return False
+        for name, points in contact.slices.items():
+            pressed = np.flatnonzero(forces[0, points] > 0)
+            own = pressed + points.start
+            slips = states.status[-1, own] == SLIP
+            if not contact.laws[name].friction > 0 or not len(own) or not slips.all():
+                continue
+            used = resistance_used(
+                self.system.interfaces[name].points[pressed],
+                contact.tangents[:, own],
+                forces[1:, own],
+                contact.laws[name].friction * forces[0, own],
+            )
+            if used >= WHOLE:
+                return True
+        return False
+
     def bisected(
         self,
         here: PathStep,
         after: PathStep,
         between: tuple[float, float],
-        happens: Callable[[SlipStates], bool],
+        happens: _Event,
     ) -> tuple[float, PathStep]:
         """Find where between two factors something begins to happen, by single increments."""
         low, high = between
@@ -248,7 +281,7 @@ class _Search:
                 break
             middle = (low + high) / 2
             trial = self.at(middle, here)
-            if happens(self.states(trial, here)):
+            if happens(self.states(trial, here), trial):
                 high, after = middle, trial
             else:
                 low = middle

@@ -15,7 +15,7 @@ def friction_table(results: Results) -> Table:
     units = units_of(results.units)
     columns = (
         "load case", "max traction", "energy taken by friction", "most slip at once",
-        "first slip at", "where", "slip sets in at", "a share slips at", "all slips at",
+        "first slip at", "where", "slip sets in at", "a share slips at", "slides as a whole at",
     )  # fmt: skip
     rows = []
     for name, case in results.cases.items():

@@ -65,7 +65,7 @@ def joint_headline(results: Results) -> str:
     failed: dict[str, list[str]] = {}
     for one in found.verdicts:
         if not one.met:
-            failed.setdefault(one.requirement, []).append(one.place)
+            failed.setdefault(one.requirement, []).append(one.place or one.case)
     if failed:
         what = "; ".join(f"{name} ({', '.join(places)})" for name, places in failed.items())
         return f"The joint does not hold what the study demands: {what}."

@@ -101,8 +101,8 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
         caption=(
             "Left: damping ratio by full cycles, of friction and the damping matrix together "
             "(dotted: the damping matrix alone), and change of frequency from small vibrations; "
-            "squares where an interface slips as a whole. Legends give the frequency of small "
-            "vibrations. Right: load over modal displacement, both over their "
+            "squares where all that is closed on an interface slips. Legends give the frequency "
+            "of small vibrations. Right: load over modal displacement, both over their "
             f"amplitudes, the straight line of an elastic joint taken off. {remarks}"
         ).strip(),
         section=case.name,

@@ -117,16 +117,16 @@ async function startView(data) {
     options(control.quantity, names.map((each) => [each, QUANTITIES[each]]), control.quantity.value);
     const { values } = one.frames;
     control.frame.max = values.length - 1;
-    if (state.case !== number) control.frame.value = worstFrame(one);
+    if (state.case !== number) control.frame.value = firstFrame(one);
     state.case = number;
     part("frames").hidden = values.length < 2;
     if (values.length < 2) stop();
   }
 
-  // Of load cases in several states the one with the largest pressure, by the reference.
-  function worstFrame({ models, frames }) {
+  // Of static loads the full one, of cases in several states that with the largest pressure, by the reference.
+  function firstFrame({ kind, models, frames }) {
     const pressure = models[0].fields.pressure;
-    if (!pressure) return frames.values.length - 1;
+    if (!pressure || kind === "static") return frames.values.length - 1;
     const [best] = pressure.high.reduce(
       ([place, top], high, at) => (high > top ? [at, high] : [place, top]), [0, -1]);
     return pressure.at[best];
