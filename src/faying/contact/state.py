@@ -28,6 +28,9 @@ class ContactState:
         Tangential components of what has slipped in a joint with friction.
     forces : (3, n_point) or None [force]
         Of the increment before, from which the next one starts there.
+    at_end
+        Where the law at the end of a step stands, where that is a problem of its own beside the
+        mean over the step.
     """
 
     active: Mask
@@ -36,3 +39,4 @@ class ContactState:
     factor: Any = None
     slip: Matrix | None = None
     forces: Matrix | None = None
+    at_end: "ContactState | None" = None

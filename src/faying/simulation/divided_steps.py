@@ -6,18 +6,19 @@ the other, the finer is kept, and the largest change of a pressure between them 
 ``docs/theory/time_integration.md``.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from faying._typing import Indices
+from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.energy_guard import warn_of_gain
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
-from faying.simulation.restart import Restart
+from faying.simulation.restart import MOST_LEVELS, Handed, Restart
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states
 from faying.simulation.start import begun
@@ -141,19 +142,23 @@ class DividedSteps:
         if given is not None:
             one, after = self._tried(load, here, given)
             _warn(load, here, after)
-            return _ended(one, given, np.nan), replace(after, level=given)
+            levels = _handed(here, {given: (one, after)})
+            return _ended(one, given, np.nan), replace(after, level=given, levels=levels)
         allowed = self.tolerance / last
         level = max(here.level, 1)
-        coarse, fine = (self._offered(load, here, n) for n in (level - 1, level))
-        while (error := _change(coarse, fine, here.peak)) > allowed and level < FINEST:
-            level, coarse = level + 1, fine
-            fine = self._offered(load, here, level)
-        one, after = self._tried(load, here, level) if fine is None else fine
+        tried = {n: self._offered(load, here, n) for n in (level - 1, level)}
+        while (error := _change(tried, level, here.peak)) > allowed and level < FINEST:
+            level += 1
+            tried[level] = self._offered(load, here, level)
+        one, after = tried[level] or self._tried(load, here, level)
         _warn(load, here, after)
-        after = replace(after, level=level, peak=_peak(here.peak, one))
-        if level > 1 and EASE * error <= allowed:
-            after = replace(_renewed(after), level=level - 1)
-        return _ended(one, level, error), after
+        eased = level > 1 and EASE * error <= allowed
+        return _ended(one, level, error), replace(
+            after,
+            level=level - 1 if eased else level,
+            peak=_peak(here.peak, one),
+            levels=_handed(here, {**tried, level: (one, after)}),
+        )
 
     def _offered(self, load: Load, here: Restart, level: int) -> Tried | None:
         """Integrate over one interval; None where contact is not solved in so few steps."""
@@ -165,7 +170,7 @@ class DividedSteps:
     def _tried(self, load: Load, here: Restart, level: int) -> Tried:
         """Integrate over one interval in 2 to the power ``level`` steps."""
         count, solver = 2**level, self._solver(level)
-        start = replace(here if here.level == level else _renewed(here), done=here.done * count)
+        start = replace(_at_level(here, level), done=here.done * count)
         first = start.done
         (piece,), (end,) = solver.advanced(
             [start], [load], [], end=first + count, last=first + count, progress=None
@@ -213,8 +218,9 @@ def divided_steps(
     )
 
 
-def _change(coarse: Tried | None, fine: Tried | None, peak: float) -> float:
+def _change(tried: Mapping[int, Tried | None], level: int, peak: float) -> float:
     """Return the largest change of a pressure at the end, over the largest pressure so far."""
+    coarse, fine = tried[level - 1], tried[level]
     if coarse is None or fine is None:
         return np.inf
     one, other = coarse[0].pressure[-1], fine[0].pressure[-1]
@@ -226,10 +232,27 @@ def _peak(peak: float, piece: Solution) -> float:
     return max(peak, float(piece.pressure[-1].max(initial=0.0)))
 
 
-def _renewed(here: Restart) -> Restart:
-    """Return a state without what was made for steps of another length."""
-    contact = replace(here.contact, supported=None, steady=False, factor=None)
-    return replace(here, contact=contact, trend=np.full_like(here.trend, np.nan))
+def _at_level(here: Restart, level: int) -> Restart:
+    """Return a state with what steps of that length have handed on, nothing of other lengths."""
+    if level in here.levels:
+        handed = here.levels[level]
+        contact, trend = handed.contact, handed.trend
+    else:
+        contact = ContactState(active=here.contact.active)
+        trend = np.full_like(here.trend, np.nan)
+    rubbed = {name: getattr(here.contact, name) for name in ("slip", "forces", "at_end")}
+    return replace(here, contact=replace(contact, **rubbed), trend=trend)
+
+
+def _handed(here: Restart, tried: Mapping[int, Tried | None]) -> dict[int, Handed]:
+    """Return what steps of each length have handed on, of no more lengths than are kept."""
+    now = {
+        level: Handed(contact=found[1].contact, trend=found[1].trend)
+        for level, found in tried.items()
+        if found is not None
+    }
+    levels = {**{n: one for n, one in here.levels.items() if n not in now}, **now}
+    return dict(list(levels.items())[-MOST_LEVELS:])
 
 
 def _warn(load: Load, before: Restart, after: Restart) -> None:

@@ -87,25 +87,30 @@ class MeanContact:
         gaps = self.condensed.free_gap(free)
         solved = map(self.condensed.solve, gaps - self._given_way(last), states)
         means, after = zip(*solved, strict=True)
-        ends = [self._at_end(mean, forces) for mean, forces in zip(means, last, strict=True)]
-        return np.array([mean.forces for mean in means]), ends, after
+        begun = [state.at_end for state in states]
+        ends, stands = zip(*map(self._at_end, means, last, begun), strict=True)
+        ahead = [replace(state, at_end=end) for state, end in zip(after, stands, strict=True)]
+        return np.array([mean.forces for mean in means]), ends, ahead
 
-    def _at_end(self, mean: ContactForces, last: Vector) -> ContactForces:
+    def _at_end(
+        self, mean: ContactForces, last: Vector, stands: ContactState | None
+    ) -> tuple[ContactForces, ContactState | None]:
+        """Return contact at the end of a step, and where its own problem stands."""
         D = self.condensed.contact.flexibility
         forces = mean.forces - last
         pulling = np.minimum(forces, 0.0)
         if self._law is None:
             forces = np.where(D == 0, 0.5 * mean.forces, forces - pulling)
-            return replace(mean, forces=forces, slack=mean.slack - D * pulling, active=forces > 0)
+            slack = mean.slack - D * pulling
+            return replace(mean, forces=forces, slack=slack, active=forces > 0), stands
         if not pulling.any():
-            return replace(mean, forces=forces, active=forces > 0)
+            return replace(mean, forces=forces, active=forces > 0), stands
         gap = mean.slack - self._given_way(forces[None])[0]
-        end, _ = self._law.solve(gap, ContactState(active=forces > 0))
-        return replace(
-            end,
-            iterations=mean.iterations + end.iterations,
-            error=max(mean.error, end.error),
-        )
+        guess = ContactState(active=forces > 0)
+        begin = guess if stands is None else replace(stands, active=guess.active)
+        end, after = self._law.solve(gap, begin)
+        iterations, error = mean.iterations + end.iterations, max(mean.error, end.error)
+        return replace(end, iterations=iterations, error=error), after
 
     def _given_way(self, forces: Matrix) -> Matrix:
         """W λ of each case (n_case, n_point)."""
