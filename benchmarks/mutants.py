@@ -41,6 +41,7 @@ _CONTACT = ("tests/verification/test_contact_problem.py", *_LAWS)
 _MOTION = ("tests/verification/test_transient.py", "tests/verification/test_energy_decaying.py")
 _STEPS = ("tests/unit/test_integrator_steps.py",)
 _INCREMENTS = ("tests/unit/test_increments.py",)
+_BEGINNINGS = ("tests/unit/test_where_increments_begin.py",)
 _REDUCTION = ("tests/unit/test_basis.py",)
 TARGETS: dict[str, tuple[str, ...]] = {
     "contact/active_set.py": _CONTACT,
@@ -52,8 +53,9 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "contact/dense_points.py": ("tests/unit/test_dense_points.py",),
     "contact/newton_steps.py": ("tests/unit/test_newton_steps.py",),
     "contact/frictional.py": _INCREMENTS,
-    "contact/predictor.py": _INCREMENTS,
-    "contact/laws_at_points.py": _INCREMENTS,
+    "contact/fixed_bounds.py": ("tests/unit/test_fixed_bounds.py",),
+    "contact/predictor.py": _BEGINNINGS,
+    "contact/laws_at_points.py": _BEGINNINGS,
     "contact/compiled_frictional.py": _INCREMENTS,
     "contact/compiled_points.py": _INCREMENTS,
     "contact/compiled_increments.py": _INCREMENTS,

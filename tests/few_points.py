@@ -88,3 +88,22 @@ def free(seed, press=1.0, shear=0.5):
     random = np.random.default_rng(seed)
     z = np.array([press, shear, shear])[:, None] * random.normal(size=(3, N))
     return z - np.array([0.7 * press, 0.0, 0.0])[:, None]
+
+
+POINT_FRICTION, POINT_STIFFNESS, POINT_TANGENTIAL = 0.3, 10.0, 5.0
+
+
+def apart(count, compliance=0.0):
+    """Points that do not move each other, each with a compliance of its own in all directions."""
+    rows = np.arange(3 * count).reshape(count, 3)
+    each = sp.eye_array(3 * count, format="csr")
+    contact = Contact(
+        relative_operator=np.eye(3 * count),
+        interpolation=each[rows[:, 0]],
+        initial_gap=np.zeros(count),
+        weights=np.ones(count),
+        laws={"all": Coulomb(Penalty(POINT_STIFFNESS), POINT_FRICTION, POINT_TANGENTIAL)},
+        slices={"all": slice(0, count)},
+        shear=sp.vstack([each[rows[:, 1]], each[rows[:, 2]]]).tocsr(),
+    )
+    return FrictionalContact(contact=contact, S=compliance * np.eye(3 * count))

@@ -104,7 +104,8 @@ class FixedBounds:
     def _descending(self, x: Matrix, y: Matrix, dx: Matrix, dy: Matrix) -> float:
         """Return the length of a step: one, or where its energy is least."""
         flat = FLAT * abs(float((dy * self._judged(x, y)[1]).sum()))
-        fraction, low, high = 1.0, 0.0, 1.0
+        low, high = 0.0, 1.0
+        fraction = high
         for _ in range(MOST_TRIALS):
             slope = float((dy * self._judged(x + fraction * dx, y + fraction * dy)[1]).sum())
             if slope > flat:

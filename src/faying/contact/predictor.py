@@ -52,7 +52,7 @@ class Predictor:
             except LinAlgError:
                 return start, None
             slip = self._slack(x, z_free)[1:]
-            slips = (slope[:, 0, 0] > 0) & ((slope[:, 1, 1] < 1) | (slope[:, 2, 2] < 1))
+            slips = (slope[:, 0, 0] > 0) & (slope[:, 1:, 1:].trace(axis1=1, axis2=2) < 2)
             back = slips & ((slip * start[1:]).sum(axis=0) > 0)
             if np.count_nonzero(back) <= FEW_BACK * np.count_nonzero(slips):
                 break
