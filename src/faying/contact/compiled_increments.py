@@ -1,8 +1,8 @@
 """Increments with friction, compiled: what :mod:`.frictional` solves, about a state beforehand.
 
 Steps are those of :mod:`.newton_steps`, made on U = S (I + B₀ S)⁻¹, what pairs yield on the springs
-B₀ of a state that is given: with ΔB what points add to B₀ where J is another, S q = U (b − m) for a
-right-hand side b, and (I + ΔB U) m = ΔB U b is a system between the pairs of those points alone.
+B₀ of a state that is given: with ΔB what points add to B₀ where J is another, S q = U m, where
+(I + ΔB U) m = b for a right-hand side b is a system between the pairs of those points alone.
 Where most points are others, U is S and B₀ nothing. Systems serve as long as J does not differ by
 more than a little, and steps are extrapolated from those before (Anderson 1965,
 doi:10.1145/321296.321305). What this does not solve is left to the solver in Python.
@@ -312,15 +312,18 @@ def solve(
         blockwise(inverse, wrong, -1.0, alone)
         share_out(columns, values, alone, between)
         if len(at):
+            # m is b at all other pairs. Its difference from b instead would lose as many digits as
+            # points are stiffer than the structure.
+            right = np.empty((1, len(at)))
+            right[0] = between[at]
+            between[at] = 0.0
             dx[:], dy[:] = 0.0, 0.0
             moved_at(changed, at, columns, values, supported, between, dy)
             blockwise(more, dy, 1.0, dx)
             share_out(columns, values, dx, seen)
-            right = np.empty((1, len(at)))
-            right[0] = seen[at]
+            right[0] -= seen[at]
             substitute(getrs, transposed, lu, pivots, right)
-            for i in range(len(at)):
-                between[at[i]] -= right[0, i]
+            between[at] = right[0]
         interpolate(columns, values, np.dot(supported, between), dy)
         dx[:] = alone
         blockwise(K, dy, -1.0, dx)
