@@ -6,6 +6,7 @@ The archive and the matrices belong together: 40 bricks with 321 nodes.
 import contextlib
 import random
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,11 @@ import pytest
 
 from faying.exceptions import FormatError
 from faying.io.ansys_archive import read_archive
+from faying.io.ansys_commands import read_commands
 from faying.io.ansys_full import read_full
 from faying.model.assembly import Material
 from faying.model.elements import SOLIDS
-from faying.model.matrices import mass_properties
+from faying.model.matrices import assemble_matrices, mass_properties
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # the package's own deprecations
@@ -70,6 +72,108 @@ def written(path, routine, points, elements):
             lines.append("".join(f"{one:9d}" for one in row))
     path.write_text("\n".join([*lines, "       -1", ""]))
     return path
+
+
+def test_bricks_of_twenty_nodes_are_integrated_as_ansys_does(archive, matrices):
+    """SOLID186 has eight points unless KEYOPT(2) = 1; the .full is of another E, and nu = 0.31."""
+    K = matrices["K"]
+    like = replace(archive.materials[1], poissons_ratio=0.31)
+    ours = assemble_matrices(replace(archive, materials={1: like})).K.tocsr()
+    rows = 6 * np.searchsorted(archive.mesh.node_ids, K.dofs[:, 0]) + K.dofs[:, 1] - 1
+    scale = ours.diagonal()[rows].sum() / K.matrix.diagonal().sum()
+    # Round-off; integrated fully, and with nu of the archive, both are 3e-2 off.
+    difference = abs(ours[rows][:, rows] - scale * K.matrix).max()
+    assert difference < 1e-12 * abs(scale * K.matrix).max()
+
+
+COMMANDS = """\
+KEYOP,       1, 2, 1,
+MPDATA,R5.0, 1,EX  ,       1, 1, 2.000000000E+11,
+MP,NUXY,1,0.3,   ! no unit
+UIMP,       1,DENS, , ,  7850.0 ,
+MPDATA,R5.0, 1,MU  ,       2, 1, 0.15,
+D,       1,UX  ,  0.0    ,  0.0
+F,       2,FX  ,  1.0    ,  0.0
+SFE,       1,       2,PRES, 1,R5.0
+CE,R5.0,DEFI,       1,       2,  0.0
+CE,R5.0,NODE,       1,UX  ,  1.0    ,       2,UX  , -1.0
+ACEL,  0.0    ,  0.0    ,  0.0
+SECTYPE,   9,PRETENSION,BOLT,
+TB,BISO,       1,   1
+"""
+
+
+def contacts(path, behaviour):
+    """A brick of SOLID186 whose lower face is in contact with the plane below, by a target."""
+    places = SOLIDS["hex20"].reference_nodes
+    order = [*range(1, 13), 17, 18, 19, 20, 13, 14, 15, 16]
+    below = places[:4] - [0.0, 0.0, 0.1]
+    rows = [[1, 1, 1, 1, 0, 0, 0, 0, 20, 0, 1, *order]]
+    rows += [[2, 2, 5, 1, 0, 0, 0, 0, 8, 0, 2, 1, 4, 3, 2, 12, 11, 10, 9]]
+    rows += [[2, 3, 5, 1, 0, 0, 0, 0, 4, 0, 3, 21, 22, 23, 24]]
+    lines = ["/PREP7", "ET,1,186", "ET,2,174", "ET,3,170", f"KEYOP,2,12,{behaviour}"]
+    lines += ["NBLOCK,6,SOLID,24,24", "(3i9,6e21.13e3)"]
+    for number, place in enumerate([*places.tolist(), *below.tolist()], start=1):
+        lines.append(f"{number:9d}{0:9d}{0:9d}" + "".join(f"{x:21.13e}" for x in place))
+    lines += ["N,R5.3,LOC,-1,", "EBLOCK,19,SOLID,3,3", "(19i9)"]
+    for row in rows:
+        for part in (row[:19], row[19:]):
+            if part:
+                lines.append("".join(f"{one:9d}" for one in part))
+    path.write_text("\n".join([*lines, "       -1", COMMANDS]))
+    return path
+
+
+def test_what_is_not_read_is_told_with_what_to_do(tmp_path):
+    found = read_archive(contacts(tmp_path / "a.cdb", 0), materials={})
+    (block,) = found.mesh.blocks
+    assert (block.kind, block.formulation) == ("hex20", "")  # KEYOPT(2) = 1
+    constants = found.materials[1]
+    assert (constants.youngs_modulus, constants.poissons_ratio) == (2e11, 0.3)
+    assert constants.density == 7850.0
+    np.testing.assert_array_equal(found.mesh.node_sets["contact 5"], [0, 1, 2, 3, 8, 9, 10, 11])
+    np.testing.assert_array_equal(found.mesh.node_sets["target 5"], [20, 21, 22, 23])
+    assert found.ignored[0] == (
+        'contact pair 5, 1 contact elements: an [[interface]] with minus = "contact 5", '
+        'plus = "target 5", friction = 0.15'
+    )
+    starts = ("supports (D)", "forces (F)", "pressures (SFE)", "constraint equations", "tables of")
+    told = [note for note in found.ignored if note.startswith("1 commands of ")]
+    assert [note.removeprefix("1 commands of ").startswith(one) for note, one in
+            zip(told, starts, strict=True)] == [True] * 5  # fmt: skip
+    assert any(note.startswith("1 pretension sections: the bolts are parted") for note in
+               found.ignored)  # fmt: skip
+    bonded = read_archive(contacts(tmp_path / "b.cdb", 5), materials={}).ignored[0]
+    assert "bonded (KEYOPT(12) = 5)" in bonded
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("MPDATA,R5.0, 2,EX  ,       1, 1, 2.E+11, 1.9E+11,", "EX of material 1 depends on temp"),
+        ("MP,EY,1,1.E11", "EY of material 1 not as EX"),
+    ],
+)
+def test_materials_that_are_not_isotropic_constants_are_refused(line, message, tmp_path):
+    path = contacts(tmp_path / "a.cdb", 0)
+    path.write_text(path.read_text() + line + "\n")
+    with pytest.raises(FormatError, match=message):
+        read_archive(path, materials={})
+
+
+def test_damaged_commands_are_read_or_passed_over(tmp_path):
+    rng, path = random.Random(2), tmp_path / "damaged.cdb"
+    whole = "ETBLOCK,        1,        1\n(2i9,19a9)\n        1      186        0        1\n"
+    whole += COMMANDS
+    path.write_text(whole)
+    assert read_commands(path).options == {1: {2: 1}}
+    for _ in range(300):
+        damaged = list(whole)
+        for _ in range(8):
+            damaged[rng.randrange(len(damaged))] = rng.choice("0123456789,.-+EeRD \n!é\0")
+        path.write_text("".join(damaged), encoding="latin-1")
+        found = read_commands(path)
+        assert all(isinstance(n, int) for options in found.options.values() for n in options)
 
 
 def test_pyramids_and_removed_mid_side_nodes(tmp_path):

@@ -292,3 +292,15 @@ def test_files_of_no_known_kind_are_refused(check_file, tmp_path):
     status, _, err = check_file(path)
     assert status == 2
     assert "'.step' is neither .toml nor a suffix of decks (.bdf, " in err
+    for name, text, said in (
+        (
+            "ds.dat",
+            "/batch\n/com,--- Data in consistent MKS units.\n/prep7\n",
+            "CDWRITE,DB,joint,cdb",
+        ),
+        ("joint.msh", "", "faying init joint.msh begins its study"),
+    ):
+        (tmp_path / name).write_text(text)
+        status, _, err = check_file(tmp_path / name)
+        assert status == 2
+        assert said in " ".join(err.split())

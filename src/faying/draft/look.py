@@ -14,7 +14,7 @@ from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
 from faying.model.separate import separated
 from faying.sources import SOURCES, SourceKeys
-from faying.study.bare_deck import STUDY
+from faying.study.bare_deck import STUDY, check_not_ansys
 from faying.study.solid_constants import doubts
 
 UNITS = ("mm-t-s", "m-kg-s", "mm-kg-ms", "in-slinch-s")
@@ -70,6 +70,7 @@ def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
     FormatError, ModelError
         If it cannot be read.
     """
+    check_not_ansys(path)
     if path.suffix.lower() == STUDY:
         message = f"{path} is a study already; name the deck or mesh it begins with"
         raise StudyError(message)

@@ -1,6 +1,5 @@
 """Ansys ``.cdb`` archives: nodes, solids, components and materials, by ansys-mapdl-reader."""
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,18 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
+from faying.io.ansys_commands import ArchiveCommands, read_commands
+from faying.io.ansys_routines import (
+    BRICKS_8,
+    BRICKS_20,
+    CONTACTS,
+    NO_STRUCTURE,
+    TARGETS,
+    TETRAHEDRA_10,
+    brick_note,
+    is_reduced,
+    left_out_note,
+)
 from faying.io.isolated import read_isolated
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly, Material
@@ -17,11 +28,8 @@ from faying.model.elements import SOLIDS
 from faying.model.generate import mid_side_ends
 from faying.model.mesh import CellBlock, Mesh
 
-BRICKS_8 = frozenset((45, 185))
-BRICKS_20 = frozenset((95, 186))
-TETRAHEDRA_10 = frozenset((92, 187))
-NO_STRUCTURE = frozenset((200,))
-"""Element routines: SOLID45/185, SOLID95/186, SOLID92/187; MESH200 only carries a mesh."""
+_BONDED = frozenset((2, 3, 4, 5, 6))
+"""KEYOPT(12) of contact that does not open, or neither opens nor slides."""
 
 _SCRIPT = """
 import sys, warnings
@@ -44,8 +52,8 @@ parts |= {"element:" + name: ids for name, ids in archive.element_components.ite
 np.savez(sys.argv[2], **parts)
 """
 
-# Positions in an element: material, type, ..., element number, ..., then its nodes.
-_MATERIAL, _TYPE, _NUMBER, _FIRST_NODE = 0, 1, 8, 10
+# Positions in an element: material, type, real constants, ..., element number, ..., then its nodes.
+_MATERIAL, _TYPE, _REAL, _NUMBER, _FIRST_NODE = 0, 1, 2, 8, 10
 
 # A brick's nodes: corners, bottom edges, top edges, upright edges; ours have upright before top.
 # Degenerate bricks repeat nodes: K = L and O = P make a wedge, M = N = O = P a pyramid, both a
@@ -61,17 +69,14 @@ _ORDERS: Mapping[str, list[int]] = {
     "tet10": [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
 }
 
-_PROPERTY = re.compile(
-    r"^MPDATA\s*,\s*R[\d.]+\s*,\s*(\d+)\s*,\s*(\w+)\s*,\s*(\d+)\s*,\s*(\d+)\s*,\s*([^,\s]+)"
-)
-
 
 def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     """Read the solids of an Ansys archive (CDWRITE, blocked format).
 
     Node and element numbers are those of Ansys, property ids its material numbers. Components
-    become node and element sets. Supports, loads, couplings, beams and contact elements are not
-    read; ``ignored`` counts the elements left out.
+    become node and element sets, and so do the nodes of contact and target elements of each set
+    of real constants (``"contact 5"``, ``"target 5"``). Supports, loads, couplings and beams are
+    not read; ``ignored`` counts what is left out and says what to do about it.
 
     Parameters
     ----------
@@ -88,9 +93,12 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     routine = np.array([kinds.get(kind, 0) for kind in rows[:, _TYPE].tolist()], dtype=np.int64)
     node_ids = parts["node_ids"].astype(np.int64)
     straight = StraightSides(places=parts["nodes"], ids=node_ids)
-    blocks, left_out = _blocks(path, rows, routine, straight)
+    commands = read_commands(path)
+    blocks, left_out = _blocks(path, rows, routine, straight, commands.options)
+    pairs = _contact_nodes(rows, routine)
+    left_out += _contact_notes(rows, routine, pairs, commands)
+    left_out += commands.notes()
     numbers = sorted({int(n) for block in blocks for n in np.unique(block.properties)})
-    own = _material_constants(path)
     return Assembly(
         mesh=Mesh(
             nodes=np.vstack([parts["nodes"], straight.nodes]),
@@ -98,7 +106,7 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
             blocks=blocks,
             node_sets={
                 name: np.flatnonzero(np.isin(node_ids, ids))
-                for name, ids in _components(parts, "node:")
+                for name, ids in [*_components(parts, "node:"), *pairs.items()]
             },
             element_sets={
                 **{f"material {n}": _of_material(blocks, n) for n in numbers},
@@ -108,7 +116,7 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
                 },
             },
         ),
-        materials={n: _material(path, n, own.get(n, {}), materials) for n in numbers},
+        materials={n: _material(path, n, commands, materials) for n in numbers},
         equations=tuple(straight.equations()),
         name=path.stem,
         ignored=tuple(left_out),
@@ -132,8 +140,45 @@ def _components(parts: Mapping[str, npt.NDArray[Any]], prefix: str) -> list[tupl
     ]
 
 
+def _contact_nodes(rows: Indices, routine: Indices) -> dict[str, Indices]:
+    """Return the nodes of the two sides of contact pairs, by real constants."""
+    found = {}
+    for name, routines in (("contact", CONTACTS), ("target", TARGETS)):
+        here = np.isin(routine, list(routines))
+        for number in np.unique(rows[here, _REAL]).tolist():
+            nodes = np.unique(rows[here & (rows[:, _REAL] == number), _FIRST_NODE:])
+            found[f"{name} {number}"] = nodes[nodes > 0]
+    return found
+
+
+def _contact_notes(
+    rows: Indices, routine: Indices, pairs: Mapping[str, Indices], commands: ArchiveCommands
+) -> list[str]:
+    """Say of each contact pair how the study names it, and what its key options want."""
+    notes = []
+    contact = np.isin(routine, list(CONTACTS))
+    for number in np.unique(rows[contact, _REAL]).tolist():
+        if f"target {number}" not in pairs:
+            notes.append(f"contact elements of real constants {number}: no TARGE170 shares these")
+            continue
+        own = contact & (rows[:, _REAL] == number)
+        kind, material = (int(rows[own, column][0]) for column in (_TYPE, _MATERIAL))
+        behaviour = commands.options.get(kind, {}).get(12, 0)
+        said = f'an [[interface]] with minus = "contact {number}", plus = "target {number}"'
+        if friction := commands.constants.get(material, {}).get("MU", 0.0):
+            said += f", friction = {friction:g}"
+        if behaviour in _BONDED:
+            said = f"bonded (KEYOPT(12) = {behaviour}): merge the nodes, or the two part here"
+        notes.append(f"contact pair {number}, {int(own.sum())} contact elements: {said}")
+    return notes
+
+
 def _blocks(
-    path: Path, rows: Indices, routine: Indices, straight: StraightSides
+    path: Path,
+    rows: Indices,
+    routine: Indices,
+    straight: StraightSides,
+    options: Mapping[int, Mapping[int, int]],
 ) -> tuple[tuple[CellBlock, ...], list[str]]:
     nodes = rows[:, _FIRST_NODE:]
     brick8, brick20, tetra = (
@@ -145,27 +190,37 @@ def _blocks(
     tetra4 = tetra & (nodes[:, 4:10] == 0).all(axis=1)
     apex = (nodes[:, 4:7] == nodes[:, 5:8]).all(axis=1)
     folded = nodes[:, 2] == nodes[:, 3]
+    whole20 = brick20 & ~folded & ~apex
+    reduced = whole20 & np.array(
+        [
+            is_reduced(number, options.get(kind, {}))
+            for number, kind in zip(routine.tolist(), rows[:, _TYPE].tolist(), strict=True)
+        ],
+        dtype=bool,
+    )
     chosen: dict[str, Mask] = {
         "hex8": brick8 & ~folded & ~apex,
         "wedge6": brick8 & folded & ~apex,
         "pyramid5": brick8 & ~folded & apex,
         "tet4": brick8 & folded & apex,
-        "hex20": brick20 & ~folded & ~apex,
+        "hex20": whole20 & ~reduced,
         "wedge15": brick20 & folded & ~apex,
         "pyramid13": brick20 & ~folded & apex,
         "tet10": brick20 & folded & apex,
     }
-    tables = [(kind, which, nodes[:, _ORDERS[kind]]) for kind, which in chosen.items()]
-    tables.append(("tet4", tetra4, nodes[:, :4]))
-    tables.append(("tet10", tetra & ~tetra4, nodes[:, :10]))
+    tables = [(kind, "", which, nodes[:, _ORDERS[kind]]) for kind, which in chosen.items()]
+    tables.append(("hex20", "reduced", reduced, nodes[:, _ORDERS["hex20"]]))
+    tables.append(("tet4", "", tetra4, nodes[:, :4]))
+    tables.append(("tet10", "", tetra & ~tetra4, nodes[:, :10]))
     blocks = tuple(
         CellBlock(
             kind=kind,
+            formulation=rule,
             nodes=_indices(path, kind, table[which], rows[which, _NUMBER], straight),
             ids=rows[which, _NUMBER],
             properties=rows[which, _MATERIAL],
         )
-        for kind, which, table in tables
+        for kind, rule, which, table in tables
         if which.any()
     )
     if not blocks:
@@ -178,9 +233,14 @@ def _blocks(
     found, counts = np.unique(other, return_counts=True)
     removed = len(straight.ends)
     left_out = [f"{removed} removed mid-side nodes: straight sides"] if removed else []
+    types = np.unique(rows[brick8][:, _TYPE]).tolist()
+    of_type = {kind: int(routine[rows[:, _TYPE] == kind][0]) for kind in types}
+    told = dict.fromkeys(brick_note(of_type[kind], options.get(kind, {})) for kind in types)
+    left_out += [note for note in told if note]
     left_out += [
-        f"{count} elements of routine {kind}; model them in the study, or use .full matrices"
+        left_out_note(kind, count)
         for kind, count in zip(found.tolist(), counts.tolist(), strict=True)
+        if kind not in CONTACTS | TARGETS
     ]
     return blocks, left_out
 
@@ -213,30 +273,28 @@ def _of_material(blocks: tuple[CellBlock, ...], number: int) -> Indices:
     return np.concatenate([block.ids[block.properties == number] for block in blocks])
 
 
-def _material_constants(path: Path) -> dict[int, dict[str, float]]:
-    """Material number to constants, those given at one temperature."""
-    found: dict[int, dict[str, float]] = {}
-    with path.open(encoding="latin-1") as file:
-        for line in file:
-            match = _PROPERTY.match(line)
-            if match is None:
-                continue
-            try:
-                value = float(match[5])
-            except ValueError:
-                continue
-            if match[1] == "1" and match[4] == "1":
-                found.setdefault(int(match[3]), {})[match[2].upper()] = value
-    return found
-
-
 def _material(
-    path: Path, number: int, own: Mapping[str, float], materials: Mapping[str, Material]
+    path: Path, number: int, commands: ArchiveCommands, materials: Mapping[str, Material]
 ) -> Material:
     name = f"material {number}"
     given = materials.get(name, materials.get("default"))
     if given is not None:
         return given
+    own = commands.constants.get(number, {})
+    doubts = sorted(commands.tables.get(number, frozenset()) & {"EX", "PRXY", "NUXY", "DENS"})
+    if doubts:
+        message = (
+            f"Ansys archive '{path}': {', '.join(doubts)} of {name} depends on temperature; add "
+            f'[material."{name}"] with E, nu and rho at that of the joint'
+        )
+        raise FormatError(message)
+    if sides := [key for key in ("EY", "EZ") if own.get(key, own.get("EX")) != own.get("EX")]:
+        message = (
+            f"Ansys archive '{path}': {' and '.join(sides)} of {name} differ from EX; materials of "
+            f'archives are isotropic: add [material."{name}"] with E, nu and rho, or use .full '
+            "matrices"
+        )
+        raise FormatError(message)
     constants = (own.get("EX"), own.get("PRXY", own.get("NUXY")), own.get("DENS"))
     if None in constants:
         message = (

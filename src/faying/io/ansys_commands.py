@@ -1,0 +1,166 @@
+"""Commands of an Ansys archive between its blocks: options of elements, materials, what else."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+_BLOCKS = frozenset(("NBLO", "EBLO", "CMBL", "RLBL", "ETBL", "SECB", "SFEB", "BFBL", "BFEB"))
+"""Commands whose data are the lines of numbers behind them."""
+
+LEFT_OUT: Mapping[str, str] = {
+    "D": 'supports (D): hold components by [[support]] with set = "…"',
+    "F": "forces (F): give them in the [[load_case]] of the study, at a [[boundary]]",
+    "SFE": "pressures (SFE): give their sum as forces of a [[load_case]], at a [[boundary]]",
+    "SFEB": "pressures (SFEBLOCK): give their sum as forces of a [[load_case]]",
+    "SF": "pressures (SF): give their sum as forces of a [[load_case]], at a [[boundary]]",
+    "BF": "temperatures (BF): nothing expands here",
+    "BFE": "temperatures (BFE): nothing expands here",
+    "BFBL": "temperatures (BFBLOCK): nothing expands here",
+    "CE": "constraint equations (CE, from CERIG and RBE3 too): what they join moves apart here; "
+    'couple a face by [[boundary]] with coupling = "rbe2" or "rbe3", or use .full matrices',
+    "CP": "coupled sets (CP): what they join moves apart here; share nodes, or use .full matrices",
+    "TB": "tables of materials (TB): materials are linear and isotropic here",
+    "ACEL": "accelerations (ACEL): weight is no load here",
+    "OMEG": "rotation (OMEGA): centrifugal forces are no load here",
+    "SLOA": "pretension (SLOAD): give it as preload of a [[bolt]]",
+}
+"""First four letters of commands that change results, and what to do about each."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ArchiveCommands:
+    """What commands say.
+
+    Attributes
+    ----------
+    options
+        Element type to its key options that are not zero, by number.
+    constants
+        Material to its constants at one temperature, by name.
+    tables
+        Materials whose constants depend on temperature, with their names.
+    counts
+        Commands of :data:`LEFT_OUT` that are there, by their first four letters.
+    pretensions
+        Number of pretension sections.
+    """
+
+    options: Mapping[int, Mapping[int, int]] = field(default_factory=dict)
+    constants: Mapping[int, Mapping[str, float]] = field(default_factory=dict)
+    tables: Mapping[int, frozenset[str]] = field(default_factory=dict)
+    counts: Mapping[str, int] = field(default_factory=dict)
+    pretensions: int = 0
+
+    def notes(self) -> Iterator[str]:
+        """Yield what of them is not read, with what to do."""
+        for name, meaning in LEFT_OUT.items():
+            if self.counts.get(name):
+                yield f"{self.counts[name]} commands of {meaning}"
+        if self.pretensions:
+            yield (
+                f"{self.pretensions} pretension sections: the bolts are parted there, and the two "
+                "faces of the cut touch; delete the sections and merge the nodes (NUMMRG) before "
+                "CDWRITE, and tighten the bolts by [[bolt]] with an axis"
+            )
+
+
+def read_commands(path: Path) -> ArchiveCommands:
+    """Read the commands of an archive; one pass over its lines.
+
+    Fields that are no numbers where numbers belong, as parameters and formulas are, are passed
+    over: an archive written by CDWRITE has none.
+    """
+    options: dict[int, dict[int, int]] = {}
+    constants: dict[int, dict[str, float]] = {}
+    tables: dict[int, frozenset[str]] = {}
+    counts: Counter[str] = Counter()
+    pretensions, block = 0, ""
+    with path.open(encoding="latin-1") as file:
+        for line in file:
+            start = line.lstrip()[:1]
+            if not start.isalpha():
+                if block == "ETBL":
+                    _type_of_block(line, options)
+                continue
+            fields = [part.strip() for part in line.partition("!")[0].split(",")]
+            name = fields[0].upper()[:4]
+            block = name if name in _BLOCKS else ""
+            if name == "KEYO":
+                _set_option(fields, options)
+            elif name in ("MP", "MPDA", "UIMP"):
+                _constant(name, fields, constants, tables)
+            elif name == "SECT" and len(fields) > 2 and fields[2].upper().startswith("PRET"):
+                pretensions += 1
+            elif name in LEFT_OUT and _applies(name, fields):
+                counts[name] += 1
+    return ArchiveCommands(
+        options=options,
+        constants=constants,
+        tables=tables,
+        counts=counts,
+        pretensions=pretensions,
+    )
+
+
+def _applies(name: str, fields: Sequence[str]) -> bool:
+    """Tell commands with data from the heads and tails that CDWRITE puts around them."""
+    if name == "CE":
+        return not (len(fields) > 2 and fields[2].upper() == "NODE")
+    if name in ("ACEL", "OMEG"):
+        return any(_real(text) for text in fields[1:4])
+    return len(fields) > 2
+
+
+def _type_of_block(line: str, options: dict[int, dict[int, int]]) -> None:
+    """Read a line of ETBLOCK: a type, its routine and its key options, nine letters each."""
+    numbers = [_whole(line[i : i + 9]) for i in range(0, len(line.rstrip()), 9)]
+    if len(numbers) < 3 or numbers[0] is None or numbers[0] < 1:
+        return
+    chosen = {place: n for place, n in enumerate(numbers[2:], start=1) if n}
+    options.setdefault(numbers[0], {}).update(chosen)
+
+
+def _set_option(fields: Sequence[str], options: dict[int, dict[int, int]]) -> None:
+    if len(fields) < 4:
+        return
+    kind, place, value = (_whole(text) for text in fields[1:4])
+    if kind is not None and place is not None and value is not None:
+        options.setdefault(kind, {})[place] = value
+
+
+def _constant(
+    name: str,
+    fields: Sequence[str],
+    constants: dict[int, dict[str, float]],
+    tables: dict[int, frozenset[str]],
+) -> None:
+    """Read MP, UIMP (label, material, value, …) or MPDATA (release, label, material, place, …)."""
+    rest = list(fields[1:])
+    if name == "MPDA" and rest and rest[0][:1].upper() == "R" and len(rest) > 1:
+        rest = rest[2:]  # release and number of values
+    if name == "UIMP":
+        rest = rest[1:2] + rest[:1] + rest[4:]
+    label, number = rest[0].upper() if rest else "", _whole(rest[1]) if len(rest) > 1 else None
+    values = [_real(text) for text in (rest[3:] if name == "MPDA" else rest[2:])]
+    given = [value for value in values if value is not None]
+    if number is None or not given:
+        return
+    first = _whole(rest[2]) if name == "MPDA" else 1
+    later = first not in (None, 1) or len(given) > 1
+    if later and any(value != 0.0 for value in given[1:] or given):
+        tables[number] = tables.get(number, frozenset()) | {label}
+    if first in (None, 1):
+        constants.setdefault(number, {})[label] = given[0]
+
+
+def _whole(text: str) -> int | None:
+    text = text.strip()
+    return int(text) if text.lstrip("-").isdecimal() else None
+
+
+def _real(text: str) -> float | None:
+    try:
+        return float(text.replace("D", "E").replace("d", "e"))
+    except ValueError:
+        return None
