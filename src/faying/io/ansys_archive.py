@@ -290,7 +290,7 @@ def _material(
         raise FormatError(message)
     if sides := [key for key in ("EY", "EZ") if own.get(key, own.get("EX")) != own.get("EX")]:
         message = (
-            f"Ansys archive '{path}': {' and '.join(sides)} of {name} differ from EX; materials of "
+            f"Ansys archive '{path}': {' and '.join(sides)} of {name} not as EX; materials of "
             f'archives are isotropic: add [material."{name}"] with E, nu and rho, or use .full '
             "matrices"
         )
