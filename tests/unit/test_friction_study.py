@@ -281,11 +281,34 @@ def test_the_report_says_first_what_slips(results, tmp_path):
     rows = {row[0].text: [cell.text for cell in row] for row in friction_table(results).rows}
     assert set(rows) == {"pull", "way", "shake"}
     reserve = results.cases["pull"].reserve
-    assert rows["pull"][4] == f"{number(reserve.first_slip)} × the load"
+    assert reserve.first_slip < 1e-3  # tightening left points on their bound
+    assert rows["pull"][4] == "once it acts"
     assert rows["pull"][5].startswith("joint (")
     assert rows["pull"][6] == f"{number(reserve.onset)} × the load"
     assert rows["way"][4] == "—"
     assert rows["shake"][2].endswith("per cycle")
+
+
+def test_slip_that_slides_nothing_is_told_from_sliding(results):
+    case = results.cases["pull"]
+    path = case.reference.path
+    all_slip = replace(path, macroslip=np.ones_like(path.macroslip))
+
+    def said(**reserve):
+        one = replace(
+            case,
+            reference=replace(case.reference, path=all_slip),
+            reserve=replace(case.reserve, **reserve),
+        )
+        only = replace(results, cases={"pull": one})
+        return slip_sentence(only), [cell.text for cell in friction_table(only).rows[0]]
+
+    sentence, _ = said(gross_slip=0.8)
+    assert sentence.endswith("(macroslip) in pull.")
+    sentence, row = said(gross_slip=None, first_slip=1e-7)
+    assert sentence.endswith("in pull, in directions that cancel: nothing slides as a whole.")
+    assert row[4] == "once it acts"
+    assert row[8].startswith("above ")
 
 
 def test_reports_without_slip_say_nothing_of_it(results):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from faying.assessment.slip_reserve import PRECISION
 from faying.report.quantities import number, percent, place, quantity
 from faying.report.slip import most_slip
 from faying.report.tables import Table, table
@@ -35,6 +36,11 @@ def friction_table(results: Results) -> Table:
     return table(columns, rows)
 
 
+def _factor(factor: float) -> str:
+    """Return a load factor; next to none is round-off of what tightening left on its bound."""
+    return f"{number(factor)} × the load" if factor >= PRECISION else "once it acts"
+
+
 def _reserve(results: Results, case: CaseResult) -> tuple[str, ...]:
     """Return the load factors of a slip reserve, and where it begins."""
     reserve = case.reserve
@@ -44,7 +50,7 @@ def _reserve(results: Results, case: CaseResult) -> tuple[str, ...]:
     if reserve.stopped:
         beyond = f"no solution above {number(reserve.largest)} ×"
     first, onset, share, gross = (
-        beyond if factor is None else f"{number(factor)} × the load"
+        beyond if factor is None else _factor(factor)
         for factor in (
             reserve.first_slip,
             reserve.onset,

@@ -77,7 +77,15 @@ def slip_sentence(results: Results) -> str:
     text = f"The joint slips: up to {percent(most[worst])} of the area in contact, in {worst}"
     if gross:
         text += f"; everything that touches slips (macroslip) in {', '.join(gross)}"
+        if all(_holds(results.cases[name]) for name in gross):
+            text += ", in directions that cancel: nothing slides as a whole"
     return " ".join([f"{text}.", vibrating]).rstrip()
+
+
+def _holds(case: CaseResult) -> bool:
+    """Say whether a static load is known not to slide what it makes slip."""
+    slides = None if case.reserve is None else case.reserve.gross_slip
+    return case.kind == "static" and case.reserve is not None and (slides is None or slides > 1)
 
 
 def _in_vibration(results: Results) -> str:
