@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from faying.cli import app
+from faying.draft import first_study as first
 from faying.draft.cylinders import cylinders
 from faying.draft.first_study import first_study
 from faying.draft.study_text import MARK
@@ -234,11 +235,14 @@ def test_sets_are_taken_by_their_names(tmp_path):
     assert tables["boundary"][0]["set"].upper() == "LOADED"
 
 
-def test_a_single_body_is_said_to_have_no_interface(tmp_path):
+def test_a_single_body_is_said_to_have_no_interface(tmp_path, monkeypatch):
+    builds = []
+    monkeypatch.setattr(first, "build", lambda study: builds.append(study) or build(study))
     study, tables = said(written(tmp_path, stacked(LOWER)))
     assert "interface" not in tables
     assert f"{MARK} no faces of different bodies face each other" in study.text
     assert "contact interface" in study.problem
+    assert len(builds) == 1  # no second one with weak springs, which no problem asked for
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from faying.draft.study_text import (
 from faying.exceptions import FayingError, ModelError
 from faying.interface.facing import facing_bodies
 from faying.interface.interface import Interface
+from faying.joint.diagnosis import REMEDY
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import FORCE_NAMES
@@ -78,11 +79,12 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
 
     Notes
     -----
-    The model of the study is built to see that it can be, and to tell areas and gaps.
+    The model of the study is built to see that it can be, and to tell areas and gaps; once more,
+    with weak springs, where the first says that they are wanted.
     """
     found = _findings(look_at(path, ignore))
     built, problem = _tried(study_text(found, target, {}), target)
-    if problem:
+    if REMEDY in problem:
         supported = replace(found, weak_springs=True)
         joints, other = _tried(study_text(supported, target, {}), target)
         if not other:
