@@ -3,6 +3,7 @@
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
+from faying.linalg.mkl import load_mkl
 from faying.linalg.threads import SMALL, one_thread, threads_for
 from faying.study.load_set import read_loads
 from faying.study.schema import read_study
@@ -14,6 +15,7 @@ from small_study import SMALL_JOINT
 
 @pytest.fixture(autouse=True)
 def _two_threads():
+    load_mkl()  # a library that came later would keep what the environment says
     with threadpool_limits(2, user_api="blas"):
         yield
 

@@ -5,7 +5,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
 
+import scipy.linalg  # noqa: F401  its BLAS is another than NumPy's
 from threadpoolctl import ThreadpoolController
+
+from faying.linalg.mkl import load_mkl
 
 SMALL = 1500
 """Order of dense matrices up to which one thread is fastest.
@@ -24,7 +27,6 @@ def one_thread() -> Iterator[None]:
 
     Whatever the machine does meanwhile, so that digits do not depend on it.
     """
-    _controller.cache_clear()  # libraries may have been loaded since
     libraries = _controller().info()
     token = _FOUND.set({one["prefix"]: one["num_threads"] for one in libraries})
     try:
@@ -47,4 +49,9 @@ def threads_for(order: int) -> Iterator[None]:
 
 @cache
 def _controller() -> ThreadpoolController:
+    """Find all libraries once, those first that are loaded when something is factorized.
+
+    One that came later would keep all its threads, so that digits depended on what ran before.
+    """
+    load_mkl()
     return ThreadpoolController()
