@@ -45,6 +45,24 @@ def test_a_pull_beside_the_axis_bends(tmp_path, kind, grid, offset):
     np.testing.assert_allclose(u, expected, rtol=1e-9, atol=1e-15)  # beams are exact
 
 
+def test_offsets_along_the_axes_of_the_element(tmp_path):
+    """Of a beam between the grids: the same as their parts in the displacement system."""
+    grids = "GRID,1\nGRID,2,,0.,800.,600.\nSPC1,1,123456,1\n"
+    x, y = np.array([0, 0.8, 0.6]), np.array([1.0, 0, 0])
+    z = np.cross(x, y)
+    first, second = 20 * x + 30 * y - 10 * z, -5 * x + 40 * z
+    last = ",".join(f"{value:.9g}" for value in second)
+    every = ",".join(f"{value:.9g}" for value in first)
+    force = [F, 2 * F, 3 * F, 0, 0, 0]
+    of_element = f"{grids}CBAR,7,5,1,2,1.,.4,.3,GOO\n,,,20.,30.,-10.,-5.,0.,40.\n"
+    basic = f"{grids}CBAR,7,5,1,2,1.,.4,.3\n,,,{every},{last}\n"
+    mixed = f"{grids}CBAR,7,5,1,2,1.,.4,.3,BGO\n,,,{every},-5.,0.,40.\n"
+    expected = moved(tmp_path, basic, 1, force)[1]
+    for text in (of_element, mixed):
+        # Nine digits of the offsets.
+        np.testing.assert_allclose(moved(tmp_path, text, 1, force)[1], expected, rtol=1e-7)
+
+
 def test_a_hinge_at_an_end_turned_about_the_beam(tmp_path):
     """Clamped and hinged in the plane of v, clamped twice in the other."""
     beams = "CBAR,7,5,1,2,0.,1.,1.\nCBAR,8,5,2,3,0.,1.,1.\n,,6\n"
@@ -75,7 +93,8 @@ def test_pins_and_offsets_of_one_end(tmp_path):
 
 REFUSED = [
     ("CBAR,7,5,1,2,0.,1.,0.\n,7", "pin flag: components are '7'"),
-    ("CBAR,7,5,1,2,0.,1.,0.,GOG\n,,,1.", "OFFT = GOG: offsets along the element"),
+    ("CBAR,7,5,1,2,0.,1.,0.,GXG\n,,,1.", "OFFT = 'GXG' is not supported"),
+    ("CBAR,7,5,1,2,1.,0.,0.,GOG\n,,,0.,1.", "the orientation vector is zero or parallel"),
     ("CBAR,7,5,1,2,0.,1.,0.\n,,,,,,-500.", "the beam has no length"),
 ]
 

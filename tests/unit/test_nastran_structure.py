@@ -308,6 +308,34 @@ def test_shells_with_mid_side_nodes(read: Read) -> None:
     assemble_matrices(assembly)
 
 
+@pytest.mark.parametrize(("factor", "width"), [("1.", 2.0), (".5", 1.0), ("30.", 15.0)])
+def test_shear_panels_that_carry_along_their_sides(read: Read, factor: str, width: float) -> None:
+    """A rectangle of 4 by 2, pulled along the long sides: F1 of its width, or F1 T."""
+    assembly = read(f"CSHEAR,3,2,1,2,3,4\nPSHEAR,2,9,.5,,{factor}")
+    assert [(rod.id, rod.nodes) for rod in assembly.beams] == [(4, (0, 1)), (5, (2, 3))]
+    u = np.zeros((len(assembly.mesh.nodes), 6))
+    u[:, 0] = 1e-3 * assembly.mesh.nodes[:, 0] / 4
+    work = u.ravel() @ assemble_matrices(assembly).K @ u.ravel()
+    assert work == pytest.approx(210000 * 0.5 * width / 4 * 1e-6, rel=1e-12)
+    (side,) = {rod.nodes for rod in read("CSHEAR,3,2,1,2,3,4\nPSHEAR,2,9,.5,,,.5").beams[:1]}
+    assert side == (1, 2)
+    assert mass_properties(assembly).mass == pytest.approx(7.8e-9 * 8 * 0.5)
+
+
+def test_a_factor_of_shear_panels_that_makes_no_sense(read: Read) -> None:
+    with pytest.raises(FormatError, match="PSHEAR: F1 = -1, F2 = 0 must not be negative"):
+        read("CSHEAR,3,2,1,2,3,4\nPSHEAR,2,9,.5,,-1.")
+
+
+def test_loads_of_scalar_points(read: Read) -> None:
+    loads = read("SPOINT,21,22,23", "CELAS4,1,5.,21,22", "SLOAD,7,21,2.,23,-1.,21,.5").loads
+    assert loads["7"].nodes.tolist() == [5, 7]
+    np.testing.assert_allclose(loads["7"].forces[:, 0], [2.5, -1.0])
+    assert not loads["7"].forces[:, 1:].any()
+    with pytest.raises(FormatError, match="SLOAD: GRID 3 is no SPOINT"):
+        read("SPOINT,21", "SLOAD,7,3,2.")
+
+
 def test_blank_mid_side_nodes_leave_sides_straight(read: Read) -> None:
     """A node stands in the middle that moves as the mean of the ends: the same stiffness."""
     whole, blank = (

@@ -1,7 +1,8 @@
 """Offsets and pins of CBAR and CBEAM: nodes of their own at the ends of beams.
 
 MSC Nastran Quick Reference Guide, CBAR: offset vectors lead from the grids to the ends, along the
-displacement components of the grids; pin flags name the components of the element (x along it, y
+displacement components of the grids, or (O of OFFT) along the axes of an element between the grids;
+pin flags name the components of the element (x along it, y
 towards the orientation vector) in which an end is not joined to its grid.
 """
 
@@ -40,22 +41,27 @@ class BeamEnds:
         """Places (n, 3) of the new nodes."""
         return np.array(self.places, dtype=float).reshape(-1, 3)
 
-    def offset(self, card: Card, grids: Grids, end: int, node: int) -> tuple[int, Vector]:
+    def offset(
+        self, card: Card, grids: Grids, end: int, node: int, along: Matrix
+    ) -> tuple[int, Vector]:
         """Return the node of an end (0 or 1) and its place, a new one where there is an offset.
+
+        Parameters
+        ----------
+        along : (3, 3)
+            Axes of the element between its grids, for offsets that are given along them.
 
         Raises
         ------
         FormatError
-            If the offset is along the axes of the element, or not finite.
+            If the offset is not finite.
         """
         vector = np.array([card.real(OFFSETS[end] + j, 0.0) for j in range(3)])
         place = grids.nodes[node]
         if not vector.any():
             return node, place
-        if card.text(7)[1 + end : 2 + end] == "O":
-            text = f"OFFT = {card.text(7)}: offsets along the element are not supported; give GGG"
-            raise card.error(text, 7)
-        axes = grids.systems.axes(node)
+        of_element = card.text(7)[1 + end : 2 + end] == "O"
+        axes = along if of_element else grids.systems.axes(node)
         place = place + (vector if axes is None else vector @ axes)
         if not np.isfinite(place).all():
             text = "the offset is too large for a number"

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Matrix, Vector
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.cards import Card, Cards
@@ -82,8 +82,12 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
         card.refuse_non_zero(_WARPING, "a warping point", "leave SA and SB blank")
     section, material = sections[pid]
     own = grids.one(card, 2), grids.one(card, 3)
-    (start, at), (end, to) = (ends.offset(card, grids, i, node) for i, node in enumerate(own))
-    vector = _orientation(card, grids, own[0], to - at)
+    vector = _orientation(card, grids, own[0])
+    along = _between(card, grids, own, vector)
+    (start, at), (end, to) = (
+        ends.offset(card, grids, i, node, along) for i, node in enumerate(own)
+    )
+    _check(card, to - at, vector)
     x, y, z = vector.tolist()
     return Beam(
         id=number,
@@ -95,7 +99,7 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
     )
 
 
-def _orientation(card: Card, grids: Grids, start: int, axis: Vector) -> Vector:
+def _orientation(card: Card, grids: Grids, start: int) -> Vector:
     flag = card.text(7)
     # OFFT; a real number here would be BIT of CBEAM, a p-version element.
     if flag and flag not in {a + b + c for a in "GB" for b in "GO" for c in "GO"}:
@@ -104,9 +108,23 @@ def _orientation(card: Card, grids: Grids, start: int, axis: Vector) -> Vector:
     if card.text(5) or card.text(6) or numbers.integer(card.text(4)) is None:
         vector = np.array([card.real(4 + j, 0.0) for j in range(3)])
         axes = None if flag.startswith("B") else grids.systems.axes(start)
-        vector = vector if axes is None else vector @ axes
-    else:
-        vector = grids.nodes[grids.one(card, 4)] - grids.nodes[start]
+        return vector if axes is None else vector @ axes
+    return np.asarray(grids.nodes[grids.one(card, 4)] - grids.nodes[start])
+
+
+def _between(card: Card, grids: Grids, own: tuple[int, int], vector: Vector) -> Matrix:
+    """Axes (3, 3) from grid to grid, where offsets (O of OFFT) are along them; else basic ones."""
+    if "O" not in card.text(7):
+        return np.eye(3)
+    axis = grids.nodes[own[1]] - grids.nodes[own[0]]
+    _check(card, axis, vector)
+    z = np.cross(axis, vector)
+    axes = np.array([axis, np.cross(z, axis), z])
+    return np.asarray(axes / np.linalg.norm(axes, axis=1)[:, None])
+
+
+def _check(card: Card, axis: Vector, vector: Vector) -> None:
+    """Refuse a beam without length, or without a direction across it."""
     with np.errstate(over="ignore", invalid="ignore"):
         length, size = np.linalg.norm(axis), np.linalg.norm(vector)
         across = np.linalg.norm(np.cross(axis, vector))
@@ -116,4 +134,3 @@ def _orientation(card: Card, grids: Grids, start: int, axis: Vector) -> Vector:
     if not across > _PARALLEL * length * size or not np.isfinite(across):
         text = "the orientation vector is zero or parallel to the beam; give another one"
         raise card.error(text, 4)
-    return np.asarray(vector)

@@ -2,9 +2,9 @@
 
 MSC Nastran Quick Reference Guide: TYPE names a component along the basic axes (FX, MX, ...) or
 those of the element (FXE, MXE, ...). Without X2, or where it equals X1, P1 acts at X1 alone; else
-the intensity per length goes from P1 at X1 to P2 at X2. X are lengths (LE, LEPR) or parts of the
-length (FR, FRPR) from end A; LEPR and FRPR give the intensity per length as seen along a basic
-force.
+the intensity per length goes from P1 at X1 to P2, 0 where that is blank, at X2. X are lengths (LE,
+LEPR) or parts of the length (FR, FRPR) from end A; LEPR and FRPR give the intensity per length as
+seen along a basic force.
 """
 
 from collections.abc import Mapping, Sequence
@@ -116,10 +116,6 @@ def _beams(own: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]) -> lis
 def _stations(own: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:
     """Return places (n, 3) in parts of the length, and the forces there (n, 3)."""
     spread = _is_spread(own)
-    missing = np.flatnonzero(spread & ~own.given(7))
-    if missing.size:
-        text = "P2 is blank, which programs read differently; give it"
-        raise own.error(int(missing[0]), text, 7)
     first, intensity = own.reals(4), own.reals(5)
     last = np.where(spread, own.reals(6, 0.0), first)
     final = np.where(spread, own.reals(7, 0.0), intensity)

@@ -18,7 +18,7 @@ from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock
 
 UNSUPPORTED = (
-    *("ACCEL", "ACCEL1", "DEFORM", "GMLOAD", "LSEQ", "QVOL", "SLOAD", "SPCR"),
+    *("ACCEL", "ACCEL1", "DEFORM", "GMLOAD", "LSEQ", "QVOL", "SPCR"),
     "TEMPRB",
 )
 """Static loads that are not read; sets that use them are left out."""
@@ -54,6 +54,8 @@ def read_loads(
     for name, first in (("FORCE", 0), ("MOMENT", 3)):
         if name in cards:
             _add(cards[name], grids, first, parts)
+    if "SLOAD" in cards:
+        _add_scalar(cards["SLOAD"], grids, parts)
     if "PLOAD4" in cards:
         _add_pressures(cards["PLOAD4"], grids, structure.mesh, structure.shells, parts)
     for sets, nodes, forces in read_directed_loads(
@@ -131,6 +133,22 @@ def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) 
         raise cards.error(card, text)
     for number in np.unique(sets).tolist():
         parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
+
+
+def _add_scalar(cards: Cards, grids: Grids, parts: dict[int, list[_Part]]) -> None:
+    """SLOAD: pairs of a scalar point and its load."""
+    for first in (1, 3, 5):
+        these = cards.take(cards.given(first))
+        nodes = grids.of_column(these, first)
+        wrong = np.flatnonzero(nodes < len(grids.ids) - grids.n_scalar)
+        if wrong.size:
+            text = f"GRID {these.integers(first)[wrong[0]]} is no SPOINT; load it by FORCE"
+            raise these.error(int(wrong[0]), text, first)
+        forces = np.zeros((len(these), 6))
+        forces[:, 0] = these.reals(first + 1)
+        for number in np.unique(these.integers(0)).tolist():
+            here = these.integers(0) == number
+            parts.setdefault(number, []).append((nodes[here], forces[here]))
 
 
 def _add_pressures(

@@ -33,6 +33,7 @@ from faying.io.nastran.materials import (
     shear_factors,
 )
 from faying.io.nastran.moved_supports import Moved, with_moving
+from faying.io.nastran.panel_sides import read_panel_sides
 from faying.io.nastran.parameters import LUMPED, lumps_masses, mass_factor
 from faying.io.nastran.plane_materials import read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
@@ -88,7 +89,7 @@ _READ = frozenset(
             "PBEAML",
             "PELAS",
         ),
-        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "FORCE", "MOMENT", "LOAD"),
+        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "SLOAD", "FORCE", "MOMENT", "LOAD"),
         *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD1", "PLOAD4"),
         # contact and bolts, read behind the structure
         *("BSURF", "BSURFS", "BCPROP", "BCPROPS", "BCTSET", "BCTADD", "BCTPARM", "BCTPARA"),
@@ -206,6 +207,8 @@ def read_parts(
             supports=tuple(supports),
             name=path.stem,
         )
+        sides = read_panel_sides(cards, grids, materials, assembly.largest_id + 1)
+        assembly = replace(assembly, beams=(*assembly.beams, *sides))
         resting = moved.without(control_grids(cards, grids))
         assembly, moving = with_moving(assembly, grids, resting, ignored)
         loads = read_loads(cards, grids, assembly, control.load, moving, ignored)

@@ -100,11 +100,9 @@ def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
 
 
 def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
-    """PSHEAR: MID, T, NSM, F1, F2."""
+    """PSHEAR: MID, T, NSM; F1 and F2 become rods."""
     material, thickness = _material(card, 1, materials), card.real(2)
     extra = card.real(3, 0.0) * mass_factor
-    remedy = "put CROD there, and leave F1 and F2 blank"
-    card.refuse_non_zero([4, 5], "stiffness along the sides", remedy)
     if material is None or not thickness > 0 or not extra >= 0:
         text = f"T = {thickness:g}, NSM = {extra:g}; it needs a material and a positive thickness"
         raise card.error(text)
