@@ -326,7 +326,7 @@ def test_gravity_and_rotation_act_on_all_masses(read: Read) -> None:
     ("cards", "message"),
     [
         ("CBAR,1,5,1,2,0.,1.,0.\n,55", r"CBAR: pin flag: components are '55'"),
-        ("CBAR,1,5,1,2,0.,1.,0.,GOG\n,,,.5", "CBAR: OFFT = GOG: offsets along the element"),
+        ("CBAR,1,5,1,2,0.,1.,0.,GOX\n,,,.5", "CBAR: OFFT = 'GOX' is not supported"),
         ("CBAR,1,5,1,2,1.,0.,0.", "zero or parallel"),
         ("CBAR,1,5,1,1,1.,0.,0.", "no length"),
         ("CBAR,1,4,1,2,0.,1.,0.", "property 4 is not a PBAR"),
@@ -388,9 +388,48 @@ def test_single_components_in_a_turned_system(read: Read) -> None:
     with pytest.raises(FormatError, match="single components of GRID 9"):
         read(TURNED, "RBE3,1,,9,1,1.,123,1,2\n,3")
     assert len(read(TURNED, "RBE2,1,1,123,9").rigid_couplings) == 1
-    with pytest.raises(FormatError, match="not a basic axis"):
-        read(TURNED, "CELAS2,1,5.,9,1")
+    with pytest.raises(FormatError, match=r"not a basic axis; such a spring leads to the ground"):
+        read(TURNED, "CELAS2,1,5.,9,1,10,1")
+    with pytest.raises(FormatError, match=r"not a basic axis; masses"):
+        read(TURNED, "CMASS2,1,5.,9,1")
     assert read(TURNED, "CELAS2,1,5.,9,3").springs[0].ends == ((8, 2),)
+
+
+@pytest.mark.parametrize(("other", "component"), [("", 1), ("11,1", 1), ("", 5), ("11,5", 5)])
+def test_springs_along_turned_axes(read: Read, other: str, component: int) -> None:
+    """To the ground, or to a grid at the same place: a motion apart does its work."""
+    beside = "GRID,11,2,2.,30.,0.,2"
+    assembly = read(TURNED, beside, f"CELAS2,1,5.,9,{component},{other}")
+    c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    along = np.array([c, s, 0.0]) if component == 1 else np.array([-s, c, 0.0])
+    K = assemble_matrices(assembly).K
+    ids = assembly.mesh.node_ids
+    for node, expected in ((9, 5.0), (11, 5.0 if other else 0.0)):
+        u = np.zeros((len(ids), 6))
+        first = 3 * (component // 4)
+        u[ids == node, first : first + 3] = along
+        assert u.ravel() @ K @ u.ravel() == pytest.approx(expected, abs=1e-14)
+    across = np.zeros((len(ids), 6))
+    across[:, 3 * (component // 4) : 3 * (component // 4) + 3] = np.cross([0, 0, 1], along)
+    across[:, 2] = 1.0
+    np.testing.assert_allclose(K @ across.ravel(), 0.0, atol=1e-14)
+
+
+def test_grids_on_the_axis_of_their_system_are_told(read: Read) -> None:
+    text = TURNED + "\nGRID,11,2,0.,0.,5.,2"
+    (note,) = [note for note in read(text).ignored if "on the axis" in note]
+    assert note.startswith("1 GRID on the axis of their displacement system")
+    assert not [note for note in read(TURNED).ignored if "on the axis" in note]
+
+
+def test_warping_constants_serve_warping_points_alone(read: Read) -> None:
+    card = "PBEAM,5,9,1.,2.,3.,0.,4.\n,,,,,,,,\n,,,,,,,1.5,1.5"
+    (beam,) = read(card, "CBEAM,7,5,1,5,1.,0.,0.").beams
+    assert (
+        beam.section == read("PBEAM,5,9,1.,2.,3.,0.,4.", "CBEAM,7,5,1,5,1.,0.,0.").beams[0].section
+    )
+    with pytest.raises(FormatError, match="a warping point"):
+        read(card, "CBEAM,7,5,1,5,1.,0.,0.\n,,,,,,,,\n,1,2")
 
 
 def test_supports(read: Read) -> None:

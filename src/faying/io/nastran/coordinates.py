@@ -5,10 +5,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, frozen
+from faying._typing import Indices, Mask, Matrix, frozen
 from faying.io.nastran.cards import Card, Cards
 
 _ON_AXIS = 1e-12
+
+ON_AXIS = (
+    "GRID on the axis of their displacement system, which has no radial direction there: here "
+    "theirs is along the system's x axis, in Nastran as rounding decides"
+)
+"""What is said of how many grid points."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -44,6 +50,16 @@ class Frame:
             local = points
         return np.asarray(local @ self.axes + self.origin)
 
+    def on_axis(self, points: Matrix) -> Mask:
+        """Tell where basic points (n, 3) have no direction around the axis."""
+        if self.kind == "R":
+            return np.zeros(len(points), dtype=bool)
+        x, y, _ = ((points - self.origin) @ self.axes.T).T
+        scale = max(
+            float(np.abs(points).max(initial=0.0)), float(np.abs(self.origin).max()), 1e-300
+        )
+        return np.asarray(np.hypot(x, y) <= _ON_AXIS * scale)
+
     def directions(self, points: Matrix) -> Matrix:
         """Return unit vectors (n, 3, 3), one per row, along the components at basic points.
 
@@ -53,10 +69,7 @@ class Frame:
             return np.broadcast_to(self.axes, (len(points), 3, 3))
         x, y, z = ((points - self.origin) @ self.axes.T).T
         ring = np.hypot(x, y)
-        scale = max(
-            float(np.abs(points).max(initial=0.0)), float(np.abs(self.origin).max()), 1e-300
-        )
-        off = ring > _ON_AXIS * scale
+        off = ~self.on_axis(points)
         safe = np.where(off, ring, 1.0)
         cos, sin = np.where(off, x / safe, 1.0), np.where(off, y / safe, 0.0)
         zero, one = np.zeros_like(x), np.ones_like(x)
@@ -213,6 +226,15 @@ class Systems:
     frames: Mapping[int, Frame]
     nodes: Matrix
     displacement: Indices
+
+    @property
+    def n_on_axis(self) -> int:
+        """Number of grid points whose directions their system leaves open."""
+        numbers = np.unique(self.displacement[self.displacement != 0]).tolist()
+        return sum(
+            int(self.frames[number].on_axis(self.nodes[self.displacement == number]).sum())
+            for number in numbers
+        )
 
     def axes(self, node: int) -> Matrix | None:
         """Directions (3, 3) of the components of a node; None if they are the basic ones."""

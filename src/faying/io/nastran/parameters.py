@@ -64,6 +64,12 @@ def lumps_masses(cards: Mapping[str, Cards], control: Bulk) -> bool:
     return not chosen or chosen[-1].integer(1) <= 0
 
 
+def is_heat(cards: Mapping[str, Cards], control: Bulk) -> bool:
+    """Whether PARAM,HEATSTAT makes statics one of heat, whose constraints are temperatures."""
+    chosen = [card for card in _parameters(cards, control) if card.text(0) == "HEATSTAT"]
+    return any(card.text(1).startswith("Y") for card in chosen)
+
+
 def _parameters(cards: Mapping[str, Cards], control: Bulk) -> Iterator[Card]:
     """Yield PARAM of case control, then those of the bulk data."""
     yield from control.cards().get("PARAM", ())

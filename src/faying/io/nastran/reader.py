@@ -16,6 +16,7 @@ from faying.io.nastran.body_loads import BODY_LOADS
 from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
+from faying.io.nastran.coordinates import ON_AXIS
 from faying.io.nastran.couplings import read_average_couplings
 from faying.io.nastran.directed_loads import DIRECTED
 from faying.io.nastran.equations import read_equations
@@ -34,7 +35,7 @@ from faying.io.nastran.materials import (
 )
 from faying.io.nastran.moved_supports import Moved, with_moving
 from faying.io.nastran.panel_sides import read_panel_sides
-from faying.io.nastran.parameters import LUMPED, lumps_masses, mass_factor
+from faying.io.nastran.parameters import LUMPED, is_heat, lumps_masses, mass_factor
 from faying.io.nastran.plane_materials import read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
 from faying.io.nastran.rods import read_rods
@@ -150,7 +151,10 @@ def read_parts(
     with np.errstate(over="ignore", invalid="ignore"):
         parameters = read_cards(parameter_lines(source.control))
         factor = mass_factor(cards, parameters, ignored)
+        control = replace(control, heat=control.heat or is_heat(cards, parameters))
         grids = read_grids(cards)
+        if count := grids.systems.n_on_axis:
+            ignored.append(f"{count} {ON_AXIS}")
         if not np.isfinite(grids.nodes).all():
             message = f"{path}: coordinates are too large for a number; check the units"
             raise FormatError(message)
@@ -173,6 +177,7 @@ def read_parts(
         sections = read_sections(cards, materials, factors, factor, ignored)
         ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
         beams = read_beams(cards, grids, sections, ends)
+        springs, turned = read_springs(cards, grids, ignored)
         supports, moved = read_supports(cards, grids, control)
         ids = np.concatenate([grids.ids, straight.node_ids])
         mesh = Mesh(
@@ -189,8 +194,9 @@ def read_parts(
             beams=(*beams, *read_rods(cards, grids, materials, factors, factor)),
             shells=shells.blocks,
             shell_sections=shells.sections,
-            springs=tuple(read_springs(cards, grids, ignored)),
+            springs=tuple(springs),
             bushes=(
+                *turned,
                 *read_bushes(cards, grids, factor, ignored),
                 *read_bends(cards, grids, materials, factors, factor, ignored),
             ),

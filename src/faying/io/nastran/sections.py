@@ -134,7 +134,9 @@ def _pbeam(card: Card, _: Material) -> BeamSection:
         _check_station(card, row)
         row += 16 if card.text(row) == "YES" else 8
     card.refuse_non_zero([row + 4, row + 5], "non-structural inertia", "use a CONM2 at the node")
-    card.refuse_non_zero([row + 6, row + 7], "warping", "leave CW blank")
+    # CW serves beams with warping points (SA, SB) alone, which are refused.
+    card.real(row + 6, 0.0)
+    card.real(row + 7, 0.0)
     if card.real(7, 0.0):
         card.refuse_non_zero(range(row + 8, row + 12), "an offset of mass", "remove it")
     card.refuse_non_zero(range(row + 12, row + 16), "an offset of the neutral axis", "remove it")

@@ -4,28 +4,76 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
-from faying.model.assembly import ScalarMass, Spring
+from faying.model.assembly import Bush, ScalarMass, Spring
 
 End = tuple[int, int]
+_SAME = 1e-6
+"""Axes from three points typed with seven digits are off by about 1e-7."""
 
 
-def read_springs(cards: Mapping[str, Cards], grids: Grids, ignored: list[str]) -> list[Spring]:
+def read_springs(
+    cards: Mapping[str, Cards], grids: Grids, ignored: list[str]
+) -> tuple[list[Spring], list[Bush]]:
     """Read springs; an end whose grid is blank or 0 is grounded.
+
+    Springs along axes of displacement systems that are no basic axes are bushes.
 
     Raises
     ------
     FormatError
-        If a property is missing, both ends are grounded, or a spring acts along an axis of a
-        displacement system that is not a basic axis.
+        If a property is missing, both ends are grounded, or a spring acts along different
+        directions at its ends.
     """
     if any(card.text(6) for card in cards.get("CELAS2", ())):
         ignored.append("structural damping GE of CELAS2")
-    return [
-        Spring(id=card.integer(0), ends=_ends(card, grids), stiffness=value)
-        for card, value in _valued(cards, "CELAS", "PELAS")
-    ]
+    springs, bushes = list[Spring](), list[Bush]()
+    for card, value in _valued(cards, "CELAS", "PELAS"):
+        turned = _turned(card, value, grids)
+        if turned is None:
+            ends = _ends(card, grids)
+            springs.append(Spring(id=card.integer(0), ends=ends, stiffness=value))
+        else:
+            bushes.append(turned)
+    return springs, bushes
+
+
+def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
+    """Return a spring along an axis of a displacement system that is no basic axis.
+
+    Its ends stand at one place and act along one direction, or one of them is the ground.
+    """
+    found = _own_ends(card, grids)
+    systems = [grids.systems.axes(node) for node, _ in found]
+    if not found or all(_is_basic(a, c) for a, (_, c) in zip(systems, found, strict=True)):
+        return None
+    nodes, components = zip(*found, strict=True)
+    axes = np.eye(3) if systems[0] is None else systems[0]
+    others = [np.eye(3) if one is None else one for one in systems]
+    places = grids.nodes[list(nodes)]
+    apart = np.abs(places - places[0]).max() > _SAME * np.abs(grids.nodes).max()
+    own, *rest = (one[c % 3] for one, c in zip(others, components, strict=True))
+    across = any(np.abs(other - own).max() > _SAME for other in rest)
+    if apart or across or len(set(components)) > 1 or len(set(nodes)) < len(nodes):
+        text = (
+            f"GRID {grids.ids[nodes[0]]} has a displacement coordinate system whose axis is not a "
+            "basic axis; such a spring leads to the ground, or to a grid at the same place with "
+            "the same axes; use a CBUSH"
+        )
+        raise card.error(text)
+    along = [0.0] * 6
+    along[components[0]] = stiffness
+    x, y, z = places[0].tolist()
+    a, b, c = ((row[0], row[1], row[2]) for row in axes.tolist())
+    return Bush(
+        id=card.integer(0),
+        nodes=tuple(nodes),
+        stiffness=tuple(along),
+        axes=(a, b, c),
+        place=(x, y, z),
+    )
 
 
 def read_scalar_masses(
@@ -84,9 +132,9 @@ def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
     return found
 
 
-def _ends(card: Card, grids: Grids) -> tuple[End, ...]:
+def _own_ends(card: Card, grids: Grids) -> list[End]:
+    """Return nodes and their own components; ends on the ground are left out."""
     ends: list[End] = []
-    signs: list[int] = []
     # Kinds 3 and 4 join scalar points, which have no components.
     scalar = card.cards.name[-1] in "34"
     for field in (2, 3) if scalar else (2, 4):
@@ -98,7 +146,15 @@ def _ends(card: Card, grids: Grids) -> tuple[End, ...]:
         if len(chosen) != 1:
             text = f"a spring or mass acts on one component; found '{digits}'"
             raise card.error(text, field + 1)
-        component, sign = _basic(card, node, chosen[0], grids)
+        ends.append((node, chosen[0]))
+    return ends
+
+
+def _ends(card: Card, grids: Grids) -> tuple[End, ...]:
+    ends: list[End] = []
+    signs: list[int] = []
+    for node, own in _own_ends(card, grids):
+        component, sign = _basic(card, node, own, grids)
         ends.append((node, component))
         signs.append(sign)
     if not ends or len(set(signs)) > 1 or len(set(ends)) < len(ends):
@@ -117,11 +173,15 @@ def _basic(card: Card, node: int, component: int, grids: Grids) -> tuple[int, in
         return component, 1
     direction = axes[component % 3]
     along = int(np.abs(direction).argmax())
-    # Axes from three points typed with seven digits are off by about 1e-7.
-    if np.abs(np.delete(direction, along)).max() > 1e-6:
+    if not _is_basic(axes, component):
         text = (
             f"GRID {grids.ids[node]} has a displacement coordinate system whose axis is not a "
-            "basic axis; springs in such systems are not supported, use a CBUSH"
+            "basic axis; masses of one direction in such systems are not supported, use a CONM2"
         )
         raise card.error(text)
     return along + 3 * (component // 3), 1 if direction[along] > 0 else -1
+
+
+def _is_basic(axes: Matrix | None, component: int) -> bool:
+    """Whether a component is along a basic axis, or against it."""
+    return axes is None or float(np.sort(np.abs(axes[component % 3]))[1]) <= _SAME
