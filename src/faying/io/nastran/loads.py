@@ -51,11 +51,12 @@ def read_loads(
         If a grid, element, coordinate system or load set is missing.
     """
     parts: dict[int, list[_Part]] = {}
+    spoiled = {**moving.unread, **_unsupported(cards)}
     for name, first in (("FORCE", 0), ("MOMENT", 3)):
         if name in cards:
             _add(cards[name], grids, first, parts)
     if "SLOAD" in cards:
-        _add_scalar(cards["SLOAD"], grids, parts)
+        _add_scalar(cards["SLOAD"], grids, parts, spoiled)
     if "PLOAD4" in cards:
         _add_pressures(cards["PLOAD4"], grids, structure.mesh, structure.shells, parts)
     for sets, nodes, forces in read_directed_loads(
@@ -65,7 +66,6 @@ def read_loads(
             parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
     for number, forces in moving.by_load.items():
         parts.setdefault(number, []).append(_part(forces))
-    spoiled = {**moving.unread, **_unsupported(cards)}
     for sets, nodes, forces in read_line_loads(
         cards, structure.mesh.nodes, structure.beams, spoiled
     ):
@@ -135,15 +135,16 @@ def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) 
         parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
 
 
-def _add_scalar(cards: Cards, grids: Grids, parts: dict[int, list[_Part]]) -> None:
+def _add_scalar(
+    cards: Cards, grids: Grids, parts: dict[int, list[_Part]], unread: dict[int, str]
+) -> None:
     """SLOAD: pairs of a scalar point and its load."""
     for first in (1, 3, 5):
         these = cards.take(cards.given(first))
         nodes = grids.of_column(these, first)
-        wrong = np.flatnonzero(nodes < len(grids.ids) - grids.n_scalar)
-        if wrong.size:
-            text = f"GRID {these.integers(first)[wrong[0]]} is no SPOINT; load it by FORCE"
-            raise these.error(int(wrong[0]), text, first)
+        for i in np.flatnonzero(nodes < len(grids.ids) - grids.n_scalar).tolist():
+            reason = f"{these.where(i)} on GRID {grids.ids[nodes[i]]}, which is no SPOINT,"
+            unread.setdefault(int(these.integers(0)[i]), reason)
         forces = np.zeros((len(these), 6))
         forces[:, 0] = these.reals(first + 1)
         for number in np.unique(these.integers(0)).tolist():
