@@ -1,15 +1,17 @@
 """How near the estimate of the transient pressure error is to the true error.
 
 ``python benchmarks/transient_estimate.py`` prints the table of docs/theory/transient_accuracy.md:
-three joints, a quarter of the longest period; with names of joints those alone, and with a number
-that part of the longest period (``0.12 "pipe flange"``). Needs gmsh.
+three joints and one with friction, a quarter of the longest period; with names of joints those
+alone, and with a number that part of the longest period (``0.12 "pipe flange"``). Needs gmsh.
 """
 
 import sys
 import tempfile
+from itertools import chain
 from pathlib import Path
 
 from method_ranges import STEPS, joints, rising
+from normal_modes import rubbing
 
 import faying as fy
 
@@ -29,7 +31,7 @@ def main() -> None:
     write("| joint | load and scheme | 20 modes | estimated | 80 modes | estimated |\n")
     write("|---" * 6 + "|\n")
     with tempfile.TemporaryDirectory() as folder:
-        for joint in joints(Path(folder)):
+        for joint in chain(joints(Path(folder)), [rubbing()]):
             if names and joint.name not in names:
                 continue
             models = {
@@ -62,7 +64,9 @@ def main() -> None:
 
 
 def _shown(error: fy.Accuracy) -> str:
-    return f"{error.max_relative_error:.2%} / {error.rms_relative_error:.3%}"
+    rubbed = error.max_traction_error
+    tractions = "" if rubbed is None else f", tractions {rubbed:.2%}"
+    return f"{error.max_relative_error:.2%} / {error.rms_relative_error:.3%}{tractions}"
 
 
 if __name__ == "__main__":

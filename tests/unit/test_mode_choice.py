@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import faying as fy
 from faying.assessment import choose_normal_modes
-from faying.assessment.choose_normal_modes import excited_frequency
+from faying.assessment.choose_normal_modes import NormalModeChoice, excited_frequency
 from faying.assessment.transient_error import OBSERVED
 from faying.cli import app
 from faying.exceptions import ModelError, StudyError
@@ -16,8 +16,10 @@ from faying.linalg.singular import InertiaError
 from faying.reduction.basis import ModeKind
 from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.study import normal_modes
+from faying.study.mode_choice import mode_sentences
 from faying.study.schema import parse_study
 from faying.study.store import read_results
+from faying.units import units_of
 from faying.workflow.run import run
 from small_study import TINY_JOINT
 
@@ -260,3 +262,42 @@ def test_where_modes_cannot_be_counted_the_fewest_are_tried_first(shaken, monkey
     found, counts = tried(shaken)
     assert counts == found.counts.tolist()
     assert counts[0] == choose_normal_modes.FEWEST
+
+
+@pytest.mark.parametrize(
+    ("tractions", "met", "said"),
+    [
+        (None, True, "within the tolerance of 3%."),
+        ([0.5, 0.02], True, "off by 2.00% of the largest one."),
+        ([0.5, 0.0888], True, "them nearer the truth."),
+        ([0.5, 0.45], False, "off by 45.00% of the largest one."),
+        ([0.5, np.inf], False, "off by an unknown share of the largest one."),
+    ],
+)
+def test_tractions_are_told_where_the_choice_is(tractions, met, said):
+    choice = NormalModeChoice(
+        count=20,
+        met=met,
+        tolerance=0.03,
+        excited=1e3,
+        resolved=1e4,
+        counts=np.array([10, 20]),
+        highest=np.array([1e3, 2e3]),
+        estimates=np.array([0.1, 0.02 if met else 0.2]),
+        tractions=None if tractions is None else np.array(tractions),
+    )
+    (sentence,) = mode_sentences({"push": choice}, units_of("mm-t-s"))
+    assert sentence.endswith(said)
+    assert ("chosen by pressures" in sentence) == (said == "them nearer the truth.")
+
+
+def test_tractions_of_every_number_are_estimated(joint):
+    rubbing = joint.with_friction(0.2, tangential_penalty=8e5)
+    load = fy.Load({"tip.Fz": -500.0, "tip.Fx": 3000.0})
+    found = fy.choose_normal_modes(rubbing, load, step=1.6e-5, duration=8e-5, tolerance=0.5)
+    assert found.tractions.shape == found.counts.shape
+    assert 0 < found.traction_error < 1
+    again = normal_modes._unpacked(
+        {name: np.asarray(one) for name, one in vars(found).items() if one is not None}
+    )
+    assert again.traction_error == found.traction_error

@@ -245,6 +245,15 @@ def test_runs_name_what_is_missing_where_it_is_missing(errors, hint):
     assert hint is None or hints[0].startswith(hint)
 
 
+def test_runs_say_what_is_estimated_of_tractions():
+    entry = {"max_relative_error": 0.02, "estimated_max_relative_error": 0.02}
+    for rubbed, said in (({}, False), ({"estimated_max_traction_error": 0.0888}, True)):
+        methods = {"compliance": {"0": entry | rubbed}}
+        lines = _estimates({"push": {"reference": {"model": "full"}, "methods": methods}})
+        assert lines[0].endswith("compliance 2.00% (tractions 8.88%)" if said else "2.00%")
+        assert ("of tractions" in lines[1]) == said
+
+
 def test_studies_name_it(tmp_path):
     """Reduced, compared, kept with the results and handed over like the others."""
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")

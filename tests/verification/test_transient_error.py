@@ -42,6 +42,31 @@ def test_estimate_is_near_the_true_error(joint, bases, load, scheme):
             assert 1 / 2.5 < getattr(found, name) / getattr(true, name) < 2.5, (count, name)
 
 
+def test_tractions_are_estimated_like_pressures(joint):
+    rubbing = joint.with_friction(0.2, tangential_penalty=8e5)
+    load = fy.Load({"tip.Fz": -500.0, "tip.Fx": 3000.0})
+    options = {"step": PERIOD / 100, "duration": PERIOD / 10}
+    full = fy.solve_transient(rubbing, load, **options)
+    rom = fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=10), compliance=True)
+    motion = fy.solve_transient(rom, load, **options)
+    found, true = fy.transient_error(rubbing, motion, load), fy.compare(motion, full)
+    apart = np.linalg.norm(motion.traction - full.traction, axis=-1).max()
+    largest = np.linalg.norm(full.traction, axis=-1).max()
+    # The same two maxima: round-off.
+    assert true.max_traction_error == pytest.approx(apart / largest, rel=1e-12)
+    assert true.max_traction_error > 0.01
+    # As of pressures.
+    assert 1 / 2.5 < found.max_traction_error / true.max_traction_error < 2.5
+    assert "max traction error" in found.facts
+
+
+def test_nothing_is_said_of_tractions_where_nothing_rubs(joint, bases):
+    motion = fy.solve_transient(fy.reduce(joint, bases[10]), fy.Load(LC2), step=1e-5, duration=2e-5)
+    found = fy.compare(motion, motion)
+    assert found.max_traction_error is None
+    assert "max traction error" not in found.facts
+
+
 def test_estimate_of_a_model_without_residual_compliance_is_its_static_error(joint, bases):
     load = fy.Load(LC2)
     motion = fy.solve_transient(fy.reduce(joint, bases[10]), load, **TIMES)

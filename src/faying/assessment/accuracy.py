@@ -1,7 +1,7 @@
 """How far a solution is from a reference, in the seed's measure, Eq. (15.31)."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -32,6 +32,11 @@ class Compared(Protocol):
         """Contact pressure (..., n_point)."""
         ...
 
+    @property
+    def traction(self) -> Matrix:
+        """Traction (..., n_point, 3), zero where nothing rubs."""
+        ...
+
     def displacement(self, boundary: str) -> Matrix:
         """Return the displacements at a boundary (..., n)."""
         ...
@@ -55,6 +60,9 @@ class Accuracy(Shown):
         Largest distance of boundary translations over the largest reference translation of any
         boundary; or of rotations of boundaries that only turn over the largest of these, where that
         is more. Zero where none moves but by round-off.
+    max_traction_error : [1]
+        Largest difference of tractions over all points and instants, over the largest of the
+        reference; None where nothing rubs.
     """
 
     max_relative_error: float
@@ -62,16 +70,19 @@ class Accuracy(Shown):
     p999_relative_error: float
     max_pressure_ratio: float
     displacement_error: float
+    max_traction_error: float | None = None
 
     @property
     def facts(self) -> Mapping[str, str]:
         """Errors in percent."""
+        rubbed = self.max_traction_error
         return {
             "max relative error": f"{100 * self.max_relative_error:.3g} %",
             "root mean square": f"{100 * self.rms_relative_error:.3g} %",
             "99.9th percentile": f"{100 * self.p999_relative_error:.3g} %",
             "peak pressure ratio": f"{self.max_pressure_ratio:.4g}",
             "displacement error": f"{100 * self.displacement_error:.3g} %",
+            **({} if rubbed is None else {"max traction error": f"{100 * rubbed:.3g} %"}),
         }
 
 
@@ -118,7 +129,7 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
     True
     """
     boundaries = reference.system.boundaries
-    return measure(
+    found = measure(
         solution.pressure,
         reference.pressure,
         [
@@ -126,6 +137,17 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
             for name, boundary in boundaries.items()
         ],
     )
+    return replace(
+        found, max_traction_error=traction_error([solution.traction], [reference.traction])
+    )
+
+
+def traction_error(tractions: Sequence[Matrix], references: Sequence[Matrix]) -> float | None:
+    """Return the largest difference of tractions (..., 3) over the largest; None if all are 0."""
+    apart = _Farthest()
+    for found, reference in zip(tractions, references, strict=True):
+        apart = apart.beside(found, reference)
+    return apart.distance / apart.length if apart.length > 0 else None
 
 
 def measure(

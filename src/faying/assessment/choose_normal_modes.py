@@ -65,6 +65,9 @@ class NormalModeChoice:
         Highest frequency of each number.
     estimates : (n,) [1]
         Largest pressure error of each over the peak, estimated; infinite where that failed.
+    tractions : (n,) [1]
+        Largest traction error of each over the largest traction, estimated likewise; none where
+        nothing rubs. The choice does not look at it.
     """
 
     count: int
@@ -75,16 +78,26 @@ class NormalModeChoice:
     counts: Indices
     highest: Vector
     estimates: Vector
+    tractions: Vector | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "counts", frozen(self.counts, np.int64))
         object.__setattr__(self, "highest", frozen(self.highest))
         object.__setattr__(self, "estimates", frozen(self.estimates))
+        if self.tractions is not None:
+            object.__setattr__(self, "tractions", frozen(self.tractions))
 
     @property
     def error(self) -> float:
         """Estimated error of the chosen number."""
         return float(self.estimates[self.counts == self.count][0])
+
+    @property
+    def traction_error(self) -> float | None:
+        """Estimated traction error of the chosen number; None where nothing rubs."""
+        if self.tractions is None:
+            return None
+        return float(self.tractions[self.counts == self.count][0])
 
 
 def choose_normal_modes(
@@ -129,7 +142,8 @@ def choose_normal_modes(
     excite, which one factorization counts. Each takes a Lanczos run, a projection and two reduced
     transients (:func:`faying.transient_error`). More are tried until the estimate is within the
     tolerance, modes have periods shorter than a step, or the estimates of the last two say that
-    320 modes would not do either. Estimates are no bounds, and say nothing of tractions.
+    320 modes would not do either. Estimates are no bounds. Tractions are estimated too, and often
+    off by several times as much.
     """
     check_times(step, duration)
     if not tolerance > 0:
@@ -146,14 +160,15 @@ def choose_normal_modes(
         rest=rest,
     )
     resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
-    counts, highest, estimates = [], [], []
+    counts, highest, estimates, tractions = [], [], [], []
     steps: Indices | None = None
     for count in _numbers(len(model.structure.interior), _moved(model, excited)):
         kept = found(count)
-        error, steps = trial.estimate(kept, steps)
+        error, rubbed, steps = trial.estimate(kept, steps)
         counts.append(count)
         highest.append(float(kept.frequencies.max(initial=0.0)))
         estimates.append(error)
+        tractions.append(rubbed)
         if steps is not None:
             resolved = float(steps.max()) / step
         if error <= tolerance or highest[-1] > resolved or _hopeless(estimates, count, tolerance):
@@ -167,6 +182,7 @@ def choose_normal_modes(
         counts=np.array(counts),
         highest=np.array(highest),
         estimates=np.array(estimates),
+        tractions=np.array(tractions) if model.contact.components > 1 else None,
     )
 
 
@@ -244,8 +260,10 @@ class _Trial:
     step_tolerance: float | None
     rest: Callable[[System], Solution] | None
 
-    def estimate(self, modes: NormalModes, steps: Indices | None) -> tuple[float, Indices | None]:
-        """Return the estimated error with some modes, and the steps between instants."""
+    def estimate(
+        self, modes: NormalModes, steps: Indices | None
+    ) -> tuple[float, float, Indices | None]:
+        """Return the estimated errors with some modes, and the steps between instants."""
         rom = projected(self.model, classic_basis(self.model, modes), compliance=True)
         try:
             motion = self._solved(rom, steps)
@@ -258,8 +276,8 @@ class _Trial:
                 initial=self._initial(finer),
             )
         except ConvergenceError:
-            return np.inf, steps
-        return found.max_relative_error, motion.substeps
+            return np.inf, np.inf, steps
+        return found.max_relative_error, found.max_traction_error or 0.0, motion.substeps
 
     def _solved(self, rom: System, steps: Indices | None) -> Solution:
         initial = self._initial(rom)

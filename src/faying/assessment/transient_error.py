@@ -42,6 +42,9 @@ OBSERVED_ON = (
     "integrators)"
 )
 
+TRACTIONS_OBSERVED = "of tractions 0.67 to 1.5 times on a lap joint with friction"
+"""Said where tractions are estimated too (the same benchmark)."""
+
 LARGE = 0.03
 """Estimated error from which a remedy is named, unless a tolerance is stated."""
 

@@ -13,12 +13,16 @@ from faying.assessment.transient_error import (
     OBSERVED,
     OBSERVED_ON,
     REMEDY,
+    TRACTIONS_OBSERVED,
     remedy_hint,
 )
 from faying.study.jumps import Jump, jump_sentence
 from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results import FULL_MODEL
 from faying.study.step_choice import StepChoice, choice_sentence
+
+ESTIMATED = "estimated_max_relative_error"
+"""Entry of a summary that has the estimated error of a transient's pressures."""
 
 
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
@@ -115,15 +119,17 @@ def _estimates(cases: Mapping[str, Any]) -> list[str]:
     said: list[str] = []
     worst: dict[str, float] = {}
     for name, case in cases.items():
-        found = {
-            method: sizes[max(sizes, key=int)].get("estimated_max_relative_error")
-            for method, sizes in case["methods"].items()
-            if sizes
+        largest = {
+            method: sizes[max(sizes, key=int)] for method, sizes in case["methods"].items() if sizes
         }
-        shown = [f"{method} {error:.2%}" for method, error in found.items() if error is not None]
-        own = case["reference"].get("estimated_max_relative_error")
+        found = {method: one.get(ESTIMATED) for method, one in largest.items()}
+        shown = [
+            f"{method} {_estimated(one)}" for method, one in largest.items() if ESTIMATED in one
+        ]
+        own = case["reference"].get(ESTIMATED)
         if own is not None:
-            shown.append(f"the reference, {case['reference']['model']} {own:.2%}")
+            judged = _estimated(case["reference"])
+            shown.append(f"the reference, {case['reference']['model']} {judged}")
         if shown:
             said.append(f"{name}, errors estimated without a full solution: {', '.join(shown)}")
         errors = {method: error or 0.0 for method, error in found.items()}
@@ -138,9 +144,20 @@ def _estimates(cases: Mapping[str, Any]) -> list[str]:
         }
     if said:
         low, high = OBSERVED
-        said.append(f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}.)")
+        rubbed = any("(tractions" in line for line in said)
+        of_tractions = f"; {TRACTIONS_OBSERVED}" if rubbed else ""
+        said.append(
+            f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}{of_tractions}.)"
+        )
     hint = remedy_hint(worst)
     return [*said, hint] if hint else said
+
+
+def _estimated(entry: Mapping[str, float]) -> str:
+    """Return estimated errors of pressures and, where something rubs, of tractions."""
+    rubbed = entry.get("estimated_max_traction_error")
+    tractions = "" if rubbed is None else f" (tractions {rubbed:.2%})"
+    return f"{entry[ESTIMATED]:.2%}{tractions}"
 
 
 def _percent(entry: Mapping[str, float] | None) -> str:

@@ -8,6 +8,7 @@ from faying.assessment.transient_error import (
     OBSERVED,
     OBSERVED_ON,
     REMEDY,
+    TRACTIONS_OBSERVED,
     remedy_hint,
 )
 from faying.report.quantities import number, percent
@@ -35,8 +36,10 @@ def estimate_note(results: Results) -> str:
         "Estimated max error, of transients: how far the pressures move when the shapes that the "
         "transient's own contact forces excite are given their inertia. It takes no full solution "
         "and is an estimate, no bound; what the time step adds is not in it. Against full "
-        f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error."
+        f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error"
     )
+    rubbed = any(estimate.max_traction_error is not None for _, _, estimate, _ in found)
+    said += f", {TRACTIONS_OBSERVED}, over the largest traction." if rubbed else "."
     hint = remedy_hint(_worst(results))
     said = f"{said} {hint}" if hint else said
     ratios = [

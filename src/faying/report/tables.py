@@ -317,8 +317,12 @@ def _recovered(result: MethodResult) -> Cell:
 def _estimated(result: MethodResult) -> Cell:
     if result.response.estimate is None:
         return Cell(text="—")
-    error = result.response.estimate.max_relative_error
-    return Cell(text=percent(error), grade=grade(error))
+    error, rubbed = (
+        result.response.estimate.max_relative_error,
+        result.response.estimate.max_traction_error,
+    )
+    tractions = "" if rubbed is None else f", tractions {percent(rubbed)}"
+    return Cell(text=f"{percent(error)}{tractions}", grade=grade(error))
 
 
 def timing_table(results: Results) -> Table:

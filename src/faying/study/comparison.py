@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.assessment.accuracy import Accuracy, measure
+from faying.assessment.accuracy import Accuracy, measure, traction_error
 from faying.joint.model import Model
 from faying.study.path_record import PathRecord
 from faying.study.results import Response
@@ -65,17 +65,10 @@ class SlipErrors:
 def slip_errors(response: Response, reference: Response) -> SlipErrors:
     """Compare tractions and energies of two responses to the same path or load over time."""
     mine, exact = rubbed(response), rubbed(reference)
-    largest = max((one.max_traction for one in exact), default=0.0)
     energy = _energy(exact)
-    apart = max(
-        (
-            float(np.linalg.norm(a.traction - b.traction, axis=-1).max(initial=0.0))
-            for a, b in zip(mine, exact, strict=True)
-        ),
-        default=0.0,
-    )
+    tractions = [[one.traction for one in path] for path in (mine, exact)]
     return SlipErrors(
-        traction=apart / largest if largest > 0 else None,
+        traction=traction_error(*tractions),
         dissipation=abs(_energy(mine) - energy) / energy if energy > 0 else None,
     )
 

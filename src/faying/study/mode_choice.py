@@ -36,7 +36,21 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
     return (
         f'{case}: normal_modes = "auto" is {choice.count}; the loads excite modes up to '
         f"{choice.excited:.3g} {unit}, steps resolve {choice.resolved:.3g} {unit}. Pressures are "
-        f"estimated to be off by {errors}, {judged}"
+        f"estimated to be off by {errors}, {judged}{_of_tractions(choice)}"
+    )
+
+
+def _of_tractions(choice: NormalModeChoice) -> str:
+    """Say how far tractions are off with the number chosen; nothing where nothing rubs."""
+    error = choice.traction_error
+    if error is None:
+        return ""
+    said = f" Tractions are then estimated to be off by {_share(error)} of the largest one"
+    if error <= choice.tolerance or not choice.met:
+        return f"{said}."
+    return (
+        f"{said}, more than that, for the number is chosen by pressures; method '{REMEDY}' has "
+        "them nearer the truth."
     )
 
 

@@ -70,7 +70,8 @@ def _chosen(
         rest=partial(rest_state, tightening=joint.preload_path) if rubs else None,
         modes=known,
     )
-    return {one.name: np.asarray(getattr(choice, one.name)) for one in fields(choice)}
+    members = {one.name: getattr(choice, one.name) for one in fields(choice)}
+    return {name: np.asarray(member) for name, member in members.items() if member is not None}
 
 
 def _unpacked(kept: Mapping[str, Matrix]) -> NormalModeChoice:

@@ -138,8 +138,8 @@ def packed(response: Response) -> dict[str, Matrix]:
     single = {field: getattr(response, field) for field in ARRAYS}
     arrays |= {field: np.asarray(value) for field, value in single.items() if value is not None}
     if response.estimate is not None:
-        errors = asdict(response.estimate)
-        arrays |= {f"{ESTIMATE}/{name}": np.asarray(value) for name, value in errors.items()}
+        errors = asdict(response.estimate).items()
+        arrays |= {f"{ESTIMATE}/{name}": np.asarray(one) for name, one in errors if one is not None}
     if response.motion is not None:
         arrays |= {
             f"{MOTION}/{one.name}": np.asarray(getattr(response.motion, one.name))
@@ -202,9 +202,8 @@ def _unpacked_estimate(arrays: Mapping[str, Matrix]) -> Accuracy | None:
     """Return the estimated errors of a response; None where there are none."""
     if f"{ESTIMATE}/max_relative_error" not in arrays:
         return None
-    return Accuracy(
-        **{one.name: float(arrays[f"{ESTIMATE}/{one.name}"]) for one in fields(Accuracy)}
-    )
+    keys = {one.name: f"{ESTIMATE}/{one.name}" for one in fields(Accuracy)}
+    return Accuracy(**{name: float(arrays[key]) for name, key in keys.items() if key in arrays})
 
 
 def _unpacked_friction(arrays: Mapping[str, Matrix]) -> SlipRecord | None:

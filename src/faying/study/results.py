@@ -134,9 +134,6 @@ class MethodResult:
         Such a bound of the error of the total contact force.
     certified_bound : [1]
         Such a bound of ``max_relative_error``.
-    traction_error : [1]
-        Largest difference of tractions over points and increments, over the largest, of cases
-        with friction.
     dissipation_error : [1]
         Difference of the energies that friction took, over that of the full model.
     """
@@ -149,7 +146,6 @@ class MethodResult:
     certified_energy_error: float | None = None
     certified_force_error: float | None = None
     certified_bound: float | None = None
-    traction_error: float | None = None
     dissipation_error: float | None = None
 
 

@@ -332,14 +332,18 @@ def _estimated(response: Response) -> dict[str, float]:
     found = response.estimate
     if found is None:
         return {}
-    return {
+    figures = {
         "estimated_max_relative_error": found.max_relative_error,
         "estimated_rms_relative_error": found.rms_relative_error,
     }
+    if found.max_traction_error is not None:
+        figures["estimated_max_traction_error"] = found.max_traction_error
+    return figures
 
 
 def _method(result: MethodResult) -> dict[str, float]:
-    figures = {**asdict(result.accuracy), **_estimated(result.response)}
+    accuracy = {name: one for name, one in asdict(result.accuracy).items() if one is not None}
+    figures = {**accuracy, **_estimated(result.response)}
     if result.recovered_error is not None:
         figures["recovered_max_relative_error"] = result.recovered_error
     optional = {
@@ -348,7 +352,6 @@ def _method(result: MethodResult) -> dict[str, float]:
         "certified_bound": result.certified_bound,
         "certified_increment_error": result.response.increment_error,
         "law_residual": result.response.law_residual,
-        "max_traction_error": result.traction_error,
         "dissipation_error": result.dissipation_error,
     }
     figures |= {
