@@ -19,6 +19,8 @@
 #define TANGENTIAL_SCALE 10.0
 /* Yield of a rigid point in a step over what the structure yields at it. */
 #define RIGID_YIELD 1e-8
+/* Vectors (3 n) of a solver. */
+#define VECTORS 18
 
 struct friction {
     const struct joint *joint;
@@ -31,7 +33,8 @@ struct friction {
     double left;                   /* natural residual of the last increment */
     size_t worst;                  /* the point where that is */
     double *F, *dx, *tried, *tried_slack, *tried_F, *start, *found, *near; /* (3 n) room */
-    double *pressing, *outward;                                                   /* (n) room */
+    double *yields, *stiffness, *about, *apart, *moved_by, *trial;         /* (3 n) room */
+    double *outward;                                                       /* (n) room */
     double *K, *J;                                                                /* (n, 3, 3) */
     double *pairs, *moved, *rows;              /* (n_relative), (n_relative), (3, n_relative) */
     size_t *touched, *order, *place;           /* (n_relative) */
@@ -53,7 +56,7 @@ static int create_friction(struct friction *f, const struct joint *joint)
     f->joint = joint;
     f->n = n;
     f->S = malloc((4 * r * r + 1) * sizeof *f->S);
-    f->D = calloc(12 * 3 * n + 3 * n + 18 * n + 5 * r + 1, sizeof *f->D);
+    f->D = calloc(VECTORS * 3 * n + 2 * n + 18 * n + 5 * r + 1, sizeof *f->D);
     f->touched = calloc(3 * r + 1, sizeof *f->touched);
     if (!f->S || !f->D || !f->touched) {
         free_friction(f);
@@ -62,14 +65,14 @@ static int create_friction(struct friction *f, const struct joint *joint)
     f->M = f->S + r * r;
     f->B = f->M + r * r;
     f->S_touched = f->B + r * r;
-    double **vectors[] = {&f->D,           &f->own,     &f->scale, &f->slack, &f->F,
-                          &f->dx,          &f->tried,   &f->start, &f->found, &f->near,
-                          &f->tried_slack, &f->tried_F};
-    for (size_t i = 0; i < sizeof vectors / sizeof vectors[0]; i++)
+    double **vectors[VECTORS] = {
+        &f->D,           &f->own,     &f->scale,  &f->slack,     &f->F,     &f->dx,
+        &f->tried,       &f->start,   &f->found,  &f->near,      &f->about, &f->apart,
+        &f->tried_slack, &f->tried_F, &f->yields, &f->stiffness, &f->trial, &f->moved_by};
+    for (size_t i = 0; i < VECTORS; i++)
         *vectors[i] = f->D + 3 * n * i;
-    f->mu = f->D + 12 * 3 * n;
-    f->pressing = f->mu + n;
-    f->outward = f->pressing + n;
+    f->mu = f->D + VECTORS * 3 * n;
+    f->outward = f->mu + n;
     f->K = f->outward + n;
     f->J = f->K + 9 * n;
     f->pairs = f->J + 9 * n;
@@ -142,18 +145,6 @@ static void multiply_row(const struct friction *f, double *half, size_t componen
         add_row(half, f->S + row.column[e] * r, row.value[e], r);
 }
 
-static void set_scale(struct friction *f, double softest)
-{
-    for (size_t i = 0; i < 3 * f->n; i++) {
-        const double limit = softest * f->D[i];
-        const double own = f->D[i] > 0.0 && limit < f->own[i] ? limit : f->own[i];
-        const double total = own + f->D[i];
-        f->scale[i] = total > 0.0 && isfinite(total) ? 1.0 / total : 1.0;
-        if (i >= f->n)
-            f->scale[i] *= TANGENTIAL_SCALE;
-    }
-}
-
 /* Take over new compliances S and D and coefficients mu. */
 static void renew_friction(struct friction *f)
 {
@@ -168,7 +159,12 @@ static void renew_friction(struct friction *f)
         }
     for (size_t p = 0; p < n; p++) /* no turn of the tangents changes the mean */
         f->own[n + p] = f->own[2 * n + p] = 0.5 * (f->own[n + p] + f->own[2 * n + p]);
-    set_scale(f, INFINITY);
+    for (size_t i = 0; i < 3 * n; i++) {
+        const double total = f->own[i] + f->D[i];
+        f->scale[i] = total > 0.0 && isfinite(total) ? 1.0 / total : 1.0;
+        if (i >= n)
+            f->scale[i] *= TANGENTIAL_SCALE;
+    }
 }
 
 /* ---- the law ---- */
@@ -309,7 +305,7 @@ static void fill_springs(struct friction *f, size_t t)
 }
 
 /* M = I + B S at the pairs touched (t). */
-static void fill_system(struct friction *f, size_t t)
+WIDE static void fill_system(struct friction *f, size_t t)
 {
     const size_t r = f->joint->n_relative;
     for (size_t i = 0; i < t; i++) {
@@ -327,8 +323,9 @@ static void fill_system(struct friction *f, size_t t)
     }
 }
 
-/* Newton step f->dx from f->dx = -F, with J and ``added`` yield; -1 where a system is singular. */
-static int find_step(struct friction *f, double added)
+/* Newton step f->dx from f->dx = -F, with J, factors r and yields (3 n); -1 where a system is
+ * singular. */
+static int find_step(struct friction *f, const double *r_factors, const double *yields)
 {
     const struct joint *j = f->joint;
     const size_t n = f->n, r = j->n_relative;
@@ -340,8 +337,8 @@ static int find_step(struct friction *f, double added)
         for (size_t c = 0; c < 3; c++) {
             const size_t i = c * n + p;
             y[c] = f->dx[i];
-            scale[c] = f->scale[i];
-            yield[c] = fmax(f->D[i] + added * f->own[i], RIGID_YIELD * f->own[i]);
+            scale[c] = r_factors[i];
+            yield[c] = fmax(yields[i], RIGID_YIELD * f->own[i]);
         }
         if (solve_point(f->J + 9 * p, scale, yield, f->K + 9 * p, y) != 0)
             return -1;
