@@ -103,3 +103,41 @@ REFUSED = [
 def test_ends_that_are_refused(tmp_path, card, message):
     with pytest.raises(FormatError, match=rf"CBAR: {message}"):
         moved(tmp_path, f"{HALVES}{card}\n", 1, np.zeros(6))
+
+
+@pytest.mark.parametrize(
+    ("kind", "card"),
+    [
+        ("CBAR", f"PBAR,8,1,{A},{I1},{I2},3.+4\n,,,,,,,,\n,,,8000."),
+        ("CBEAM", f"PBEAM,8,1,{A},{I1},{I2},8000.,3.+4\n,,,,,,,,\n,0.,0."),
+    ],
+)
+def test_a_section_that_is_not_given_along_its_principal_axes(tmp_path, kind, card):
+    """Bending by the matrix of I1, I12 and I2; a pin acts along the axes of the element."""
+    clamp = f"{card}\nGRID,1\nGRID,2,,1000.,0.,0.\nSPC1,1,123456,1\n{kind},7,8,1,2,0.,1.,0.\n"
+    inertia = np.array([[I1, 8000.0], [8000.0, I2]])
+    for force in ([F, 0], [0, F], [F, -2 * F]):
+        u = moved(tmp_path, clamp, 1, [0, *force, 0, 0, 0])[1]
+        bent = np.linalg.solve(inertia, force) * L**3 / (3 * E)
+        np.testing.assert_allclose(u[1:3], bent, rtol=1e-9)  # beams are exact
+        np.testing.assert_allclose(u[[5, 4]] * [1, -1], 1.5 * bent / L, rtol=1e-9)
+    # Released about z at its second end, which keeps slopes: no moment about z acts there.
+    pinned = f"{clamp},,6\nSPC1,1,456,2\n"
+    u = moved(tmp_path, pinned, 1, [0, 0, F, 0, 0, 0])[1]
+    # Unknown deflections v, w and slope of v; that of w is held: K of (v, w, v').
+    k = E / L**3 * np.array([[12, 6 * L], [6 * L, 4 * L**2]])  # (deflection, slope) at the end
+    k = k * np.array([[1, -1], [-1, 1]])
+    full = np.zeros((3, 3))
+    full[np.ix_([0, 2], [0, 2])] += I1 * k
+    full[1, 1] = I2 * k[0, 0]
+    full[0, 1] = full[1, 0] = inertia[0, 1] * k[0, 0]
+    full[1, 2] = full[2, 1] = inertia[0, 1] * k[0, 1]
+    np.testing.assert_allclose(u[1:3], np.linalg.solve(full, [0, F, 0])[:2], rtol=1e-7)
+
+
+def test_sections_whose_principal_axes_make_no_sense(tmp_path):
+    beam = HALVES + "CBAR,7,8,1,2,0.,1.,0.\n"
+    with pytest.raises(FormatError, match=r"PBAR: I12 = 20000 with .*I12² must be below I1 I2"):
+        moved(tmp_path, f"PBAR,8,1,{A},{I1},{I2},3.+4\n,,,,,,,,\n,,,2.+4\n{beam}", 1, np.zeros(6))
+    with pytest.raises(FormatError, match="shear factors that differ"):
+        moved(tmp_path, f"PBAR,8,1,{A},{I1},{I2},3.+4\n,,,,,,,,\n,.8,.7,1.+3\n{beam}", 1, [0] * 6)

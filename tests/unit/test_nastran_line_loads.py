@@ -133,3 +133,17 @@ REFUSED = [
 def test_loads_that_make_no_sense(tmp_path, card, message):
     with pytest.raises(FormatError, match=f"PLOAD1: .*{message}"):
         moved(tmp_path, f"{CANTILEVER}{card}\n")
+
+
+def test_loads_along_axes_that_no_beam_keeps_are_left_out(tmp_path):
+    """Sections with I12 are turned to their principal axes; basic directions stay what they are."""
+    path = tmp_path / "beam.bdf"
+    turned = HEAD + CANTILEVER.replace("CBAR,7,5", "CBAR,7,8")
+    turned += f"PBAR,8,1,{A},{I1},{I2},{J}\n,,,,,,,,\n,,,8000.\n"
+    path.write_text(f"{turned}PLOAD1,9,7,FYE,FR,0.,1.,1.,1.\nPLOAD1,8,7,FY,FR,0.,1.,1.,1.\n")
+    assembly = read_joint(path).assembly
+    assert list(assembly.loads) == ["8"]
+    assert any("load set 9" in note and "I12" in note for note in assembly.ignored)
+    u = moved(tmp_path, f"{turned.removeprefix(HEAD)}PLOAD1,8,7,FY,FR,0.,1.,1.,1.\n", "8")[2]
+    bent = np.linalg.solve([[I1, 8000.0], [8000.0, I2]], [L**4 / (8 * E), 0.0])
+    np.testing.assert_allclose(u[1:3], bent, rtol=EXACT)

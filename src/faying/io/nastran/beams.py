@@ -10,6 +10,7 @@ from faying.io.nastran import fields as numbers
 from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
+from faying.io.nastran.principal_axes import turned_about
 from faying.io.nastran.sections import Property
 from faying.model.assembly import Beam
 
@@ -80,7 +81,7 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
         raise card.error(text, 1)
     if card.cards.name == "CBEAM":
         card.refuse_non_zero(_WARPING, "a warping point", "leave SA and SB blank")
-    section, material = sections[pid]
+    section, material, angle = sections[pid]
     own = grids.one(card, 2), grids.one(card, 3)
     vector = _orientation(card, grids, own[0])
     along = _between(card, grids, own, vector)
@@ -88,7 +89,7 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
         ends.offset(card, grids, i, node, along) for i, node in enumerate(own)
     )
     _check(card, to - at, vector)
-    x, y, z = vector.tolist()
+    x, y, z = turned_about(to - at, vector, angle).tolist()
     return Beam(
         id=number,
         nodes=ends.pinned(card, (start, end), (at, to), vector),

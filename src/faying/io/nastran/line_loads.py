@@ -13,6 +13,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.principal_axes import turned_properties
 from faying.model.assembly import Beam
 from faying.model.elements.beam import beam_frames
 from faying.model.elements.beam_loads import nodal_forces_of_beams
@@ -38,8 +39,8 @@ def read_line_loads(
     beams
         All of them, rods too.
     unread
-        Load set to what is not read of it; sets with loads on CBEND, or with moments by projected
-        length, are added.
+        Load set to what is not read of it; sets with loads on CBEND, with moments by projected
+        length, or along axes of elements with I12 are added.
 
     Raises
     ------
@@ -49,10 +50,10 @@ def read_line_loads(
     """
     if "PLOAD1" not in cards:
         return []
-    own, kinds, scales = _readable(cards, unread)
+    every = _beams(cards["PLOAD1"], cards, beams)
+    own, loaded, kinds, scales = _readable(cards, every, unread)
     if not len(own):
         return []
-    loaded = _beams(own, cards, beams)
     ends = nodes[np.array([beam.nodes for beam in loaded])]
     axes = ends[:, 1] - ends[:, 0]
     frames, length = beam_frames(loaded, axes)
@@ -78,9 +79,9 @@ def read_line_loads(
 
 
 def _readable(
-    cards: Mapping[str, Cards], unread: dict[int, str]
-) -> tuple[Cards, list[str], list[str]]:
-    """Return the cards that are read with TYPE and SCALE, and note the sets of the others."""
+    cards: Mapping[str, Cards], beams: Sequence[Beam | None], unread: dict[int, str]
+) -> tuple[Cards, list[Beam], list[str], list[str]]:
+    """Return the cards that are read, their beams, TYPE and SCALE; note the sets of the others."""
     own = cards["PLOAD1"]
     kinds, scales = own.words(2), own.words(3)
     for field, found, known in ((2, kinds, _TYPES), (3, scales, _SCALES)):
@@ -88,29 +89,39 @@ def _readable(
             if word not in known:
                 text = f"{('TYPE', 'SCALE')[field - 2]} = '{word}'; it is {', '.join(known)}"
                 raise own.error(i, text, field)
-    bends = cards["CBEND"].integers(0) if "CBEND" in cards else own.index[:0]
-    of_bend = np.isin(own.integers(1), bends)
-    # Moments along a projected length: programs do not say what is projected.
-    turning = np.array(
-        [k in _COMPONENTS[3:] and s.endswith("PR") for k, s in zip(kinds, scales, strict=True)]
-    )
-    for i in np.flatnonzero(of_bend | turning).tolist():
-        reason = "on a CBEND" if of_bend[i] else "with moments by projected length"
+    turned = turned_properties(cards)
+    kept = []
+    for i, (beam, kind, scale) in enumerate(zip(beams, kinds, scales, strict=True)):
+        if beam is None:
+            reason = "on a CBEND"
+        elif kind in _COMPONENTS[3:] and scale.endswith("PR"):
+            reason = "with moments by projected length"  # programs do not say what is projected
+        elif kind.endswith("E") and beam.property in turned:
+            reason = "along the axes of an element whose section has I12"
+        else:
+            kept.append((i, beam))
+            continue
         unread.setdefault(int(own.integers(0)[i]), f"{own.where(i)} {reason}")
-    kept = np.flatnonzero(~(of_bend | turning))
-    return own.take(kept), [kinds[i] for i in kept], [scales[i] for i in kept]
+    rows = [i for i, _ in kept]
+    return (
+        own.take(np.array(rows, dtype=np.int64)),
+        [beam for _, beam in kept],
+        [kinds[i] for i in rows],
+        [scales[i] for i in rows],
+    )
 
 
-def _beams(own: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]) -> list[Beam]:
-    """Return the beam of each card."""
+def _beams(own: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]) -> list[Beam | None]:
+    """Return the beam of each card, None of a CBEND."""
     known = set[int]().union(*(cards[n].integers(0) for n in ("CBAR", "CBEAM") if n in cards))
+    bends = set(cards["CBEND"].integers(0).tolist()) if "CBEND" in cards else set[int]()
     by_id = {beam.id: beam for beam in beams if beam.id in known}
     ids = own.integers(1).tolist()
     for i, number in enumerate(ids):
-        if number not in by_id:
+        if number not in by_id and number not in bends:
             text = f"element {number} is no CBAR or CBEAM of the deck; correct the id"
             raise own.error(i, text, 1)
-    return [by_id[number] for number in ids]
+    return [by_id.get(number) for number in ids]
 
 
 def _stations(own: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:

@@ -3,12 +3,21 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import BeamSection, Material
 
-Property = tuple[BeamSection, Material]
+
+class Property(NamedTuple):
+    """Section and material of beams, and how far principal axes are turned from y to z [rad]."""
+
+    section: BeamSection
+    material: Material
+    angle: float
+
 
 _DIMENSIONS = {"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4}
 _DIGITS = 1e-3
@@ -37,7 +46,7 @@ def read_sections(
     Raises
     ------
     FormatError
-        If a section tapers, has a product of inertia or an offset.
+        If a section tapers or has an offset.
     """
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
     origin: dict[tuple[str, int], Card] = {}
@@ -57,7 +66,7 @@ def read_sections(
                 raise card.error(text)
             origin[element, number] = card
             material = material_of(card, 1, materials)
-            section = _checked(card, read(card, material))
+            section, angle = principal(card, _checked(card, read(card, material)))
             factor = factors.get(card.integer(1), 1.0)
             line_mass = card.real(_mass_field(card), 0.0) * mass_factor
             if not 0 <= line_mass < math.inf:
@@ -65,7 +74,7 @@ def read_sections(
                 raise card.error(text, _mass_field(card))
             heavy += line_mass > 0
             own = replace(material, density=material.density + line_mass / section.area)
-            result[element][number] = (with_shear(section, factor), own)
+            result[element][number] = Property(with_shear(section, factor), own, angle)
     if heavy:
         ignored.append(
             f"non-structural mass of {heavy} properties of beams: added to their density, so that "
@@ -114,7 +123,6 @@ def _factor(card: Card, field: int, default: float) -> float:
 
 
 def _pbar(card: Card, _: Material) -> BeamSection:
-    card.refuse_non_zero([18], "I12", "turn the orientation vector to the principal axes")
     return BeamSection(
         area=card.real(2),
         inertia_z=card.real(3, 0.0),
@@ -126,7 +134,6 @@ def _pbar(card: Card, _: Material) -> BeamSection:
 
 
 def _pbeam(card: Card, _: Material) -> BeamSection:
-    card.refuse_non_zero([5], "I12", "turn the orientation vector to the principal axes")
     row = 8
     if card.text(row) not in _STATIONS:
         row += 8
