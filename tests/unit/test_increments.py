@@ -1,7 +1,9 @@
 """Increments with friction of a few points, in Python and as compiled, against Coulomb's law."""
 
 import sys
+from dataclasses import replace
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +13,11 @@ from scipy.linalg import lapack
 import faying.contact
 from faying.contact.compiled_frictional import CompiledFrictionalContact
 from faying.contact.contact import Contact
-from faying.contact.frictional import SOLVED
+from faying.contact.frictional import SOLVED, Increment
 from faying.contact.laws import Coulomb, Penalty
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.exceptions import ConvergenceError
+from faying.simulation.path import MOST_DIVISIONS, PathStep, follow
 from few_points import (
     ELASTIC,
     ELASTIC_YIELD,
@@ -312,3 +316,26 @@ class TestCompiledSystems:
         assert not K[2].any()
         for found, expected in zip(loop.unsupported(2), (0, 0, stick), strict=True):
             np.testing.assert_array_equal(found, np.broadcast_to(expected, (2, 9)))
+
+
+@pytest.mark.parametrize(
+    ("gap", "pressed", "parts"),
+    [(0.0, False, 1), (1e-3, False, MOST_DIVISIONS + 1), (0.0, True, MOST_DIVISIONS + 1)],
+)
+def test_increments_are_halved_where_half_of_one_is_another_problem(gap, pressed, parts):
+    plain, _ = joint()
+    contact = replace(plain.contact, initial_gap=np.full(N, gap))
+    asked = []
+
+    def refuse(z_free, *_):
+        asked.append(z_free)
+        message = "no"
+        raise ConvergenceError(message)
+
+    forces = np.full((3, N), float(pressed))
+    nothing = Increment(forces=forces, slack=np.zeros((3, N)), iterations=0, residual=0.0)
+    here = PathStep(relative=np.zeros(3 * PAIRS), increment=nothing, slip=np.zeros((2, N)))
+    solver = SimpleNamespace(contact=contact, S=plain.S, solve=refuse)
+    with pytest.raises(ConvergenceError, match="load 1 of 1 on the path: no"):
+        list(follow(solver, np.ones((1, 3 * PAIRS)), here))
+    assert len(asked) == parts

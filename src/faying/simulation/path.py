@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.contact import Contact
 from faying.contact.frictional import Increment
 from faying.contact.increment_solver import IncrementSolver
 from faying.exceptions import ConvergenceError, ModelError
@@ -62,10 +63,11 @@ def solve_path(
     Notes
     -----
     Increments are implicit (backward Euler in the slip). An increment that does not converge is
-    halved, up to 64 parts. Path and increments are part of the answer: one large increment and
-    several small ones give different slips, and energy by slip and by the loop of load and
-    displacement agree as increments shrink. Each costs some Newton steps between pairs, of 2 n³/3
-    for n relative displacements in contact, and a back-substitution. Without friction nothing is
+    halved, up to 64 parts, but from rest and without gaps, where half of it is the same problem.
+    Path and increments are part of the answer: one large increment and several small ones give
+    different slips, and energy by slip and by the loop of load and displacement agree as increments
+    shrink. Each costs some Newton steps between pairs, of 2 n³/3 for n relative displacements in
+    contact, and a back-substitution. Without friction nothing is
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
     inputs = path_inputs(system, loads)
@@ -198,6 +200,13 @@ def follow(
             yield here
 
 
+def _in_proportion(contact: Contact, here: PathStep) -> bool:
+    """Say whether a part of a load is that part of the same problem, no easier to solve."""
+    unloaded = not (here.relative.any() or here.increment.forces.any() or here.slip.any())
+    proportional = all(law.proportional for law in contact.laws.values())
+    return unloaded and proportional and not contact.initial_gap.any()
+
+
 def _to(
     solver: IncrementSolver,
     here: PathStep,
@@ -211,7 +220,7 @@ def _to(
     try:
         found = solver.solve(z_free, here.increment.forces if pressed else None, similar)
     except ConvergenceError:
-        if divisions == 0:
+        if divisions == 0 or _in_proportion(solver.contact, here):
             raise
         middle = _to(solver, here, (here.relative + target) / 2, divisions - 1)
         end = _to(solver, middle, target, divisions - 1)
