@@ -7,6 +7,7 @@ import pytest
 
 import faying as fy
 from faying.io.abaqus import read_joint
+from faying.joint.bolt_surroundings import axis_distances
 
 KEYWORDS = """\
 *MATERIAL, NAME=S
@@ -77,6 +78,11 @@ def test_elements_that_only_touch_a_section_are_parted_and_counted(tmp_path, kin
     )
     model = fy.build_model(described.assembly, bolts=described.bolts)
     (bolt,) = model.bolts.values()
+    # A place and a direction: the middle of the section, and as far to both sides as it is wide.
+    np.testing.assert_allclose(
+        np.sort(bolt.ends, axis=0), [[0.5, 0.5, 1 - r] for r in (np.pi**-0.5, -(np.pi**-0.5))]
+    )
+    np.testing.assert_allclose(axis_distances(np.array([[3.5, 0.5, 50.0]]), bolt), 3.0)
     pull = np.asarray(bolt.elongation).ravel()
     flexibility = pull @ model.factorize_static().solve(pull)
     # Of the bar alone: without the spring that closes the cut, which K holds beside it. Its

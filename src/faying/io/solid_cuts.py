@@ -119,17 +119,21 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
         blocks.append(
             replace(block, nodes=np.where(near[:, None], copy_of[block.nodes], block.nodes))
         )
-    vector = np.zeros(3)
+    vector, moment, total = np.zeros(3), np.zeros(3), 0.0
     for kind, facets in section.facets.items():
         rule = gauss_rule(kind)
         vectors = area_vectors(kind, mesh.nodes[facets], rule.points)
-        vector += np.einsum("fqd,q->d", vectors, rule.weights)
+        of_facets = np.einsum("fqd,q->fd", vectors, rule.weights)
+        vector += of_facets.sum(axis=0)
+        sizes = np.linalg.norm(of_facets, axis=1)
+        moment += sizes @ mesh.nodes[facets].mean(axis=1)
+        total += float(sizes.sum())
     area = float(np.linalg.norm(vector))
     if not area > 0:
         message = f"{section.shown} has no area as a whole; a section is nearly flat"
         raise section.refuse(message)
     normal, sense = _direction(section, vector / area)
-    centre = mesh.nodes[kept].mean(axis=0)
+    centre = moment / total
     changed = replace(
         mesh,
         nodes=np.vstack([mesh.nodes, mesh.nodes[kept], centre, centre]),
@@ -269,11 +273,14 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
                     Equation(id=number, terms=tuple(term for term in terms if term[2] != 0.0))
                 )
         spring_id += 1
+        # As long as the section is wide: a direction and a place are all that is known of a shank.
+        centre, half = assembly.mesh.nodes[fixed], np.sqrt(cut.area / np.pi) * cut.normal
         springs.append(
             Spring(
                 id=spring_id,
                 ends=((fixed, cut.component), (moving, cut.component)),
                 stiffness=STIFFNESS_FACTOR * _layer_stiffness(assembly, cut),
+                axis=(tuple((centre - half).tolist()), tuple((centre + half).tolist())),
             )
         )
         supports.append(

@@ -25,6 +25,7 @@ from faying.joint.structure import Structure
 from faying.joint.system import boundary_dofs, elongations
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt
+from faying.model.bolt_axis import bolt_ends
 from faying.model.bolt_bending import are_carried, end_moments
 from faying.model.bolt_sense import Seats, check_not_twice, spring_sense
 from faying.model.boundary import FORCE_NAMES, Boundary
@@ -307,7 +308,7 @@ def _bolt(
         name=spec.name,
         elongation=elongation,
         stiffness=stiffness,
-        ends=assembly.mesh.nodes[_end_nodes(assembly, spec)],
+        ends=_ends(assembly, spec),
         bending=moments,
         shank=None
         if spec.nodes is not None
@@ -334,6 +335,12 @@ def _nodes_of(assembly: Assembly, spec: BoltSpec) -> list[int]:
             return [int(node) for node in _end_nodes(assembly, spec)]
     chain = [bolt_axis_element(assembly, spec), *bolt_chain(assembly, spec)]
     return [node for element in chain for node in end_nodes(element)]
+
+
+def _ends(assembly: Assembly, spec: BoltSpec) -> Matrix:
+    """Return where what is tightened begins and ends (2, 3); of a spring the places of its ends."""
+    known = None if spec.axis is not None else bolt_ends(assembly, spec)
+    return assembly.mesh.nodes[_end_nodes(assembly, spec)] if known is None else known
 
 
 def _end_nodes(assembly: Assembly, spec: BoltSpec) -> Indices:

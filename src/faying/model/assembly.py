@@ -73,11 +73,14 @@ class Spring:
     ends
         One or two pairs (node index, component 0..5).
     stiffness : [force/length] or [moment/rad]
+    axis
+        Two points (x, y, z) on the axis of the shank whose cut the spring closes, if it does.
     """
 
     id: int
     ends: tuple[tuple[int, int], ...]
     stiffness: float
+    axis: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,14 +9,19 @@ from faying.model.specs import BoltSpec
 
 
 def bolt_ends(assembly: Assembly, spec: BoltSpec) -> Matrix | None:
-    """Return the ends (2, 3) of what is tightened of a bolt; None for a spring."""
+    """Return the ends (2, 3) of what is tightened of a bolt; None for a spring.
+
+    Of a cut through a shank of solids two points on its axis.
+    """
     nodes = assembly.mesh.nodes
     if spec.axis is not None:
         return np.array(spec.axis)
     if spec.nodes is not None:
         return nodes[assembly.mesh.node_index(np.array(spec.nodes))]
     element = bolt_axis_element(assembly, spec)
-    return nodes[list(element.nodes)] if isinstance(element, Beam) else None
+    if isinstance(element, Beam):
+        return nodes[list(element.nodes)]
+    return None if element.axis is None else np.array(element.axis)
 
 
 def bolt_direction(assembly: Assembly, spec: BoltSpec) -> Vector:
