@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from faying.exceptions import FormatError, ModelError
 from faying.io.abaqus import read_joint
-from small_abaqus_deck import DECK, PARTS, SHANK, TIED, TURNED, WOOD
+from small_abaqus_deck import DECK, LOOSE, PARTS, SHANK, TIED, TURNED, WOOD
 
 # Reading takes a few milliseconds; the file is written anew for every example.
 QUICK = settings(
@@ -39,7 +39,7 @@ def finite(described):
 @st.composite
 def damaged(draw):
     """A deck with a few characters or lines deleted, doubled, changed or cut off."""
-    text = draw(st.sampled_from((DECK, PARTS, SHANK, TIED, TURNED, WOOD)))
+    text = draw(st.sampled_from((DECK, LOOSE, PARTS, SHANK, TIED, TURNED, WOOD)))
     for _ in range(draw(st.integers(1, 3))):
         kind = draw(
             st.sampled_from(("delete", "insert", "change", "drop", "double", "cut", "swap"))

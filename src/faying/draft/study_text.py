@@ -114,13 +114,13 @@ def study_text(
     if problem:
         lines += _comment(f"{MARK} it does not run yet: {problem}")
     sections: tuple[Iterable[str], ...] = (
-        _head(found, target),
+        _head(found, target, built),
         _materials(found.look),
         _interfaces(found, built),
         _bolts(found),
         _held(found),
         _loads(found),
-        _rest(found),
+        _rest(found, built),
     )
     for section in sections:
         lines += ["", *section]
@@ -132,7 +132,7 @@ def _comment(text: str) -> list[str]:
     return [f"# {line}" for line in textwrap.wrap(text, WIDTH, break_long_words=False)]
 
 
-def _head(found: Findings, target: Path) -> Iterator[str]:
+def _head(found: Findings, target: Path, built: Mapping[str, Interface]) -> Iterator[str]:
     look, mesh = found.look, found.look.mesh
     yield f"title = {quoted(look.path.stem)}"
     yield f'units = "{look.units}"  # {MARK} the file does not say; suits its materials or size'
@@ -146,10 +146,9 @@ def _head(found: Findings, target: Path) -> Iterator[str]:
         names = ", ".join(map(quoted, look.separate))
         yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
     if found.weak_springs:
-        yield (
-            f'weak_springs = "auto"  # {MARK} contact alone holds some body; give its interfaces '
-            "friction, or support it"
-        )
+        rubs = any(one.law.friction > 0 for one in built.values())
+        why = "and friction hold some body" if rubs else "alone holds some body; give it friction"
+        yield f'weak_springs = "auto"  # {MARK} contact {why}, or support it'
     parts = [quoted(name) for name in body_names(mesh)]
     extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())
     count = f"{len(parts)} bodies" if len(parts) != 1 else "one body"
@@ -351,10 +350,17 @@ def _loads(found: Findings) -> Iterator[str]:
     yield f"forces = [{{ {force} }}]  # {MARK} a placeholder"
 
 
-def _rest(found: Findings) -> Iterator[str]:
+def _rest(found: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
     yield "[reduction]"
     yield "normal_modes = 10"
-    yield 'methods = ["craig-bampton", "compliance"]'
+    if any(np.isinf(one.penalty) and one.law.friction > 0 for one in built.values()):
+        yield from _comment(
+            "A basis alone, as that of craig-bampton, has fewer displacements than hard contact "
+            "has points: with friction these may contradict each other, and no solution exists"
+        )
+        yield 'methods = ["compliance"]'
+    else:
+        yield 'methods = ["craig-bampton", "compliance"]'
     yield ""
     yield "[validation]"
     yield "penalty_sweep = false  # true: repeats static load cases over the penalty"
