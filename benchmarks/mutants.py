@@ -42,6 +42,7 @@ _MOTION = ("tests/verification/test_transient.py", "tests/verification/test_ener
 _STEPS = ("tests/unit/test_integrator_steps.py",)
 _INCREMENTS = ("tests/unit/test_increments.py",)
 _BEGINNINGS = ("tests/unit/test_where_increments_begin.py",)
+_PATHS = ("tests/unit/test_paths.py",)
 _REDUCTION = ("tests/unit/test_basis.py",)
 TARGETS: dict[str, tuple[str, ...]] = {
     "contact/active_set.py": _CONTACT,
@@ -64,6 +65,11 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "simulation/integrators/energy_decaying.py": _STEPS,
     "simulation/integrators/spectral_radius.py": _STEPS,
     "simulation/step_contact.py": ("tests/unit/test_step_contact.py",),
+    "simulation/path.py": _PATHS,
+    "simulation/path_solver.py": _PATHS,
+    "simulation/cycles.py": _PATHS,
+    "simulation/frictional_preload.py": _PATHS,
+    "simulation/without_friction.py": _PATHS,
     "simulation/frictional_step.py": ("tests/unit/test_frictional_step.py",),
     "simulation/energies.py": ("tests/unit/test_energies.py", *_MOTION),
     "reduction/craig_bampton.py": _REDUCTION,

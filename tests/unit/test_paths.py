@@ -1,0 +1,452 @@
+"""Paths, cycles and tightening with friction of two sliders; balance and law are written out."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import faying as fy
+from faying.contact.compiled_frictional import CompiledFrictionalContact
+from faying.contact.contact import Contact
+from faying.contact.frictional import FrictionalContact
+from faying.contact.laws import Coulomb, Penalty
+from faying.exceptions import ConvergenceError, ModelError
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
+from faying.simulation import frictional_preload
+from faying.simulation.cycles import load_work, loop_area
+from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.path import follow, moved_alone, path_inputs, path_start
+from faying.simulation.path_solver import PAYING_INCREMENTS, path_solver
+from faying.simulation.preload import tighten
+from faying.simulation.without_friction import released_state, smooth_joint
+from small_system import SmallSystem
+
+NORMAL, TANGENTIAL, FRICTION, WEIGHTS = 2e3, 800.0, 0.3, np.array([1.0, 2.0])
+BOLT = 400.0
+P = np.zeros((6, 4))
+P[[0, 1, 3, 4], [1, 0, 3, 2]] = 1.0  # of each point along its normal, and two tangents
+SAME = {"rtol": 0, "atol": 1e-9}  # what increments are solved to, of forces up to ten
+
+
+def sliders(gaps=(0.0, 0.002), lean=0.0):
+    """Two masses that bolts press down and springs hold along a plane; ``lean`` couples both ways.
+
+    Coordinates: along and normal of the first, then of the second.
+    """
+    K = np.diag([300.0, 500.0 + BOLT, 200.0, 700.0 + BOLT])
+    K += 150.0 * np.outer([1, 0, -1, 0], [1, 0, -1, 0]) + 250.0 * np.outer(
+        [0, 1, 0, -1], [0, 1, 0, -1]
+    )
+    K += lean * (np.outer([1, 1, 0, 0], [1, 1, 0, 0]) + np.outer([0, 0, 1, -1], [0, 0, 1, -1]))
+    contact = Contact(
+        relative_operator=P,
+        interpolation=sp.csr_array(np.eye(6)[[0, 3]]),
+        shear=sp.csr_array(np.eye(6)[[1, 4, 2, 5]]),
+        initial_gap=np.array(gaps),
+        weights=WEIGHTS,
+        tangents=np.stack([np.tile(row, (2, 1)) for row in np.eye(3)[:2]]),
+        laws={"sliders": Coulomb(Penalty(NORMAL), FRICTION, TANGENTIAL)},
+        slices={"sliders": slice(0, 2)},
+    )
+    bolts = [
+        Bolt(name=name, elongation=np.eye(4)[dof], stiffness=BOLT)
+        for name, dof in (("a", 1), ("b", 3))
+    ]
+    ends = {
+        name: Boundary(name=name, nodes=[dof], components=[0], dofs=[dof])
+        for name, dof in (("first", 0), ("second", 2))
+    }
+    return SmallSystem(
+        M=np.eye(4),
+        C=np.zeros((4, 4)),
+        K=K,
+        contact=contact,
+        boundaries=ends,
+        bolts={bolt.name: bolt for bolt in bolts},
+    )
+
+
+TIGHT = {"a": 12.0, "b": 20.0}
+
+
+def pulled(first=0.0, second=0.0, bolts=TIGHT):
+    return fy.Load({"first.Fx": first, "second.Fx": second}, bolt_forces=bolts)
+
+
+WAY = [pulled(), pulled(1.0), pulled(4.0, 3.0), pulled(9.0, -6.0), pulled(-9.0, 5.0), pulled()]
+
+
+def check_path(system, loads, path, slip=0.0):
+    """Balance of all forces, the law at the points with the slip of each load, and its energy."""
+    slip = np.zeros((2, 2)) + slip
+    for i, load in enumerate(loads):
+        u, normal, shear = path.states[i], path.contact_forces[i], path.shear_forces[i]
+        external = np.array([load.forces["first.Fx"], 0.0, load.forces["second.Fx"], 0.0])
+        external[[1, 3]] -= [load.bolt_forces[name] for name in ("a", "b")]
+        inner = np.zeros(6)
+        inner[[0, 3]], inner[[1, 4]], inner[[2, 5]] = normal, *shear
+        np.testing.assert_allclose(system.K @ u, external + P.T @ inner, **SAME)
+        gap = u[[1, 3]] + system.contact.initial_gap
+        np.testing.assert_allclose(path.gap[i], gap, **SAME)
+        np.testing.assert_allclose(normal, NORMAL * WEIGHTS * np.maximum(-gap, 0.0), **SAME)
+        new = path.shear_slip[i]
+        held = -TANGENTIAL * WEIGHTS * (u[[0, 2]] - new[0])
+        np.testing.assert_allclose(shear, [np.where(normal > 0, held, 0.0), [0.0, 0.0]], **SAME)
+        assert (np.abs(shear[0]) <= FRICTION * normal + 1e-9).all()
+        change = new - slip
+        slips = np.abs(change[0]) > 1e-12
+        np.testing.assert_allclose(
+            shear[0, slips], -np.sign(change[0, slips]) * FRICTION * normal[slips], **SAME
+        )
+        assert path.dissipation[i] == pytest.approx(-(shear * change).sum(), abs=1e-12)
+        slip = new
+    return slip
+
+
+@pytest.mark.parametrize("lean", [0.0, 120.0])
+def test_paths_balance_and_obey_the_law(lean):
+    system = sliders(lean=lean)
+    path = fy.solve_path(system, WAY, name="way")
+    check_path(system, WAY, path)
+    assert path.name == "way"
+    assert (path.iterations >= 1).all()
+    np.testing.assert_array_equal(path.inputs, path_inputs(system, WAY))
+    assert abs(path.dissipation[1]) < 1e-12  # one newton is held
+    assert path.dissipation[3] > 0
+    # It goes on from any of its states, and the last one of several.
+    for k in (1, 3):
+        begun = fy.solve_path(system, WAY[:k])
+        rest = fy.solve_path(system, WAY[k:], initial=begun)
+        np.testing.assert_array_equal(rest.shear_slip, path.shear_slip[k:])
+        np.testing.assert_array_equal(rest.states, path.states[k:])
+        np.testing.assert_array_equal(rest.iterations, path.iterations[k:])
+
+
+def test_a_path_goes_on_from_a_joint_without_friction():
+    """Its normal forces are where it begins, and nothing has slipped."""
+    system = sliders()
+    law = {"sliders": Penalty(NORMAL)}
+    smooth = replace(system, contact=replace(system.contact, laws=law, shear=None))
+    before = fy.solve_static(smooth, pulled(3.0))
+    start = path_start(system, before)
+    np.testing.assert_array_equal(start.increment.forces[0], before.contact_forces)
+    assert not start.increment.forces[1:].any()
+    assert not start.slip.any()
+    assert (start.iterations, start.dissipation) == (0, 0.0)
+    assert (start.increment.iterations, start.increment.residual) == (0, 0.0)
+    np.testing.assert_array_equal(start.increment.slack, np.zeros((3, 2)))
+    np.testing.assert_allclose(
+        start.relative, moved_alone(system, path_inputs(system, [pulled(3.0)]))[0], rtol=1e-14
+    )
+    path = fy.solve_path(smooth, [pulled(3.0), pulled()])
+    np.testing.assert_allclose(path.contact_forces[0], before.contact_forces, rtol=1e-12)
+    np.testing.assert_array_equal(path.dissipation, [0.0, 0.0])
+    one = sliders()
+    fewer = replace(before, contact_forces=before.contact_forces[:1])
+    with pytest.raises(ModelError, match="with 1 contact points, but the joint has 2; give a"):
+        fy.solve_path(one, WAY, initial=fewer)
+
+
+@dataclass
+class Refusing:
+    """A solver that is asked for increments of a share of a load at most, and notes what it is."""
+
+    plain: FrictionalContact
+    farthest: float
+    last: float = 0.0
+
+    def __post_init__(self):
+        self.S, self.contact, self.asked = self.plain.S, self.plain.contact, []
+
+    def solve(self, z_free, start=None, similar=None):
+        self.asked.append((start, similar))
+        # What nothing moves tells how much of the load is wanted.
+        if abs(z_free[1, 0] + self.slip - self.last) > self.farthest:
+            message = "too far"
+            raise ConvergenceError(message)
+        found = self.plain.solve(z_free, start, similar)
+        self.last = z_free[1, 0] + self.slip
+        self.slip += found.slack[1, 0]
+        return found
+
+    slip = 0.0
+
+
+@pytest.mark.parametrize("parts", [1, 2, 64, 65])
+def test_increments_that_are_not_solved_are_halved(parts):
+    """As often as six times; then the whole is that of the parts, with what all of them took."""
+    system = sliders()
+    plain, start = (
+        system.static_contact.frictional,
+        path_start(system, fy.solve_path(system, WAY[:1])),
+    )
+    relative = moved_alone(system, path_inputs(system, [pulled(9.0), pulled(9.0)]))
+    far = relative[0, 1] - start.relative[1]
+    solver = Refusing(plain, 1.0001 * abs(far) / parts, last=start.relative[1])
+    if parts == 65:
+        with pytest.raises(ConvergenceError, match=r"^load 1 of 2 on the path: too far$"):
+            list(follow(solver, relative, start))
+        assert len(solver.asked) == 7
+        return
+    found, again = follow(solver, relative, start)
+    here, taken, steps = start, 0.0, 0
+    for k in range(1, parts + 1):
+        target = start.relative + (relative[0] - start.relative) * k / parts
+        (here,) = follow(plain, [target], here)
+        taken, steps = taken + here.dissipation, steps + here.iterations
+    np.testing.assert_allclose(found.slip, here.slip, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.increment.forces, here.increment.forces, **SAME)
+    assert found.dissipation == pytest.approx(taken, abs=1e-12)
+    assert found.iterations == steps
+    np.testing.assert_array_equal(found.relative, relative[0])
+    assert again.dissipation == pytest.approx(0.0, abs=1e-12)
+    assert len(solver.asked) == 2 * parts
+
+
+def test_the_second_half_of_an_increment_is_divided_as_often_as_the_first():
+    system = sliders()
+    start = path_start(system, fy.solve_path(system, WAY[:1]))
+    relative = moved_alone(system, path_inputs(system, [pulled(9.0)]))
+    middle = (start.relative[1] + relative[0, 1]) / 2
+
+    class Half(Refusing):
+        def solve(self, z_free, start=None, similar=None):
+            self.farthest = np.inf if z_free[1, 0] + self.slip <= middle * 1.0001 else 0.0
+            return super().solve(z_free, start, similar)
+
+    solver = Half(system.static_contact.frictional, 0.0)
+    with pytest.raises(ConvergenceError, match="too far"):
+        list(follow(solver, relative, start))
+    assert len(solver.asked) == 1 + 1 + 6  # the whole, its first half, six parts of its second
+
+
+def test_increments_begin_where_the_last_one_ended():
+    """An unstressed joint without any, and a similar path step by step as long as it goes."""
+    system = sliders()
+    solver = Refusing(system.static_contact.frictional, np.inf)
+    way = [pulled(bolts={"a": -5.0, "b": 20.0}), *WAY[1:3]]
+    relative = moved_alone(system, path_inputs(system, way))
+    steps = list(follow(solver, relative, path_start(system, None)))
+    assert (steps[0].increment.forces[0] > 0).tolist() == [False, True]  # one point is open
+    assert solver.asked[0] == (None, None)
+    for step, (start, similar) in zip(steps, solver.asked[1:], strict=False):
+        assert start is step.increment.forces
+        assert similar is None
+    solver.asked.clear()
+    list(follow(solver, relative, path_start(system, None), steps[:2]))
+    expected = [steps[0].increment, steps[1].increment, None]
+    assert all(one is other for (_, one), other in zip(solver.asked, expected, strict=True))
+
+
+def test_many_increments_are_compiled():
+    pytest.importorskip("numba", reason="needs the extra 'compiled'")
+    system, about = sliders(), np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    for count, asked, compiled in (
+        (PAYING_INCREMENTS - 1, None, False),
+        (PAYING_INCREMENTS, None, True),
+        (PAYING_INCREMENTS, False, False),
+        (1, True, True),
+    ):
+        found = path_solver(system, count, about, asked)
+        assert isinstance(found, CompiledFrictionalContact if compiled else FrictionalContact)
+    assert path_solver(system, 1, about, True).about is about
+    assert path_solver(system, 1, 0 * about, True).about is None
+
+
+LOAD = pulled(3.0, -2.0)
+
+
+def by_path(system, amplitude, increments, count):
+    """Rise and cycles as loads of one path from the tightened joint, and their factors."""
+    rise = amplitude * np.arange(1, increments + 1) / increments
+    down = amplitude * (1 - np.arange(1, 2 * increments + 1) / increments)
+    factors = np.concatenate([rise, *[down, -down] * count])
+    loads = [pulled(3.0 * f, -2.0 * f) for f in factors]
+    tight = fy.solve_path(system, [pulled()])
+    return tight, factors, fy.solve_path(system, loads, initial=tight)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_cycles_are_loads_of_a_path(count):
+    """Another way to the same increments: only what is expected of them differs."""
+    system = sliders(lean=120.0)
+    tight, factors, path = by_path(system, 6.0, 3, count)
+    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=3, count=count)
+    assert found.amplitude == 6.0
+    np.testing.assert_allclose(found.factors, factors[-12:], rtol=0, atol=1e-15)
+    for name in ("states", "contact_forces", "shear_forces", "shear_slip", "dissipation"):
+        np.testing.assert_allclose(getattr(found.cycle, name), getattr(path, name)[-12:], **SAME)
+        np.testing.assert_allclose(getattr(found.start, name)[0], getattr(path, name)[-13], **SAME)
+    energies = path.dissipation[3:].reshape(count, 12).sum(axis=1)
+    np.testing.assert_allclose(found.energies, energies, **SAME)
+    assert energies[-1] > 0.1
+    u = path.states[-13:]
+    along = 3.0 * u[:, 0] - 2.0 * u[:, 2]
+    np.testing.assert_allclose(load_work(path, LOAD)[-13:], along, **SAME)
+    area = 0.5 * ((along[1:] + along[:-1]) * -np.diff(factors[-13:])).sum()
+    assert loop_area(found, LOAD) == pytest.approx(area, abs=1e-9)
+    # Which energy that is: trapezoids of six increments each way.
+    assert area == pytest.approx(energies[-1], rel=0.3)
+
+
+def test_cycles_are_repeated_until_they_agree_to_a_thousandth(monkeypatch):
+    """These are alike from the first, so that what they take is told them."""
+    system = sliders(lean=120.0)
+    tight = fy.solve_path(system, [pulled()])
+    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=2)
+    assert found.stationary
+    assert len(found.energies) == 2
+    # Where nothing slips the first one repeats what was before it.
+    stuck = fy.solve_cycles(system, LOAD, 0.1, tight, increments=2)
+    assert stuck.stationary
+    assert len(stuck.energies) == 1
+    assert abs(stuck.energies[0]) < 1e-12
+
+    told = iter([None, 1.0, 0.9, 0.9011, 0.902, 0.9])  # 1.2 and then 0.998 thousandths more
+
+    def follow_and_tell(*given):
+        energy, steps = next(told), list(follow(*given))
+        return steps if energy is None else [replace(s, dissipation=energy / 8) for s in steps]
+
+    monkeypatch.setattr("faying.simulation.cycles.follow", follow_and_tell)
+    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=2)
+    np.testing.assert_allclose(found.energies, [1.0, 0.9, 0.9011, 0.902], rtol=1e-12)
+    assert found.stationary
+    told = iter([None, 1.0, 0.9, 0.9011])
+    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=2, count=3)
+    assert not found.stationary
+
+
+def test_losses_of_round_off_are_none(monkeypatch):
+    """To 1e-12 of what the load puts in and takes out again."""
+    system = sliders()
+    tight = fy.solve_path(system, [pulled()])
+    still = fy.solve_cycles(system, LOAD, 0.2, tight, increments=2)
+    work = 0.2 * np.ptp(load_work(still.cycle, LOAD))
+    for share, cycles in ((0.9e-12, 1), (1.1e-12, 2)):
+        lost = iter([0.0, share * work, share * work])
+
+        def follow_and_tell(*given, lost=lost):
+            energy = next(lost)
+            return [replace(step, dissipation=energy / 8) for step in follow(*given)]
+
+        monkeypatch.setattr("faying.simulation.cycles.follow", follow_and_tell)
+        assert len(fy.solve_cycles(system, LOAD, 0.2, tight, increments=2).energies) == cycles
+
+
+def test_cycles_that_go_on_changing_are_ended(monkeypatch):
+    monkeypatch.setattr("faying.simulation.cycles.STATIONARY", -1.0)
+    monkeypatch.setattr("faying.simulation.cycles.NO_LOSS", -1.0)
+    monkeypatch.setattr("faying.simulation.cycles.MOST_CYCLES", 4)
+    tight = fy.solve_path(sliders(), [pulled()])
+    found = fy.solve_cycles(sliders(), LOAD, 6.0, tight, increments=1)
+    assert not found.stationary
+    assert len(found.energies) == 4
+
+
+def test_cycles_without_friction_take_nothing():
+    system = sliders()
+    law = {"sliders": Penalty(NORMAL)}
+    smooth = replace(system, contact=replace(system.contact, laws=law, shear=None))
+    found = fy.solve_cycles(smooth, LOAD, 2.0, increments=2)
+    np.testing.assert_array_equal(found.energies, [0.0])
+    assert found.stationary
+    np.testing.assert_array_equal(found.factors, [1, 0, -1, -2, -1, 0, 1, 2])
+    np.testing.assert_allclose(found.cycle.states[-1], found.start.states[-1], rtol=1e-12)
+    assert len(fy.solve_cycles(smooth, LOAD, 2.0, increments=2, count=3).energies) == 3
+
+
+@pytest.mark.parametrize(("amplitude", "increments"), [(0.0, 3), (np.inf, 3), (1.0, 0)])
+def test_cycles_out_of_range_are_refused(amplitude, increments):
+    with pytest.raises(ModelError, match="give a positive factor of the load and one or more"):
+        fy.solve_cycles(sliders(), LOAD, amplitude, increments=increments)
+
+
+def test_bolts_are_tightened_along_a_path_with_friction(monkeypatch):
+    """One after the other, then together: nominal forces, and loads that lead any model there.
+
+    Broyden's method takes five trials of two bolts here.
+    """
+    monkeypatch.setattr(frictional_preload, "MOST_TRIALS", 6)
+    system, goal = sliders(lean=120.0), {"b": 12.0, "a": 8.0}
+    found = tighten_with_friction(system, goal, increments=4)
+    tightening = found.tightening
+    assert tightening.bolts == ("a", "b")
+    stages = [f"{name} to {share} of N₀" for name in "ba" for share in ("25%", "50%", "75%")]
+    stages = [*stages[:3], "b to nominal", *stages[3:], "a to nominal", "all to nominal"]
+    assert list(tightening.stages) == stages
+    forces = tightening.bolt_forces
+    assert forces.shape == (9, 2)
+    np.testing.assert_allclose(forces[3, 1], 12.0, rtol=1e-9)
+    np.testing.assert_allclose(forces[7, 0], 8.0, rtol=1e-9)
+    np.testing.assert_allclose(forces[8], [8.0, 12.0], rtol=1e-9)
+    assert abs(forces[7, 1] - 12.0) > 0.01  # what the neighbour took away
+    loads = [replace(load, forces=pulled().forces) for load in found.loads]
+    path = fy.solve_path(system, loads)
+    check_path(system, loads, path)
+    assert path.dissipation.sum() > 0
+    np.testing.assert_array_equal(path.shear_slip[-1], found.rest.shear_slip[-1])
+    initial = np.array([[load.bolt_forces[name] for name in "ab"] for load in found.loads])
+    assert dict(zip("ab", initial[-1], strict=True)) == tightening.initial_forces
+    np.testing.assert_allclose(initial[:3, 1], initial[2, 1] / 3 * np.arange(1, 4), rtol=1e-12)
+    assert not initial[:4, 0].any()
+    reached = BOLT * path.states[:, [1, 3]] + initial
+    np.testing.assert_allclose(reached, forces, **SAME)
+
+
+def test_bolts_that_are_locked_already_come_first():
+    """Their forces are a load of their own, before the first bolt that is turned."""
+    system = sliders()
+    locked = replace(
+        system,
+        bolts={"a": system.bolts["a"].locked(9.0), "b": system.bolts["b"]},
+    )
+    found = tighten_with_friction(locked, {"b": 12.0}, increments=2)
+    assert [load.bolt_forces["a"] for load in found.loads] == [9.0] * len(found.loads)
+    assert found.loads[0].bolt_forces["b"] == 0.0
+    assert len(found.tightening.stages) == len(found.tightening.bolt_forces) == 2
+    np.testing.assert_allclose(found.tightening.bolt_forces[-1, 1], 12.0, rtol=1e-9)
+    turned = tighten_with_friction(locked, {"a": 11.0}, increments=3)
+    on_the_way = [load.bolt_forces["a"] for load in turned.loads]
+    smooth = tighten(smooth_joint(locked), {"a": 11.0}).initial_forces["a"]
+    expected = 9.0 + (smooth - 9.0) * np.array([0, 1, 2]) / 3
+    np.testing.assert_allclose(on_the_way[:3], expected, rtol=1e-12)
+    none = tighten_with_friction(locked, {})
+    assert len(none.loads) == 1
+    assert none.tightening.stages == ()
+    assert none.tightening.bolt_forces.shape == (0, 2)
+
+
+def test_forces_that_no_turning_reaches_are_refused(monkeypatch):
+    """The bolt that is farthest off is named, here the second of both together."""
+    system, goal = sliders(lean=120.0), {"b": 12.0, "a": 8.0}
+    monkeypatch.setattr(frictional_preload, "MOST_TRIALS", 1)
+    with pytest.raises(ConvergenceError, match=r"bolt 'b' was not tightened to 12 in 1 trials"):
+        tighten_with_friction(system, goal, increments=1)
+    monkeypatch.setattr(frictional_preload, "MOST_TRIALS", 2)
+    with pytest.raises(ConvergenceError, match=r"bolt '[ab]' was not tightened to \d+ in 2 trials"):
+        tighten_with_friction(system, goal, increments=1)
+
+
+@pytest.mark.parametrize("load", [pulled(3.0, -2.0), pulled(3.0, -2.0, {"a": 0.0, "b": 20.0})])
+def test_a_joint_that_was_tightened_without_friction(load):
+    """Nothing is sheared; what has moved along the plane is slip, and friction begins there."""
+    system = sliders(lean=120.0)
+    state = released_state(system, load)
+    np.testing.assert_array_equal(state.shear_forces, np.zeros((1, 2, 2)))
+    u = state.states[0]
+    np.testing.assert_allclose(state.shear_slip[0], [u[[0, 2]], [0.0, 0.0]], rtol=0, atol=1e-14)
+    gap = u[[1, 3]] + system.contact.initial_gap
+    np.testing.assert_allclose(state.gap[0], gap, **SAME)
+    normal = NORMAL * WEIGHTS * np.maximum(-gap, 0.0)
+    np.testing.assert_allclose(state.contact_forces[0], normal, **SAME)
+    external = [load.forces["first.Fx"], 0.0, load.forces["second.Fx"], 0.0]
+    external -= np.array([0, load.bolt_forces["a"], 0, load.bolt_forces["b"]])
+    external[[1, 3]] += normal
+    np.testing.assert_allclose(system.K @ u, external, **SAME)
+    assert state.dissipation.tolist() == [0.0]
+    stays = fy.solve_path(system, [load], initial=state)
+    np.testing.assert_allclose(stays.states, state.states, rtol=0, atol=1e-12)
+    assert np.abs(stays.shear_forces).max() < 1e-9
