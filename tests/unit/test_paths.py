@@ -319,6 +319,21 @@ def test_cycles_are_repeated_until_they_agree_to_a_thousandth(monkeypatch):
     assert not found.stationary
 
 
+@pytest.mark.parametrize(("count", "expected"), [(None, 3 + 2 * 12), (5, 3 + 5 * 12)])
+def test_cycles_say_how_many_increments_they_are(monkeypatch, count, expected):
+    """Whether these are compiled; where they are to repeat, two cycles are counted."""
+    asked = []
+
+    def chosen(system, number, *given):
+        asked.append(number)
+        return path_solver(system, number, *given)
+
+    tight = fy.solve_path(sliders(), [pulled()])
+    monkeypatch.setattr("faying.simulation.cycles.path_solver", chosen)
+    fy.solve_cycles(sliders(), LOAD, 0.1, tight, increments=3, count=count)
+    assert asked == [expected]
+
+
 def test_losses_of_round_off_are_none(monkeypatch):
     """To 1e-12 of what the load puts in and takes out again."""
     system = sliders()
@@ -354,7 +369,8 @@ def test_cycles_without_friction_take_nothing():
     np.testing.assert_array_equal(found.energies, [0.0])
     assert found.stationary
     np.testing.assert_array_equal(found.factors, [1, 0, -1, -2, -1, 0, 1, 2])
-    np.testing.assert_allclose(found.cycle.states[-1], found.start.states[-1], rtol=1e-12)
+    assert found.start.states.shape == (1, 4)
+    np.testing.assert_allclose(found.cycle.states[-1], found.start.states[0], rtol=1e-12)
     assert len(fy.solve_cycles(smooth, LOAD, 2.0, increments=2, count=3).energies) == 3
 
 
