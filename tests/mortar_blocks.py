@@ -28,7 +28,7 @@ def block(counts, kind, level, distort, seed):
     """One block from z = level * height; nodes inside moved along the surface, not its rim."""
     half = SIZE[:2] / 2
     lines = [np.linspace(-h, h, n + 1) for h, n in zip(half, counts, strict=True)]
-    cells = brick_grid(*lines, SIZE[2] * np.array([level, level + 1.0]))
+    cells = brick_grid(*lines, z=SIZE[2] * np.array([level, level + 1.0]))
     nodes = cells.nodes.copy()
     columns, column = np.unique(nodes[:, :2].round(9), axis=0, return_inverse=True)
     inner = (np.abs(np.abs(columns) - half) > 1e-6).all(axis=1)
@@ -40,7 +40,8 @@ def block(counts, kind, level, distort, seed):
 
 def blocks(lower, upper, *, distort=0.0, move=None):
     """Assembly of two blocks, each (counts in the plane, kind); ``move`` places the upper one."""
-    parts = [block(*part, i - 1, distort, i) for i, part in enumerate((lower, upper))]
+    parts = [block(*lower, level=-1, distort=distort, seed=0)]
+    parts.append(block(*upper, level=0, distort=distort, seed=1))
     above = parts[1].nodes if move is None else move(parts[1].nodes)
     n, n_cell = len(parts[0].nodes), len(parts[0].cells)
     ids = [np.arange(1, n_cell + 1), n_cell + np.arange(1, len(parts[1].cells) + 1)]

@@ -174,7 +174,7 @@ def layered(bases):
     parts, first, points = [], 0, []
     for number, base in enumerate(bases):
         lines = [np.linspace(0, size, 3 + number + 1) for size in SIZE[:2]]
-        cells = shaped(brick_grid(*lines, np.array([base, base + SIZE[2]])), "hex8")
+        cells = shaped(brick_grid(*lines, z=np.array([base, base + SIZE[2]])), "hex8")
         parts.append((cells.cells + len(np.vstack([np.empty((0, 3)), *points])), first))
         points.append(cells.nodes)
         first += len(cells.cells)

@@ -134,7 +134,7 @@ class TestContactPatch:
     @pytest.mark.parametrize("kinds", [("hex20", "hex20"), ("tet10", "tet10")])
     def test_quadratic_facets_follow_curved_faces_better(self, kinds):
         counts = (4, 4), (6, 6)
-        quadratic = all_closed(*squeezed(pair(*kinds, counts), 1e5, curve=arch(4e-3)))
+        quadratic = all_closed(*squeezed(pair(*kinds, counts=counts), 1e5, curve=arch(4e-3)))
         np.testing.assert_allclose(quadratic, 100.0, rtol=2e-4)  # measured 8e-5
 
 
@@ -159,7 +159,7 @@ class TestBalance:
     @both_rules
     @pytest.mark.parametrize("kinds", [("hex8", "hex8"), ("hex20", "hex20")])
     def test_so_does_it_where_facets_are_distorted(self, kinds, quadrature):
-        assembly = pair(*kinds, ((5, 4), (4, 5)), move=INSIDE, distort=0.2)
+        assembly = pair(*kinds, counts=((5, 4), (4, 5)), move=INSIDE, distort=0.2)
         joint = mortar(assembly, quadrature=quadrature)
         forces = nodal_forces(joint, np.full(joint.n_points, 7.0))
         nodes = assembly.mesh.nodes
@@ -228,7 +228,7 @@ class TestGeometry:
     )
     @both_rules
     def test_sides_curved_within_the_surface(self, kinds, off, quadrature):
-        joint = mortar(bent(pair(*kinds, ((8, 4), (12, 6))), ring), quadrature=quadrature)
+        joint = mortar(bent(pair(*kinds, counts=((8, 4), (12, 6))), ring), quadrature=quadrature)
         area = (12**2 - 4**2) / 2 * SIZE[0] / 6
         assert joint.area == pytest.approx(area, rel=off)
         assert joint.weights.min() > 0

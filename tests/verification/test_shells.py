@@ -9,12 +9,24 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.matrices import assemble_matrices, mass_properties, rigid_body_motions
 from faying.model.mesh import Mesh
-from faying.model.shells import ShellBlock, plate_section
+from faying.model.shells import ShellBlock, ShellSection, plane_stress
 
 E, NU, RHO = 210000.0, 0.3, 7.8e-9
 KINDS = ("tri3", "quad4", "tri6", "quad8")
 # Rounding in a well-conditioned system of a few shells.
 EXACT = 1e-9
+
+
+def plate_section(youngs_modulus, poissons_ratio, density, thickness):
+    """A homogeneous isotropic plate, its shear correction being 5/6."""
+    plane = plane_stress(youngs_modulus, poissons_ratio)
+    shear = youngs_modulus / (2 * (1 + poissons_ratio)) * np.eye(2)
+    return ShellSection(
+        stiffness=np.kron(np.diag([thickness, thickness**3 / 12]), plane),
+        shear=5 / 6 * thickness * shear,
+        mass=density * thickness,
+        inertia=density * thickness**3 / 12,
+    )
 
 
 def plate(kind, n_x, n_y, size=(10.0, 10.0), thickness=0.5, *, skew=0.0, turn=None, offset=0.0):

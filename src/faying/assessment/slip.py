@@ -96,13 +96,6 @@ def point_states(
     )
 
 
-def slip_change(path: Solution, initial: Solution | None = None) -> Matrix:
-    """Return how far each point slips in each increment (n_increment, n_point) [length]."""
-    change = np.diff(slip_history(path, initial), axis=0)
-    size: Matrix = np.hypot(change[:, 0], change[:, 1])
-    return size
-
-
 def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
     """Return the slip before a path and after each increment (n_increment + 1, 2, n_point)."""
     first = np.zeros((1, 2, path.system.contact.n_points))

@@ -205,11 +205,6 @@ class CondensedContact:
             return len(self.supported_pairs.S)
         return min(self.contact.n_points, int(self.total.shape[0]))
 
-    @property
-    def own_compliance(self) -> Vector:
-        """Gap of every contact point per force at it (n_point,) [length/force]."""
-        return np.asarray(self.space.diagonal - self.contact.flexibility)
-
     @cached_property
     def flexibility(self) -> Matrix:
         """H = S + D (n_point, n_point), residual compliance included, (M2).

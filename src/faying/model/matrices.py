@@ -175,19 +175,6 @@ def mass_properties(assembly: Assembly) -> MassProperties:
     return _mass_properties(rigid, origin)
 
 
-def rigid_body_mass(M: SparseMatrix, nodes: Matrix) -> MassProperties:
-    """Return the rigid-body mass rᵀ M r of a nodal mass matrix, about its centre.
-
-    Parameters
-    ----------
-    M : (6 n_node, 6 n_node) sparse
-    nodes : (n_node, 3) [length]
-    """
-    origin = _middle(nodes)
-    motion = rigid_body_motions(nodes, origin)
-    return _mass_properties(np.asarray(motion.T @ (M @ motion)), origin)
-
-
 def _middle(nodes: Matrix) -> Vector:
     """Return the mean of the nodes.
 

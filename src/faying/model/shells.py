@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.exceptions import ModelError
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,29 +68,6 @@ class ShellBlock:
             object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
         for name in ("offsets", "directions"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
-
-
-def plate_section(
-    youngs_modulus: float, poissons_ratio: float, density: float, thickness: float
-) -> ShellSection:
-    """Return the section of a homogeneous isotropic plate, its shear correction being 5/6.
-
-    Raises
-    ------
-    ModelError
-        If the thickness is not positive.
-    """
-    if not thickness > 0:
-        message = f"a shell has thickness {thickness:g}; it must be positive"
-        raise ModelError(message)
-    plane = plane_stress(youngs_modulus, poissons_ratio)
-    shear = youngs_modulus / (2 * (1 + poissons_ratio)) * np.eye(2)
-    return ShellSection(
-        stiffness=np.asarray(np.kron(np.diag([thickness, thickness**3 / 12]), plane), float),
-        shear=5 / 6 * thickness * shear,
-        mass=density * thickness,
-        inertia=density * thickness**3 / 12,
-    )
 
 
 def plane_stress(youngs_modulus: float, poissons_ratio: float) -> Matrix:
