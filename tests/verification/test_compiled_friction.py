@@ -13,7 +13,7 @@ from faying.contact.frictional import SOLVED, FrictionalContact
 from faying.exceptions import ModelError
 from faying.export import transient_stream
 from faying.simulation import compiled as compiling
-from faying.simulation.path_solver import PAYING_INCREMENTS, path_solver
+from faying.simulation.path_solver import paying_increments, path_solver
 
 STEP, STEPS = 2e-5, 60
 SHAKEN = fy.Load(
@@ -63,15 +63,20 @@ def test_laws_without_compiled_code_are_left_to_python(full):
 def test_paths_of_many_increments_are_compiled_unasked(full):
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     plain, forces = full.static_contact.frictional, np.ones((3, full.contact.n_points))
-    assert path_solver(full, PAYING_INCREMENTS - 1, forces) is plain
-    assert path_solver(full, PAYING_INCREMENTS, forces, compiled=False) is plain
-    many = path_solver(full, PAYING_INCREMENTS, forces)
+    paying = paying_increments(len(plain.S))
+    assert path_solver(full, paying - 1, forces) is plain
+    assert path_solver(full, paying, forces, compiled=False) is plain
+    many = path_solver(full, paying, forces)
     assert isinstance(many, CompiledFrictionalContact)
     assert many.about is forces
     # An unstressed joint is no state that a path would stay near.
     asked = path_solver(full, 1, 0 * forces, compiled=True)
     assert isinstance(asked, CompiledFrictionalContact)
     assert asked.about is None
+
+
+def test_fewer_increments_pay_to_be_compiled_where_each_takes_longer():
+    assert [paying_increments(n) for n in (444, 1296, 2472, 10_000)] == [1015, 119, 33, 20]
 
 
 def test_compiled_paths_need_numba(full, monkeypatch):

@@ -45,7 +45,8 @@ def solve_path(
         unstressed and nothing has slipped, so that the first increment tightens the bolts.
     compiled
         Whether increments are compiled (extra ``compiled``, up to a minute once per installation);
-        unless given, from 1000 increments on. The same results up to round-off.
+        unless given, where it pays: from 1000 increments on with 150 node pairs in contact, from
+        33 on with 824. The same results up to round-off.
 
     Returns
     -------
