@@ -13,7 +13,7 @@ from faying.contact.frictional import SOLVED, FrictionalContact
 from faying.exceptions import ModelError
 from faying.export import transient_stream
 from faying.simulation import compiled as compiling
-from faying.simulation.path_solver import paying_increments, path_solver
+from faying.simulation.path_solver import path_solver, paying_increments
 
 STEP, STEPS = 2e-5, 60
 SHAKEN = fy.Load(

@@ -14,7 +14,7 @@ fewest: 1000 with the 444 of the default cantilever, 119 with 1296, 33 with 2472
 
 To load what was compiled takes a second per process, to compile it up to a minute once per
 installation, and where a path begins takes as long as five increments. An increment is 3 to 6 ms
-faster with 444 relative displacements, 30 to 60 ms with 1296, and 0.13 to 0.6 s with 2472.
+faster with 444 relative displacements, 10 to 60 ms with 1296, and 0.13 to 0.6 s with 2472.
 """
 
 
