@@ -1,11 +1,14 @@
 """Contact of everything in Abaqus decks: the pairs of bodies that face each other."""
 
+from dataclasses import replace
+
 import pytest
 
 import faying as fy
 from clamped_plates import PAIRS, abaqus_deck
 from faying.exceptions import FormatError
-from faying.io.abaqus import read_joint
+from faying.interface.facing import facing_bodies
+from faying.io.abaqus import general_contact, read_joint
 
 EVERYTHING = ("*Contact", "*Contact Inclusions, ALL EXTERIOR")
 ASSIGNED = ("*Contact Property Assignment", " ,  , IntProp-1")
@@ -45,6 +48,21 @@ def test_what_is_tied_or_paired_already_is_left_out(tmp_path):
     assert [*areas(read(tmp_path, *tied))] == [(0.0, 0.0), (10.0, 10.0)]
     both = read(tmp_path, PAIRS[0], *EVERYTHING, *ASSIGNED)
     assert len(both.interfaces) == 3
+
+
+def test_bodies_that_share_no_area_have_no_interface(tmp_path, monkeypatch):
+    """As a shank beside the far edge of a hole, which slivers of curved facets seem to face."""
+
+    def with_a_sliver(assembly):
+        found = facing_bodies(assembly)
+        far = replace(found[0], minus=0, plus=3, touching=True, matching=False)
+        return [*found, far]
+
+    monkeypatch.setattr(general_contact, "facing_bodies", with_a_sliver)
+    described = read(tmp_path, *EVERYTHING, *ASSIGNED)
+    assert areas(described) == areas(read(tmp_path, *PAIRS))
+    (note,) = [n for n in described.assembly.ignored if "near each other" in n]
+    assert "is empty" in note
 
 
 LISTED = ("*Contact", "*Contact Inclusions", "Under, Over", "Seat, Head", "Bottom, Nut")

@@ -6,7 +6,9 @@ from itertools import product
 import numpy as np
 
 from faying._typing import Indices
+from faying.exceptions import ModelError
 from faying.interface.facing import facing_bodies
+from faying.interface.mortar import find_couplings
 from faying.io.abaqus.contact import Interaction, Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.keyword import Keyword
@@ -64,7 +66,7 @@ def read_general_contact(
         raise everything[0].error(message)
     ignored.append(EVERYTHING)
     names = body_names(assembly.mesh)
-    return tuple(
+    specs = (
         InterfaceSpec(
             name=f"{found.name} {names[one.minus]} {names[one.plus]}",
             minus=f"body {one.minus}",
@@ -78,6 +80,19 @@ def read_general_contact(
         for one in facing_bodies(assembly)
         if frozenset((one.minus, one.plus)) not in joined
     )
+    return tuple(spec for spec in specs if _meet(assembly, spec, ignored))
+
+
+def _meet(assembly: Assembly, spec: InterfaceSpec, ignored: list[str]) -> bool:
+    """Tell whether two bodies share some area; those that are near at an edge alone do not."""
+    if spec.meshes == "matching":
+        return True
+    try:
+        find_couplings(assembly, spec)
+    except ModelError as error:
+        ignored.append(f"general contact leaves out two bodies that are near each other: {error}")
+        return False
+    return True
 
 
 def read_listed(
