@@ -18,7 +18,7 @@ from faying.simulation import frictional_preload
 from faying.simulation.cycles import load_work, loop_area
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.path import follow, moved_alone, path_inputs, path_start
-from faying.simulation.path_solver import PAYING_INCREMENTS, path_solver
+from faying.simulation.path_solver import path_solver, paying_increments
 from faying.simulation.preload import tighten
 from faying.simulation.without_friction import released_state, smooth_joint
 from small_system import SmallSystem
@@ -243,10 +243,11 @@ def test_increments_begin_where_the_last_one_ended():
 def test_many_increments_are_compiled():
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     system, about = sliders(), np.array([[1.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    paying = paying_increments(len(P))
     for count, asked, compiled in (
-        (PAYING_INCREMENTS - 1, None, False),
-        (PAYING_INCREMENTS, None, True),
-        (PAYING_INCREMENTS, False, False),
+        (paying - 1, None, False),
+        (paying, None, True),
+        (paying, False, False),
         (1, True, True),
     ):
         found = path_solver(system, count, about, asked)
