@@ -121,14 +121,15 @@ def test_check_and_run_name_jumps(tmp_path):
     path = tmp_path / "joint.toml"
     path.write_text(f"{text}rise_time = 5e-4\n")
     said = " ".join(CliRunner().invoke(app, ["check", str(path)]).output.split())
-    assert "Doubtful: hit: tip.Fz (by -150 at t = 0) jumps. No structure sees such a load" in said
+    assert "Doubtful: hit: tip.Fz (by -150 at t = 0 s) jumps. No structure sees such a load" in said
     assert "push: tip.Fz (by" not in said
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["run", str(path), "--out", str(out)])
     assert result.exit_code == 0
     (jump,) = json.loads((out / "summary.json").read_text())["load_cases"]["hit"]["jumps"]
     said = " ".join(result.output.split())
-    assert "Doubtful: hit: tip.Fz (by -150 at t = 0) jumps." in said
+    assert "Doubtful: hit: tip.Fz (by -150 at t = 0 s) jumps." in said
+    assert f"longest period, {jump['rise']:.3g} s, with" in said
     assert f"with rise_time = {jump['rise']:.3g} in its [[load_case]]" in said
     kept = read_results(out / "results.h5").cases
     assert [one.load for one in kept["hit"].jumps] == ["tip.Fz"]

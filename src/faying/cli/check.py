@@ -39,6 +39,7 @@ def check(
     from faying.study.naming_tables import naming_tables
     from faying.study.solid_constants import doubts
     from faying.study.understood import understood
+    from faying.units import units_of
 
     checked, bare = study_or_deck(study, ignore or ()), is_bare(study)
     if out is not None:
@@ -61,7 +62,12 @@ def check(
     # The units of a bare deck are nowhere said.
     constants = () if bare else doubts(loaded.assembly.materials, loaded.units)
     jumps = [
-        jump_sentence(case.name, load_jumps(case, step=case.step), history=case.kind == "history")
+        jump_sentence(
+            case.name,
+            load_jumps(case, step=case.step),
+            units_of(loaded.units).time,
+            history=case.kind == "history",
+        )
         for case in checked.load_cases
     ]
     for doubt in [*constants, *filter(None, missing), *filter(None, jumps)]:

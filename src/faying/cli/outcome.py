@@ -20,6 +20,7 @@ from faying.study.jumps import Jump, jump_sentence
 from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results import FULL_MODEL
 from faying.study.step_choice import StepChoice, choice_sentence
+from faying.units import units_of
 
 ESTIMATED = "estimated_max_relative_error"
 """Entry of a summary that has the estimated error of a transient's pressures."""
@@ -52,7 +53,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     for name, case in cases.items():
         jumps = [Jump(**jump) for jump in case.get("jumps", [])]
         if jumps:
-            said = jump_sentence(name, jumps, history=case["kind"] == "history")
+            time = units_of(summary["units"]).time
+            said = jump_sentence(name, jumps, time, history=case["kind"] == "history")
             console.print(f"Doubtful: {said}", highlight=False)
     if summary["reference"]["reason"]:
         console.print(f"Reference: {summary['reference']['reason']}", highlight=False)

@@ -107,7 +107,7 @@ def _largest_change(history: History, window: float) -> tuple[float, float, floa
     return max(float(begin[most]), 0.0), float(changes[most]), window
 
 
-def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str = "", *, history: bool) -> str:
+def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str, *, history: bool) -> str:
     """Say of the jumps of a load case what they are and what would be better; empty without any.
 
     Parameters
