@@ -75,7 +75,6 @@ GROUPS = {
     "/assessment/bolts/NAME/clamp_around/INTERFACE": ClampRange,
     "/assessment/bolts/NAME/thread": ThreadStress,
     "/assessment/interfaces/NAME": InterfaceAssessment,
-    "/assessment/interfaces/NAME/clamp": ClampRange,
     "/assessment/interfaces/NAME/slip": SlipDemand,
     "/assessment/scatter/0": Spread,
     "/assessment/verdicts/0": Verdict,

@@ -262,8 +262,8 @@ def test_the_joint_is_judged_over_all_increments(results):
     joint = results.assessment.interfaces["joint"]
     weights = results.interfaces["joint"].weights
     # Sums of a hundred numbers in another order.
-    assert joint.clamp.least == pytest.approx((way.pressure @ weights).min(), rel=1e-12)
-    assert joint.clamp.least_case == "way"
+    assert joint.least_clamp == pytest.approx((way.pressure @ weights).min(), rel=1e-12)
+    assert joint.least_clamp_case == "way"
 
 
 def test_the_report_says_first_what_slips(results, tmp_path):

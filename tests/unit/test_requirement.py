@@ -74,9 +74,9 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     assert (pressure.requirement, pressure.case, pressure.met) == ("max_pressure", worst, False)
     assert pressure.value == pytest.approx(peaks[worst], rel=1e-12)
     forces = [case.reference.contact_forces["joint"].min() for case in results.cases.values()]
-    assert found.interfaces["joint"].clamp.least == pytest.approx(min(forces), rel=1e-12)
+    assert found.interfaces["joint"].least_clamp == pytest.approx(min(forces), rel=1e-12)
     most = [case.reference.contact_forces["joint"].max() for case in results.cases.values()]
-    assert found.interfaces["joint"].clamp.most == pytest.approx(max(most), rel=1e-12)
+    assert found.interfaces["joint"].most_clamp == pytest.approx(max(most), rel=1e-12)
     around = found.bolts["bolt"].clamp_around["joint"]
     assert around.least == pytest.approx(min(forces), rel=1e-12)
     assert summary["assessment"]["bolts"]["bolt"]["clamp_around"]["joint"]["most"] == around.most

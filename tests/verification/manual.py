@@ -171,7 +171,7 @@ def lift_off() -> Iterator[Row]:
         (
             "clamp force under 2 kN [N]",
             module.PRELOAD - (1 - phi) * force,
-            found.interfaces["joint"].clamp.least,
+            found.interfaces["joint"].least_clamp,
         ),
         (
             "load at lift-off [N]",

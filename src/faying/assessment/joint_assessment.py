@@ -250,6 +250,7 @@ def _interface(
         for case, one in cases.items()
         if one.certified is not None
     }
+    clamp = _clamp(surface, weights, rest, cases, certified)
     areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
     peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
     means = {
@@ -261,7 +262,14 @@ def _interface(
     smallest = min(areas, key=areas.__getitem__)
     peak = cases[highest].pressure[:, own].max(axis=0).argmax()
     return InterfaceAssessment(
-        clamp=_clamp(surface, weights, rest, cases, certified),
+        preload=clamp.preload,
+        least_clamp=clamp.least,
+        least_clamp_case=clamp.least_case,
+        certified=clamp.certified_least,
+        most_clamp=clamp.most,
+        most_clamp_case=clamp.most_case,
+        certified_most=clamp.certified_most,
+        certified_width=clamp.certified_width,
         max_pressure=float(peaks[highest]),
         max_pressure_case=highest,
         max_pressure_point=surface.points[peak],

@@ -87,8 +87,22 @@ class InterfaceAssessment:
 
     Attributes
     ----------
-    clamp
-        Clamp force of the whole interface.
+    preload : [force]
+        Clamp force at rest.
+    least_clamp : [force]
+        Smallest clamp force.
+    least_clamp_case
+        Load case it belongs to.
+    certified : (2,) [force]
+        Interval in which the full model's clamp force lies in that case.
+    most_clamp : [force]
+        Largest clamp force.
+    most_clamp_case
+        Load case it belongs to.
+    certified_most : (2,) [force]
+        Interval in which the full model's clamp force lies in that case.
+    certified_width : [force]
+        Width of the widest of these intervals over all static cases; None without any.
     max_pressure : [force/length²]
         Largest pressure of a contact point.
     max_pressure_case
@@ -112,7 +126,14 @@ class InterfaceAssessment:
         load case is static.
     """
 
-    clamp: ClampRange
+    preload: float
+    least_clamp: float
+    least_clamp_case: str
+    certified: Vector | None
+    most_clamp: float
+    most_clamp_case: str
+    certified_most: Vector | None
+    certified_width: float | None
     max_pressure: float
     max_pressure_case: str
     max_pressure_point: Vector

@@ -48,9 +48,8 @@ def _clamp_verdict(
     """Judge the least clamp force by the lower end of its certified interval, where it has one."""
     for name, least in wanted_clamps(limit, interfaces).items():
         one = interfaces[name]
-        clamp, proof = one.clamp, one.clamp.certified_least
-        value = clamp.least if proof is None else float(proof[0])
-        yield Verdict.at_least("min_clamp_force", name, clamp.least_case, value, least)
+        value = one.least_clamp if one.certified is None else float(one.certified[0])
+        yield Verdict.at_least("min_clamp_force", name, one.least_clamp_case, value, least)
 
 
 def wanted_clamps(

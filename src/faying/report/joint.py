@@ -118,7 +118,17 @@ def clamp_judgement(results: Results) -> Table:
     )  # fmt: skip
     rows: list[tuple[str, ...]] = []
     for name, one in interfaces.items():
-        rows.append((name, *_clamp(one.clamp, force)))
+        whole = ClampRange(
+            preload=one.preload,
+            least=one.least_clamp,
+            least_case=one.least_clamp_case,
+            certified_least=one.certified,
+            most=one.most_clamp,
+            most_case=one.most_clamp_case,
+            certified_most=one.certified_most,
+            certified_width=one.certified_width,
+        )
+        rows.append((name, *_clamp(whole, force)))
         near = {
             bolt: area.clamp_around[name]
             for bolt, area in bolts.items()
