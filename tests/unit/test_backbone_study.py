@@ -55,12 +55,34 @@ report = false
 """
 
 
+class Bars:
+    """What a run shows of its stages: name to how far it is to go, and how far it went."""
+
+    def __init__(self):
+        self.ends, self.reached = {}, {}
+
+    def add_task(self, description, *, total=None):
+        self.ends[description] = total
+        return description
+
+    def advance(self, task, advance=1):
+        self.reached[task] = self.reached.get(task, 0) + advance
+
+    def remove_task(self, task):
+        assert task in self.ends
+
+
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory):
+def bars():
+    return Bars()
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory, bars):
     folder = tmp_path_factory.mktemp("study")
     (folder / "ring.toml").write_text(STUDY)
     out = folder / "out"
-    assert run(read_study(folder / "ring.toml"), out).converged
+    assert run(read_study(folder / "ring.toml"), out, progress=bars).converged
     return out
 
 
@@ -76,6 +98,12 @@ def curve(results, tmp_path_factory):
     force = results.bolts["bolt"].initial_force
     joint = model.with_bolt_forces({"bolt": force})
     return fy.backbone(joint, 2, np.geomspace(0.001, 0.1, 3), at="tip", increments=12)
+
+
+@pytest.mark.usefixtures("finished")
+def test_a_run_shows_how_many_amplitudes_are_done(bars):
+    """Of two modes and three amplitudes each: what is left of minutes can be told."""
+    assert bars.ends["ring full"] == bars.reached["ring full"] == 6
 
 
 def test_the_summary_has_frequency_and_damping(finished, curve):

@@ -9,7 +9,7 @@ with D the energy that friction takes in a cycle and q half of what it goes thro
 (quasi-static modal analysis of Festjens, Chevallier & Dion 2013 and Lacayo & Allen 2019).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, final
 
@@ -220,6 +220,7 @@ def backbone(
     increments: int = 50,
     masing: bool = False,
     compiled: bool | None = None,
+    progress: Callable[[int], object] | None = None,
 ) -> Backbone:
     """Compute frequency and damping of a mode over its amplitude, by full cycles.
 
@@ -248,6 +249,8 @@ def backbone(
         wherever normal forces change during a cycle.
     compiled
         As in :func:`faying.solve_path`, two cycles of each amplitude counted.
+    progress
+        Called with 1 after each amplitude.
 
     Raises
     ------
@@ -289,6 +292,8 @@ def backbone(
     for level, load in zip(levels, (circular * swung).tolist(), strict=True):
         with naming(f"mode {mode} at {over} {level:g}"):
             rows.append(swing.cycle(load, increments // 2))
+        if progress is not None:
+            progress(1)
     curve = _assembled(system, mode, found, measure, rows, masing=masing)
     return replace(curve, over=over, remarks=_remarks(found, mode, rows, swing))
 

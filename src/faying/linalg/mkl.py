@@ -23,6 +23,13 @@ POSITIVE_DEFINITE, INDEFINITE = 2, -2
 ANALYSE, FACTORIZE, SOLVE, FORWARD, RELEASE = 11, 22, 33, 331, -1
 NOT_ENOUGH_MEMORY = -2
 
+REPRODUCIBLE = 2
+"""Conditional numerical reproducibility, MKL_CBWR_AUTO: with as many threads the same digits.
+
+Otherwise sums of several threads come in whatever order these end, on a busy machine in another one
+from call to call.
+"""
+
 
 class MklError(RuntimeError):
     """PARDISO refused, for a reason the caller cannot mend."""
@@ -30,14 +37,21 @@ class MklError(RuntimeError):
 
 @cache
 def load_mkl() -> Any:
-    """Return MKL as a ctypes library, or None where it is not installed."""
+    """Return MKL as a ctypes library, or None where it is not installed.
+
+    It gives the same digits in every call with as many threads, unless the environment variable
+    ``MKL_CBWR`` asks for something else.
+    """
     for path in _candidates():
         try:
             if sys.platform == "win32":
                 _preload(path.parent)
-            return ctypes.CDLL(str(path))
+            library = ctypes.CDLL(str(path))
         except OSError:
             continue
+        if "MKL_CBWR" not in os.environ:
+            library.MKL_CBWR_Set(ctypes.c_int(REPRODUCIBLE))
+        return library
     return None
 
 

@@ -309,7 +309,9 @@ class CaseRunner:
         refinement: int = 1,
     ) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
-        total = self._steps(case, refinement) if case.transient else 1
+        # Of a backbone amplitudes, by which a run can say how long it will take.
+        several = len(case.modes) * len(case.levels) if case.kind == "backbone" else 1
+        total = self._steps(case, refinement) if case.transient else several
         known = len(self.extras.failed)
 
         def compute() -> Mapping[str, Matrix]:
@@ -317,7 +319,7 @@ class CaseRunner:
                 rubs = has_friction(self.joint.model)
                 if goes_in_increments(case, self.joint.model):
                     rest = self._rest(system, label)
-                    response = path_response(self.joint.model, case, system, rest, like)
+                    response = path_response(self.joint.model, case, system, rest, like, advance)
                 else:
                     initial = self._rest(system, label) if rubs else None
                     solution, seconds = solve_case(

@@ -1,7 +1,7 @@
 """Load cases that go in increments: static loads of joints with friction, paths and cycles."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -61,6 +61,7 @@ def path_response(
     system: System,
     rest: Solution,
     like: Response | None = None,
+    progress: Callable[[int], object] | None = None,
 ) -> Response:
     """Solve a load case in increments.
 
@@ -72,6 +73,8 @@ def path_response(
         Preloaded state of the system that is solved.
     like
         Response of the full model, whose number of cycles others follow.
+    progress
+        Called with 1 after each amplitude of a backbone.
     """
     load, start = case_load(case), time.perf_counter()
     if case.kind == "backbone":
@@ -85,6 +88,7 @@ def path_response(
                     at=case.at,
                     initial=rest,
                     increments=cycle_increments(case),
+                    progress=progress,
                 )
                 for mode in sorted(case.modes)
             }

@@ -40,7 +40,6 @@ Solved = dict[str, tuple[CaseResult, list[str]]]
 """Load case name to its result, and what did not converge."""
 
 
-@one_thread()
 def run(
     study: Study,
     out: Path,
@@ -76,8 +75,10 @@ def run(
         for folder in (out, out / "figures"):
             remove_left_over(folder)
         checkpoint = open_checkpoint(out, study.text, resume=resume)
-        results, converged = _computed(study, checkpoint, stages, executor)
-        _write_files(study, results, out, stages)
+        # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
+        with one_thread():
+            results, converged = _computed(study, checkpoint, stages, executor)
+            _write_files(study, results, out, stages)
         checkpoint.discard()
         # Once more, for what the report took is known only now.
         summary = _write_summary(replace(results, timings=stages.account()), out)
