@@ -9,7 +9,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.interface.coupling import by_kind
 from faying.interface.facets import shape_functions
 from faying.interface.inverse_map import reference_coordinates
-from faying.model.surface import LINEAR, N_CORNERS, N_NODES, Facets, facet_centres, facet_normals
+from faying.model.surface import LINEAR, N_CORNERS, N_NODES, Facets, facet_centres, facet_frames
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,7 +58,7 @@ def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) ->
     place is found anew where it has mid-side nodes. Linear in the number of facets near each node.
     """
     row, which = _near(nodes, own, facets, reach)
-    frames = _frames(nodes, facets)
+    frames = facet_frames(nodes, facets)[:, :2]
     distance = np.full(len(row), np.inf)
     for kind, members in by_kind(facets).items():
         here = np.flatnonzero(np.isin(which, members))
@@ -99,17 +99,6 @@ def _radii(nodes: Matrix, facets: Facets) -> Vector:
     away = nodes[facets.corners] - facet_centres(nodes, facets)[:, None]
     radii: Vector = np.linalg.norm(away, axis=2).max(axis=1, initial=0.0)
     return radii
-
-
-def _frames(nodes: Matrix, facets: Facets) -> Matrix:
-    """Two tangents of each facet (n, 2, 3)."""
-    normals, corners = facet_normals(nodes, facets), nodes[facets.corners]
-    edges = np.roll(corners, -1, axis=1) - corners
-    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
-    first = edges[np.arange(len(edges)), longest]
-    first = first - np.einsum("nd,nd->n", first, normals)[:, None] * normals
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normals, first)], axis=1)
 
 
 def _shape_at(

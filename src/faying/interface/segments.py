@@ -17,7 +17,7 @@ from faying.interface.cells import Cells, divided
 from faying.interface.clipping import areas, clip, fans
 from faying.interface.mismatch import FACING
 from faying.interface.reach import Reach, facing_cells, hidden
-from faying.model.surface import Facets, facet_area_vectors, facet_centres, facet_normals
+from faying.model.surface import Facets, facet_area_vectors, facet_centres, facet_frames
 
 NEGLIGIBLE = 1e-6
 """Share of a minus facet below which it does not count as covered: digits of coordinates."""
@@ -134,7 +134,7 @@ def find_segments(
     proportional to the number of pairs whose boxes overlap.
     """
     centres = facet_centres(nodes, minus)
-    frames = _frames(nodes, minus)
+    frames = facet_frames(nodes, minus)
     below, above = divided(nodes, minus), divided(nodes, plus)
     if reach is None:
         one, other = _near(below, above, tolerance)
@@ -203,24 +203,15 @@ def _hidden(
     """
     flat, counts, distances = polygons
     plus = sides[1]
-    above = _in_planes(lifted, facet_centres(nodes, plus)[rows[1]], _frames(nodes, plus)[rows[1]])
+    above = _in_planes(
+        lifted, facet_centres(nodes, plus)[rows[1]], facet_frames(nodes, plus)[rows[1]]
+    )
     above[np.arange(above.shape[1]) >= counts[:, None]] = 0.0
     behind = np.zeros(len(counts), dtype=bool)
     for facets, owner, corners in zip(sides, rows, (flat, above), strict=True):
         size = np.sqrt(np.linalg.norm(facet_area_vectors(nodes, facets), axis=1))
         behind |= hidden(corners, counts, owner, distances, size[owner])
     return behind
-
-
-def _frames(nodes: Matrix, facets: Facets) -> Matrix:
-    """Two tangents and the normal of each facet (n, 3, 3)."""
-    corners, normals = nodes[facets.corners], facet_normals(nodes, facets)
-    edges = np.roll(corners, -1, axis=1) - corners
-    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
-    first = edges[np.arange(len(edges)), longest]
-    first = first - np.einsum("nd,nd->n", first, normals)[:, None] * normals
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normals, first), normals], axis=1)
 
 
 def _in_planes(points: Matrix, origins: Matrix, frames: Matrix) -> Matrix:

@@ -229,3 +229,14 @@ def facet_normals(nodes: Matrix, facets: Facets) -> Matrix:
     vectors = facet_area_vectors(nodes, facets)
     normals: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     return normals
+
+
+def facet_frames(nodes: Matrix, facets: Facets) -> Matrix:
+    """Two tangents, the first along the longest edge, and the normal of each facet (n, 3, 3)."""
+    corners, normals = nodes[facets.corners], facet_normals(nodes, facets)
+    edges = np.roll(corners, -1, axis=1) - corners
+    longest = np.linalg.norm(edges, axis=2).argmax(axis=1)
+    first = edges[np.arange(len(edges)), longest]
+    first = first - np.einsum("nd,nd->n", first, normals)[:, None] * normals
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normals, first), normals], axis=1)
