@@ -137,6 +137,8 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
             for name, boundary in boundaries.items()
         ],
     )
+    if reference.system.contact.components == 1:
+        return found  # tractions would be zeros, three for each pressure
     return replace(
         found, max_traction_error=traction_error([solution.traction], [reference.traction])
     )
