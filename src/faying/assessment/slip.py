@@ -83,7 +83,7 @@ def point_states(
     status = np.where(normal > 0, status, OPEN)
     shares = _shares(status, contact.weights, contact.rubbing)
     whole = [
-        _all_slip(status[:, points])
+        all_slip(status[:, points])
         for name, points in contact.slices.items()
         if contact.laws[name].friction > 0
     ]
@@ -133,6 +133,7 @@ def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
     return np.array([(own == state) @ area / total for state in (OPEN, STICK, SLIP)])
 
 
-def _all_slip(status: Indices) -> Mask:
-    all_slip: Mask = (status != STICK).all(axis=1) & (status == SLIP).any(axis=1)
-    return all_slip
+def all_slip(status: Indices) -> Mask:
+    """Say in which increments all that is closed slips, of the states (n_increment, n_point)."""
+    slips: Mask = (status != STICK).all(axis=1) & (status == SLIP).any(axis=1)
+    return slips

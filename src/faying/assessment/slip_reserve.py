@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Mask, Vector
 from faying.assessment.sliding import resistance_used
-from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
+from faying.assessment.slip import SLIP, SlipStates, all_slip, on_the_bound, point_states
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.load import Load
@@ -252,11 +252,10 @@ class _Search:
         if contact.tangents is None:
             return False
         for name, points in contact.slices.items():
+            if not contact.laws[name].friction > 0 or not all_slip(states.status[-1:, points])[0]:
+                continue
             pressed = np.flatnonzero(forces[0, points] > 0)
             own = pressed + points.start
-            slips = states.status[-1, own] == SLIP
-            if not contact.laws[name].friction > 0 or not len(own) or not slips.all():
-                continue
             used = resistance_used(
                 self.system.interfaces[name].points[pressed],
                 contact.tangents[:, own],
