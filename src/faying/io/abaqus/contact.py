@@ -53,6 +53,27 @@ class Interaction:
     friction: DeckFriction = FRICTIONLESS
     tied: bool = False
 
+    def between(
+        self,
+        keyword: Keyword,
+        row: int,
+        sides: tuple[DeckSurface, DeckSurface],
+        adjusted: GapRule | None,
+    ) -> Pair:
+        """Return the pair of a slave and a master that have this interaction."""
+        slave, master = sides
+        return Pair(
+            keyword=keyword,
+            row=row,
+            slave=slave,
+            master=master,
+            penalty=self.penalty,
+            adjusted=adjusted,
+            interaction=self.name,
+            friction=self.friction,
+            tied=self.tied,
+        )
+
 
 def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
     """Read all *SURFACE INTERACTION, by upper-case name.
@@ -147,19 +168,7 @@ def _pairs(
             ignored.append(
                 f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
             )
-        pairs.append(
-            Pair(
-                keyword=keyword,
-                row=row,
-                slave=slave,
-                master=master,
-                penalty=interaction.penalty,
-                adjusted=adjusted,
-                interaction=interaction.name,
-                friction=interaction.friction,
-                tied=interaction.tied,
-            )
-        )
+        pairs.append(interaction.between(keyword, row, (slave, master), adjusted))
     return pairs
 
 

@@ -118,18 +118,8 @@ def read_listed(
             if interaction is None:
                 message = "*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION"
                 raise keyword.error(message, row)
-            pairs.append(
-                Pair(
-                    keyword=keyword,
-                    row=row,
-                    slave=slave,
-                    master=master,
-                    penalty=interaction.penalty,
-                    adjusted=GapRule(closed_up_to=0.0),
-                    interaction=interaction.name,
-                    friction=interaction.friction,
-                )
-            )
+            touching = GapRule(closed_up_to=0.0)
+            pairs.append(interaction.between(keyword, row, (slave, master), touching))
     if pairs:
         ignored.append(LISTED)
     if pairs and chosen:
