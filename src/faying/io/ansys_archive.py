@@ -191,13 +191,10 @@ def _blocks(
     apex = (nodes[:, 4:7] == nodes[:, 5:8]).all(axis=1)
     folded = nodes[:, 2] == nodes[:, 3]
     whole20 = brick20 & ~folded & ~apex
-    reduced = whole20 & np.array(
-        [
-            is_reduced(number, options.get(kind, {}))
-            for number, kind in zip(routine.tolist(), rows[:, _TYPE].tolist(), strict=True)
-        ],
-        dtype=bool,
-    )
+    kinds, first = np.unique(rows[:, _TYPE], return_index=True)
+    of_type = dict(zip(kinds.tolist(), routine[first].tolist(), strict=True))
+    eight_points = [n for n, number in of_type.items() if is_reduced(number, options.get(n, {}))]
+    reduced = whole20 & np.isin(rows[:, _TYPE], eight_points)
     chosen: dict[str, Mask] = {
         "hex8": brick8 & ~folded & ~apex,
         "wedge6": brick8 & folded & ~apex,
@@ -234,7 +231,6 @@ def _blocks(
     removed = len(straight.ends)
     left_out = [f"{removed} removed mid-side nodes: straight sides"] if removed else []
     types = np.unique(rows[brick8][:, _TYPE]).tolist()
-    of_type = {kind: int(routine[rows[:, _TYPE] == kind][0]) for kind in types}
     told = dict.fromkeys(brick_note(of_type[kind], options.get(kind, {})) for kind in types)
     left_out += [note for note in told if note]
     left_out += [
