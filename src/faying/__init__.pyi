@@ -3,7 +3,6 @@
 from faying.assessment.accuracy import Accuracy as Accuracy
 from faying.assessment.accuracy import compare as compare
 from faying.assessment.accuracy import relative_error as relative_error
-from faying.assessment.backbone import backbone as backbone
 from faying.assessment.best_possible import best_possible_errors as best_possible_errors
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes
@@ -19,6 +18,7 @@ from faying.assessment.imported_recovery import recover_from_modal as recover_fr
 from faying.assessment.joint_assessment import assess as assess
 from faying.assessment.load_path import load_path as load_path
 from faying.assessment.mesh_error import mesh_error as mesh_error
+from faying.assessment.modal_analysis import backbone as backbone
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter

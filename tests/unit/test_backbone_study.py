@@ -2,7 +2,7 @@
 
 import json
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ import pytest
 import faying as fy
 from faying import cli
 from faying.assessment.backbone import Backbone
+from faying.assessment.modal_cycles import Swing
 from faying.exceptions import ModelError, StudyError
 from faying.report.figures import write_figures
 from faying.report.figures.backbone import backbone_figure
@@ -130,6 +131,43 @@ def test_results_keep_the_curves_of_every_method(results):
         assert one.loop_load.shape == one.loop_modal.shape == (3, 13)
         area = np.trapezoid(one.loop_load, one.loop_modal, axis=1)
         np.testing.assert_allclose(area, one.loop_area, rtol=1e-9, atol=1e-12)
+
+
+def test_a_backbone_that_was_stopped_goes_on_after_its_last_amplitude(
+    finished, results, tmp_path, monkeypatch
+):
+    """In the full model's second mode: the first is there, and one amplitude of the second."""
+    computed, whole = [], Swing.cycle
+
+    def counted(swing, load, half):
+        if len(computed) == 4 and not (tmp_path / "stopped").exists():
+            (tmp_path / "stopped").touch()
+            raise KeyboardInterrupt
+        computed.append(load)
+        return whole(swing, load, half)
+
+    monkeypatch.setattr(Swing, "cycle", counted)
+    study, bars = read_study(finished.parent / "ring.toml"), Bars()
+    with pytest.raises(KeyboardInterrupt):
+        run(study, tmp_path)
+    assert run(study, tmp_path, resume=True, progress=bars).converged
+    # Six by the full model and six by the reduced one, each once.
+    assert len(computed) == 12
+    assert bars.reached["ring full"] == 6
+    mine = read_results(tmp_path / "results.h5").cases["ring"]
+    other = results.cases["ring"]
+    for case in (mine, other):
+        assert set(case.methods) == {"compliance"}
+    for name, curve in other.reference.backbones.items():
+        assert_same_curve(mine.reference.backbones[name], curve)
+    for name, curve in other.methods["compliance"][0].response.backbones.items():
+        assert_same_curve(mine.methods["compliance"][0].response.backbones[name], curve)
+    assert mine.reference.seconds > 0
+
+
+def assert_same_curve(mine, other):
+    for one in fields(Backbone):
+        np.testing.assert_array_equal(getattr(mine, one.name), getattr(other, one.name), one.name)
 
 
 def test_damping_is_drawn_over_amplitude(results):

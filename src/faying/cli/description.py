@@ -23,10 +23,10 @@ from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.simulation.integrators import named_integrator
+from faying.study.backbone_cases import cycle_increments
 from faying.study.bare_deck import is_bare, quoted
 from faying.study.declared import kept_share
 from faying.study.load_model import LoadedModel
-from faying.study.path_cases import cycle_increments
 from faying.study.tables import ForceSection, LoadCaseSection, Study
 from faying.study.understood import Understood
 

@@ -40,6 +40,7 @@ from faying.study.path_cases import (
     reserve_of,
     rest_state,
 )
+from faying.study.pieces import Pieces
 from faying.study.progress import Stages
 from faying.study.reference import REDUCED, Reference, Solved
 from faying.study.remedy import Remedy
@@ -312,14 +313,16 @@ class CaseRunner:
         # Of a backbone amplitudes, by which a run can say how long it will take.
         several = len(case.modes) * len(case.levels) if case.kind == "backbone" else 1
         total = self._steps(case, refinement) if case.transient else several
-        known = len(self.extras.failed)
+        known, key = len(self.extras.failed), response_key(case, label, refinement)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
                 rubs = has_friction(self.joint.model)
                 if goes_in_increments(case, self.joint.model):
-                    rest = self._rest(system, label)
-                    response = path_response(self.joint.model, case, system, rest, like, advance)
+                    rest, pieces = self._rest(system, label), Pieces(self.checkpoint, key)
+                    response = path_response(
+                        self.joint.model, case, system, rest, pieces, like, advance
+                    )
                 else:
                     initial = self._rest(system, label) if rubs else None
                     solution, seconds = solve_case(
@@ -341,7 +344,7 @@ class CaseRunner:
             return packed(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
 
         with self.stages.timed("checkpoint"):
-            arrays = self.checkpoint.bundle(response_key(case, label, refinement), compute)
+            arrays = self.checkpoint.bundle(key, compute)
         self.extras.repeat(arrays.get(FAILED, ()))
         return unpacked(arrays)
 

@@ -2,27 +2,35 @@
 
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 
 from faying._typing import Matrix
-from faying.assessment.backbone import backbone
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
 from faying.assessment.tresca import IncrementCertificate, certify_increments
-from faying.exceptions import naming
+from faying.execution.checkpoint import Arrays
 from faying.joint.model import Model
 from faying.joint.system import System
-from faying.simulation.cycles import solve_cycles
+from faying.simulation.cycles import Cycles, solve_cycles
 from faying.simulation.load import Load
 from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 from faying.simulation.start import last_of
 from faying.simulation.static import solve_static
 from faying.simulation.without_friction import released_state
+from faying.study.backbone_cases import backbone_response
 from faying.study.load_factors import ALL, read_load_factors
 from faying.study.loads import case_load
 from faying.study.nodal_motion import NodalMotion, nodal_motion
-from faying.study.path_record import cycle_record, path_record
+from faying.study.path_record import (
+    CycleRecord,
+    cycle_record,
+    packed_record,
+    path_record,
+    unpacked_cycles,
+)
+from faying.study.pieces import SECONDS, Pieces
 from faying.study.responses import respond
 from faying.study.results import Response
 from faying.study.tables import DEFAULT_INCREMENTS, LoadCaseSection
@@ -60,6 +68,7 @@ def path_response(
     case: LoadCaseSection,
     system: System,
     rest: Solution,
+    pieces: Pieces,
     like: Response | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> Response:
@@ -71,46 +80,18 @@ def path_response(
         The full model.
     rest
         Preloaded state of the system that is solved.
+    pieces
+        Where finished amplitudes are kept.
     like
         Response of the full model, whose number of cycles others follow.
     progress
-        Called with 1 after each amplitude of a backbone.
+        Called with the number of amplitudes of a backbone that there are more of.
     """
-    load, start = case_load(case), time.perf_counter()
     if case.kind == "backbone":
-        with naming(f"load case '{case.name}'"):
-            curves = {
-                str(mode): backbone(
-                    system,
-                    mode,
-                    case.levels,
-                    over=case.over,
-                    at=case.at,
-                    initial=rest,
-                    increments=cycle_increments(case),
-                    progress=progress,
-                )
-                for mode in sorted(case.modes)
-            }
-        return respond(rest, model, time.perf_counter() - start, backbones=curves)
+        return backbone_response(model, case, system, rest, pieces, progress)
     if case.kind == "cycle":
-        amplitudes = sorted(case.amplitudes or (1.0,))
-        found = {
-            str(amplitude): solve_cycles(
-                system,
-                load,
-                amplitude,
-                rest,
-                increments=case.increments or DEFAULT_INCREMENTS,
-                count=None if like is None else len(like.cycles[str(amplitude)].energies),
-            )
-            for amplitude in amplitudes
-        }
-        seconds = time.perf_counter() - start
-        records = {name: cycle_record(one, load) for name, one in found.items()}
-        largest = found[str(amplitudes[-1])].cycle
-        motion = _motion(model, largest)
-        return respond(last_of(largest), model, seconds, cycles=records, motion=motion)
+        return _cycle_response(model, case, system, rest, pieces, like)
+    load, start = case_load(case), time.perf_counter()
     names, factors = _factors(case)
     path = solve_path(system, _loads(case, model, names, factors), initial=rest, name=case.name)
     seconds = time.perf_counter() - start
@@ -124,6 +105,50 @@ def path_response(
         certificate=_certificate(model, path, rest),
     )
 
+
+def _cycle_response(
+    model: Model,
+    case: LoadCaseSection,
+    system: System,
+    rest: Solution,
+    pieces: Pieces,
+    like: Response | None,
+) -> Response:
+    """Solve the cycles of all amplitudes, each from the preloaded joint.
+
+    The largest comes last and ends with what the response shows; the others are kept before it.
+    """
+    load, seconds = case_load(case), 0.0
+    records: dict[str, CycleRecord] = {}
+
+    def cycles(amplitude: float) -> Cycles:
+        return solve_cycles(
+            system,
+            load,
+            amplitude,
+            rest,
+            increments=case.increments or DEFAULT_INCREMENTS,
+            count=None if like is None else len(like.cycles[str(amplitude)].energies),
+        )
+
+    def recorded(amplitude: float) -> Arrays:
+        return packed_record(cycle_record(cycles(amplitude), load), CYCLE)
+
+    *others, largest = sorted(case.amplitudes or (1.0,))
+    for amplitude in others:
+        kept = pieces.take(f"amplitude {amplitude}", partial(recorded, amplitude))
+        records[str(amplitude)] = unpacked_cycles(kept, CYCLE)
+        seconds += float(kept[SECONDS])
+    start = time.perf_counter()
+    last = cycles(largest)
+    seconds += time.perf_counter() - start
+    records[str(largest)] = cycle_record(last, load)
+    motion = _motion(model, last.cycle)
+    return respond(last_of(last.cycle), model, seconds, cycles=records, motion=motion)
+
+
+CYCLE = "cycle"
+"""Prefix of the arrays of cycles that are kept."""
 
 MOST_CERTIFIED = 1000
 """Contact points with three components up to which a run factorizes H for every path: seconds."""
@@ -140,11 +165,6 @@ def _certificate(model: Model, path: Solution, rest: Solution) -> IncrementCerti
 def _motion(model: Model, path: Solution) -> NodalMotion | None:
     """Return the displacements along a path of the full model; other models are drawn by its."""
     return nodal_motion(model, path) if path.system is model else None
-
-
-def cycle_increments(case: LoadCaseSection) -> int:
-    """Return the increments of a full cycle."""
-    return 4 * (case.increments or DEFAULT_INCREMENTS)
 
 
 def reserve_of(model: Model, case: LoadCaseSection, rest: Solution) -> SlipReserve:
