@@ -1,14 +1,18 @@
 """faying and CalculiX on the same cantilever in one run, processor time against processor time.
 
-    python benchmarks/calculix.py                   static (a minute)
+    python benchmarks/calculix.py                   static, without and with friction (two minutes)
     python benchmarks/calculix.py --dynamic 62      and 62 of the 620 increments of LC2's step
 
 CalculiX solves the deck faying writes: preload, then LC2, one increment each. Its step response is
 run for some increments only and scaled to all. Everything runs on one thread; times are medians of
 the repetitions.
+
+With friction the deck has ``*FRICTION``, and faying follows the same path: an increment that
+tightens, then the load in one increment as CalculiX takes it, and in ten as studies do.
 """
 
 import argparse
+import importlib.util
 import os
 import re
 import resource
@@ -18,7 +22,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 os.environ.update(OMP_NUM_THREADS="1", MKL_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
@@ -30,8 +34,10 @@ from faying.io.abaqus.writer import write_deck
 from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import NodalLoads
+from faying.simulation.frictional_preload import tighten_with_friction
 
 PRELOAD, PENALTY = 8000.0, 1e6
+FRICTION, TANGENTIAL_PENALTY = 0.2, 8e5
 FORCES = {"tip.Fz": -500.0, "tip.Mx": 20e3}
 STEP, INCREMENTS = 1e-5, 620
 DAMPING = fy.Rayleigh(alpha=160.0, beta=5e-7)
@@ -56,6 +62,7 @@ def main() -> None:
     )
     load_before = os.getloadavg()[0]
     static(description, options.repeat)
+    with_friction(description, options.repeat)
     if options.dynamic:
         dynamic(description, options.repeat, options.dynamic)
     write(f"\nload average {load_before:.1f} before, {os.getloadavg()[0]:.1f} after\n")
@@ -65,7 +72,7 @@ def static(description, repeat: int) -> None:
     """Compare LC2 on top of the preload with one warm case, and with a thousand from scratch."""
     theirs, one, thousand = [], [], []
     for _ in range(repeat):
-        theirs.append(calculix(description))
+        theirs.append(calculix(description).seconds)
         start = time.process_time()
         model = built(description)
         preloaded = fy.preload(model, {"bolt": PRELOAD})
@@ -88,9 +95,65 @@ def static(description, repeat: int) -> None:
     )
 
 
+def with_friction(description, repeat: int) -> None:
+    """Compare LC2 after the preload, both with friction, with further loads and with building."""
+    rubbing = replace(
+        description,
+        interfaces=tuple(
+            replace(spec, friction=FRICTION, tangential_penalty=TANGENTIAL_PENALTY)
+            for spec in description.interfaces
+        ),
+    )
+    theirs, everything = [], []
+    spent = {(count, compiled): [] for compiled in kinds() for count in (1, 10)}
+    for _ in range(repeat):
+        theirs.append(calculix(rubbing))
+        start = time.process_time()
+        model = built(rubbing)
+        found = tighten_with_friction(model, {"bolt": PRELOAD}, increments=1)
+        locked = model.with_bolt_forces(found.tightening.initial_forces)
+        rom = fy.reduce(locked, fy.craig_bampton(locked, normal_modes=20), compliance=True)
+        tight = fy.solve_path(rom, [fy.Load()])
+        for load in cases(100):
+            fy.solve_path(rom, [load], initial=tight)
+        everything.append((time.process_time() - start) / 100)
+        for (count, compiled), times in spent.items():
+            fy.solve_path(rom, [fy.Load(FORCES)], initial=tight, compiled=compiled)
+            start = time.process_time()
+            for load in cases(20):
+                steps = [load.scaled(k / count) for k in range(1, count + 1)]
+                fy.solve_path(rom, steps, initial=tight, compiled=compiled)
+            times.append((time.process_time() - start) / 20)
+    write(f"\n| friction {FRICTION} | processor time | CalculiX over it |\n|---|---|---|\n")
+    seconds = [run.seconds for run in theirs]
+    write(f"| CalculiX, preload and LC2 | {statistics.median(seconds):.2f} s | 1 |\n")
+    for (count, compiled), times in spent.items():
+        how = f"{count} increment{'s' * (count > 1)}{', compiled' * compiled}"
+        row(f"faying, one six-component load, model at hand, {how}", times, seconds)
+    row("faying, 100 loads with assembly, tightening and basis, per load", everything, seconds)
+    solved = fy.solve_path(rom, [fy.Load(FORCES)], initial=tight)
+    ours, other = solved.displacement("tip")[-1, :3], theirs[-1].tip
+    difference = np.abs(ours - other).max() / np.abs(other).max()
+    write(f"\nLC2 in one increment: {int(solved.iterations[0])} Newton steps, {closed(solved)}; ")
+    write(f"tip of CalculiX {other}, difference {difference:.0e}\n")
+
+
+def kinds() -> tuple[bool, ...]:
+    """Return whether increments are compiled, as far as they can be."""
+    return (False, True) if importlib.util.find_spec("numba") else (False,)
+
+
+def closed(path) -> str:
+    """Say how many points are closed and at their friction bound at the end of a path."""
+    traction = np.linalg.norm(path.traction[-1], axis=1)
+    pressed = path.pressure[-1] > 0
+    bound = traction[pressed] >= (1 - 1e-9) * FRICTION * path.pressure[-1][pressed]
+    return f"{np.count_nonzero(pressed)} points closed, {np.count_nonzero(bound)} of them slip"
+
+
 def dynamic(description, repeat: int, increments: int) -> None:
     """Compare LC2 as a step, 620 increments of 1e-5 s."""
-    both = calculix(description, increments) - calculix(description)
+    both = calculix(description, increments).seconds - calculix(description).seconds
     theirs = [both * INCREMENTS / increments]
     stepping, everything = [], []
     for _ in range(repeat):
@@ -139,8 +202,16 @@ def cases(count: int) -> list[fy.Load]:
     ]
 
 
-def calculix(description, increments: int = 0) -> float:
-    """Return CalculiX's processor time for preload and LC2, or dynamic increments of it."""
+@dataclass(frozen=True)
+class Run:
+    """Processor time of CalculiX [s], and where the tip went last (3,) [mm]."""
+
+    seconds: float
+    tip: np.ndarray
+
+
+def calculix(description, increments: int = 0) -> Run:
+    """Let CalculiX solve preload and LC2, or dynamic increments of it."""
     assembly = description.assembly
     tip = assembly.rigid_couplings[0].reference
     loads = {"LC2": NodalLoads(nodes=[tip], forces=[[0, 0, -500.0, 20e3, 0, 0]])}
@@ -155,7 +226,24 @@ def calculix(description, increments: int = 0) -> float:
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         if done.returncode != 0:
             sys.exit(f"CalculiX failed:\n{done.stdout[-2000:]}")
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        face = assembly.mesh.node_ids[assembly.rigid_couplings[0].nodes]
+        moved = last_displacement(deck.with_suffix(".frd"), set(face.tolist()))
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Run(seconds, moved)
+
+
+def last_displacement(path: Path, nodes: set[int]) -> np.ndarray:
+    """Return the last mean displacement (3,) of nodes in a file of CalculiX's results.
+
+    The mean over the rigid face at the tip is the displacement of the node in its middle.
+    """
+    inside, found = False, {}
+    for line in path.read_text().splitlines():
+        if line.startswith(" -4"):
+            inside = line.split()[1] == "DISP"
+        elif inside and line.startswith(" -1") and int(line[3:13]) in nodes:
+            found[line[3:13]] = [float(line[13 + 12 * i : 25 + 12 * i]) for i in range(3)]
+    return np.mean(list(found.values()), axis=0)
 
 
 def as_dynamic(deck: str, increments: int) -> str:
