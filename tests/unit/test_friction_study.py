@@ -3,7 +3,7 @@
 import json
 import re
 import sys
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import h5py
 import numpy as np
@@ -232,12 +232,12 @@ def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_
     """Within the cycles of the full model: their smaller amplitude is there, the larger is not."""
     from faying.study import path_cases
 
-    calls, cycled = [], []
-    follow, cycle = path_cases.solve_path, path_cases.solve_cycles
+    calls, cycled, reserved = [], [], []
+    follow, cycle = path_cases.follow_path, path_cases.solve_cycles
 
-    def followed(system, loads, **options):
-        calls.append(options["name"])
-        return follow(system, loads, **options)
+    def followed(system, loads, initial, name, *more):
+        calls.append(name)
+        return follow(system, loads, initial, name, *more)
 
     def interrupted(system, load, amplitude, *more, **options):
         cycled.append(amplitude)
@@ -245,18 +245,27 @@ def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_
             raise KeyboardInterrupt
         return cycle(system, load, amplitude, *more, **options)
 
-    monkeypatch.setattr(path_cases, "solve_path", followed)
+    def reserve(system, load, *more, **options):
+        reserved.append(load.name)
+        return whole(system, load, *more, **options)
+
+    whole = path_cases.slip_reserve
+    monkeypatch.setattr(path_cases, "slip_reserve", reserve)
+    monkeypatch.setattr(path_cases, "follow_path", followed)
     monkeypatch.setattr(path_cases, "solve_cycles", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)
     run(study, tmp_path, resume=True)
     # The larger amplitude again, and both by the reduced model; no path of loads but once a model.
     assert cycled == [0.5, 1.5, 1.5, 0.5, 1.5]
-    assert sorted(name for name in calls if name != "preload") == ["pull", "pull", "way", "way"]
+    assert calls == ["pull", "pull", "way", "way"]
+    assert reserved == ["pull", "shake"]
     mine, other = (read_results(out / "results.h5") for out in (tmp_path, finished))
     for name, case in mine.cases.items():
         exact = other.cases[name].reference
         np.testing.assert_array_equal(case.reference.pressure, exact.pressure)
+        if case.reserve is not None:
+            assert asdict(case.reserve) == asdict(other.cases[name].reserve)
         for amplitude, one in case.reference.cycles.items():
             same = packed_record(exact.cycles[amplitude], "cycle")
             for member, value in packed_record(one, "cycle").items():

@@ -17,6 +17,7 @@ from faying.reduction.basis import ModeKind
 from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.study import normal_modes
 from faying.study.mode_choice import mode_sentences
+from faying.study.packed_members import packed_members, unpacked_members
 from faying.study.schema import parse_study
 from faying.study.store import read_results
 from faying.units import units_of
@@ -297,7 +298,5 @@ def test_tractions_of_every_number_are_estimated(joint):
     found = fy.choose_normal_modes(rubbing, load, step=1.6e-5, duration=8e-5, tolerance=0.5)
     assert found.tractions.shape == found.counts.shape
     assert 0 < found.traction_error < 1
-    again = normal_modes._unpacked(
-        {name: np.asarray(one) for name, one in vars(found).items() if one is not None}
-    )
+    again = unpacked_members(NormalModeChoice, packed_members(found))
     assert again.traction_error == found.traction_error

@@ -181,20 +181,23 @@ def follow(
     relative: Matrix,
     here: PathStep,
     similar: Sequence[PathStep] = (),
+    part: range | None = None,
 ) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
 
-    Where it is expected to go as another did, as a cycle after the one before, that may be given.
+    Where it is expected to go as another did, as a cycle after the one before, that may be given;
+    and some of the loads, if ``here`` is where those before them led.
 
     Raises
     ------
     ConvergenceError
         If an increment is not solved even when it is divided; the message names its load.
     """
+    numbers = range(len(relative)) if part is None else part
     with threads_for(len(solver.S)):
-        for number, (target, like) in enumerate(zip_longest(relative, similar)):
+        for number, like in zip_longest(numbers, similar):
             try:
-                here = _to(solver, here, target, MOST_DIVISIONS, like and like.increment)
+                here = _to(solver, here, relative[number], MOST_DIVISIONS, like and like.increment)
             except ConvergenceError as error:
                 message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None

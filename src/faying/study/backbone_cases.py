@@ -7,17 +7,14 @@ from functools import partial
 import numpy as np
 
 from faying.assessment.modal_analysis import ModalAnalysis, modal_analysis
+from faying.assessment.modal_cycles import ModalCycle
 from faying.exceptions import naming
 from faying.execution.checkpoint import Arrays
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.solution import Solution
-from faying.study.backbone_record import (
-    packed_backbone,
-    packed_cycle,
-    unpacked_backbone,
-    unpacked_cycle,
-)
+from faying.study.backbone_record import packed_backbone, unpacked_backbone
+from faying.study.packed_members import packed_members, unpacked_members
 from faying.study.pieces import SECONDS, Pieces
 from faying.study.responses import respond
 from faying.study.results import Response
@@ -33,7 +30,7 @@ def backbone_response(
     system: System,
     rest: Solution,
     pieces: Pieces,
-    progress: Callable[[int], object] | None = None,
+    progress: Callable[[int], object],
 ) -> Response:
     """Compute the backbones of a load case.
 
@@ -46,14 +43,13 @@ def backbone_response(
     progress
         Called with the number of amplitudes that there are more of, computed or taken over.
     """
-    advance = progress or (lambda _: None)
     curves, seconds = {}, 0.0
     for mode in sorted(case.modes):
         name = f"mode {mode}"
         if pieces.has(name):
-            advance(len(case.levels))
+            progress(len(case.levels))
         with naming(f"load case '{case.name}'"):
-            compute = partial(_curve, case, system, rest, mode, pieces, advance)
+            compute = partial(_curve, case, system, rest, mode, pieces, progress)
             kept = pieces.take(name, compute)
         curves[str(mode)] = unpacked_backbone(kept, CURVE)
         seconds += float(kept[SECONDS])
@@ -66,7 +62,7 @@ def _curve(
     rest: Solution,
     mode: int,
     pieces: Pieces,
-    advance: Callable[[int], object],
+    progress: Callable[[int], object],
 ) -> Arrays:
     """Compute one backbone.
 
@@ -86,15 +82,15 @@ def _curve(
     for number in range(len(case.levels)):
         name = f"mode {mode}, amplitude {number + 1}"
         kept = pieces.take(name, partial(_amplitude, analysis, number))
-        cycles.append(unpacked_cycle(kept))
+        cycles.append(unpacked_members(ModalCycle, kept))
         seconds += float(kept[SECONDS])
-        advance(1)
+        progress(1)
     curve = packed_backbone(analysis.backbone(cycles), CURVE)
     return {**curve, SECONDS: np.asarray(seconds)}
 
 
 def _amplitude(analysis: ModalAnalysis, number: int) -> Arrays:
-    return packed_cycle(analysis.cycle(number))
+    return packed_members(analysis.cycle(number))
 
 
 def cycle_increments(case: LoadCaseSection) -> int:

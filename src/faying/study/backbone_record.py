@@ -1,4 +1,4 @@
-"""How backbones and their cycles are packed into named arrays until the run ends."""
+"""How the backbones of a load case are packed into named arrays until the run ends."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -8,7 +8,6 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.backbone import Backbone
-from faying.assessment.modal_cycles import ModalCycle
 
 
 def packed_backbone(backbone: Backbone, prefix: str) -> dict[str, Matrix]:
@@ -31,17 +30,3 @@ def unpacked_backbone(arrays: Mapping[str, Matrix], prefix: str) -> Backbone:
     values["units"], values["over"] = str(values["units"]), str(values["over"])
     values["remarks"] = tuple(map(str, values["remarks"]))
     return Backbone(**values)
-
-
-def packed_cycle(cycle: ModalCycle) -> dict[str, Matrix]:
-    """Return the members of a cycle as named arrays."""
-    return {one.name: np.asarray(getattr(cycle, one.name)) for one in fields(ModalCycle)}
-
-
-def unpacked_cycle(arrays: Mapping[str, Matrix]) -> ModalCycle:
-    """Return the cycle that :func:`packed_cycle` flattened."""
-    values: dict[str, Any] = {
-        one.name: arrays[one.name] if arrays[one.name].ndim else arrays[one.name].item()
-        for one in fields(ModalCycle)
-    }
-    return ModalCycle(**values)

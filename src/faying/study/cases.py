@@ -33,7 +33,9 @@ from faying.study.inertia import CURED, InertiaWhenNeeded, remedy_of
 from faying.study.jumps import Jump, load_jumps
 from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
+from faying.study.packed_members import packed_members, unpacked_members
 from faying.study.path_cases import (
+    advances,
     goes_in_increments,
     has_friction,
     path_response,
@@ -238,8 +240,14 @@ class CaseRunner:
         """Return the slip reserve of a load that may be multiplied, where there is friction."""
         if case.kind not in ("static", "cycle") or not has_friction(self.joint.model):
             return None
-        with self.stages.stage("slip reserve"):
-            return reserve_of(self.joint.model, case, self.joint.rest)
+
+        def compute() -> dict[str, Matrix]:
+            with self.stages.stage("slip reserve"):
+                return packed_members(reserve_of(self.joint.model, case, self.joint.rest))
+
+        with self.stages.timed("checkpoint"):
+            kept = self.checkpoint.bundle(f"{case.name} slip reserve", compute)
+        return unpacked_members(SlipReserve, kept)
 
     def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
         """Bound the errors of a static case without friction from the compliance alone."""
@@ -310,26 +318,23 @@ class CaseRunner:
         refinement: int = 1,
     ) -> Response:
         """Solve a load case with one model, or take what an interrupted run left."""
-        # Of a backbone amplitudes, by which a run can say how long it will take.
-        several = len(case.modes) * len(case.levels) if case.kind == "backbone" else 1
-        total = self._steps(case, refinement) if case.transient else several
+        model = self.joint.model
+        total = self._steps(case, refinement) if case.transient else advances(case, model)
         known, key = len(self.extras.failed), response_key(case, label, refinement)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
-                rubs = has_friction(self.joint.model)
-                if goes_in_increments(case, self.joint.model):
+                rubs = has_friction(model)
+                if goes_in_increments(case, model):
                     rest, pieces = self._rest(system, label), Pieces(self.checkpoint, key)
-                    response = path_response(
-                        self.joint.model, case, system, rest, pieces, like, advance
-                    )
+                    response = path_response(model, case, system, rest, pieces, advance, like)
                 else:
                     initial = self._rest(system, label) if rubs else None
                     solution, seconds = solve_case(
                         self.joint, case, system, advance, refinement, initial, like
                     )
                     drawn = like is None and refinement == 1
-                    response = respond(solution, self.joint.model, seconds, moves=drawn)
+                    response = respond(solution, model, seconds, moves=drawn)
             if case.transient and refinement == 1 and isinstance(system, ReducedModel):
                 name, judge = f"{case.name}, {label}", self._transient_judge
                 response = judge.judged(

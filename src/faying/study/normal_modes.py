@@ -1,11 +1,8 @@
 """The normal modes of a study: as many as it says, or chosen for its load cases over time."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cache, partial
-from typing import Any
-
-import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.choose_normal_modes import NormalModeChoice, choose_normal_modes
@@ -15,6 +12,7 @@ from faying.study.full_transients import integrator_of
 from faying.study.loads import case_load
 from faying.study.mode_choice import chosen_count
 from faying.study.offline import PreparedJoint
+from faying.study.packed_members import packed_members, unpacked_members
 from faying.study.path_cases import has_friction, rest_state
 from faying.study.progress import Stages
 from faying.study.tables import LoadCaseSection, Study
@@ -47,7 +45,7 @@ def normal_modes_of(
                 with stages.stage(f"choose normal modes, {case.name}"):
                     choose = partial(_chosen, study, joint, case, known)
                     kept = checkpoint.bundle(f"{case.name} normal modes", choose)
-                choices[case.name] = _unpacked(kept)
+                choices[case.name] = unpacked_members(NormalModeChoice, kept)
         count = chosen_count(choices)
     with stages.stage("normal_modes"):
         # Statics need no mass, and a structure without mass has no vibration modes.
@@ -70,12 +68,4 @@ def _chosen(
         rest=partial(rest_state, tightening=joint.preload_path) if rubs else None,
         modes=known,
     )
-    members = {one.name: getattr(choice, one.name) for one in fields(choice)}
-    return {name: np.asarray(member) for name, member in members.items() if member is not None}
-
-
-def _unpacked(kept: Mapping[str, Matrix]) -> NormalModeChoice:
-    members: dict[str, Any] = {
-        name: value if value.ndim else value.item() for name, value in kept.items()
-    }
-    return NormalModeChoice(**members)
+    return packed_members(choice)

@@ -22,6 +22,7 @@ from faying.simulation.without_friction import released_state
 from faying.study.backbone_cases import backbone_response
 from faying.study.load_factors import ALL, read_load_factors
 from faying.study.loads import case_load
+from faying.study.long_paths import follow_path
 from faying.study.nodal_motion import NodalMotion, nodal_motion
 from faying.study.path_record import (
     CycleRecord,
@@ -48,6 +49,17 @@ def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
     )
 
 
+def advances(case: LoadCaseSection, model: Model) -> int:
+    """Return how many increments a load case has, or amplitudes of cycles and backbones."""
+    if not goes_in_increments(case, model):
+        return 1
+    if case.kind == "backbone":
+        return len(case.modes) * len(case.levels)
+    if case.kind == "cycle":
+        return len(case.amplitudes or (1.0,))
+    return len(_factors(case)[1])
+
+
 def rest_state(system: System, tightening: tuple[Load, ...]) -> Solution:
     """Return the preloaded state of a full or reduced model.
 
@@ -69,8 +81,8 @@ def path_response(
     system: System,
     rest: Solution,
     pieces: Pieces,
+    progress: Callable[[int], object],
     like: Response | None = None,
-    progress: Callable[[int], object] | None = None,
 ) -> Response:
     """Solve a load case in increments.
 
@@ -81,20 +93,20 @@ def path_response(
     rest
         Preloaded state of the system that is solved.
     pieces
-        Where finished amplitudes are kept.
+        Where finished amplitudes and increments are kept.
+    progress
+        Called with how many there are more of those that :func:`advances` counts.
     like
         Response of the full model, whose number of cycles others follow.
-    progress
-        Called with the number of amplitudes of a backbone that there are more of.
     """
     if case.kind == "backbone":
         return backbone_response(model, case, system, rest, pieces, progress)
     if case.kind == "cycle":
-        return _cycle_response(model, case, system, rest, pieces, like)
-    load, start = case_load(case), time.perf_counter()
+        return _cycle_response(model, case, system, rest, pieces, progress, like)
+    load = case_load(case)
     names, factors = _factors(case)
-    path = solve_path(system, _loads(case, model, names, factors), initial=rest, name=case.name)
-    seconds = time.perf_counter() - start
+    loads = _loads(case, model, names, factors)
+    path, seconds = follow_path(system, loads, rest, case.name, pieces, progress)
     record = path_record(path, rest, load, names, factors)
     return respond(
         last_of(path),
@@ -112,6 +124,7 @@ def _cycle_response(
     system: System,
     rest: Solution,
     pieces: Pieces,
+    progress: Callable[[int], object],
     like: Response | None,
 ) -> Response:
     """Solve the cycles of all amplitudes, each from the preloaded joint.
@@ -139,9 +152,11 @@ def _cycle_response(
         kept = pieces.take(f"amplitude {amplitude}", partial(recorded, amplitude))
         records[str(amplitude)] = unpacked_cycles(kept, CYCLE)
         seconds += float(kept[SECONDS])
+        progress(1)
     start = time.perf_counter()
     last = cycles(largest)
     seconds += time.perf_counter() - start
+    progress(1)
     records[str(largest)] = cycle_record(last, load)
     motion = _motion(model, last.cycle)
     return respond(last_of(last.cycle), model, seconds, cycles=records, motion=motion)

@@ -1,0 +1,56 @@
+"""Long paths of a study go on where they were interrupted."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.execution.checkpoint import Checkpoint
+from faying.simulation.start import last_of
+from faying.study import long_paths
+from faying.study.long_paths import follow_path
+from faying.study.pieces import Pieces
+
+LOADS = [fy.Load({"tip.Fx": 600.0 * np.sin(0.4 * one)}) for one in range(1, 12)]
+FIELDS = ("contact_forces", "shear_forces", "shear_slip", "gap", "states", "dissipation")
+
+
+@pytest.mark.parametrize("reduced", [False, True], ids=["full", "reduced"])
+def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch, reduced):
+    """Stopped after eight of eleven increments: the numbers of all of them at once, to the bit."""
+    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    joint = model.with_friction(0.2).with_bolt_forces({"bolt": 5e3})
+    basis = fy.craig_bampton(joint, normal_modes=4)
+    system = fy.reduce(joint, basis, compliance=True) if reduced else joint
+    rest = last_of(fy.solve_path(system, [fy.Load()]))
+    expected = fy.solve_path(system, LOADS, initial=rest, name="way")
+    followed, reached, original = [], [], long_paths.follow
+
+    def interrupted(solver, relative, here, part):
+        if len(followed) == 8:
+            followed.append("stop")
+            raise KeyboardInterrupt
+        followed.extend(part)
+        return original(solver, relative, here, part=part)
+
+    monkeypatch.setattr(long_paths, "follow", interrupted)
+    monkeypatch.setattr(long_paths, "PIECE", 4)
+    pieces = Pieces(Checkpoint(tmp_path), "way full 1")
+    with pytest.raises(KeyboardInterrupt):
+        follow_path(system, LOADS, rest, "way", pieces, reached.append)
+    before = sum(float(pieces.take(name, dict)["seconds"]) for name in kept_names())
+    found, seconds = follow_path(system, LOADS, rest, "way", pieces, reached.append)
+    assert followed == [*range(8), "stop", *range(8, 11)]
+    assert reached == [4, 4, 4, 4, 3]
+    assert seconds > before > 0
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
+    assert found.iterations.tolist() == expected.iterations.tolist()
+    # It slips back and forth: where a piece ends matters for the next.
+    assert expected.dissipation[-1] > 0
+    assert np.abs(np.diff(expected.shear_slip, axis=0)).max(axis=(1, 2)).min() > 0
+
+
+def kept_names():
+    return [f"increments {first + 1} to {end}" for first, end in pairwise((0, 4, 8))]
