@@ -13,7 +13,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.modal_cycles import Swing
 from faying.exceptions import ModelError, StudyError
 from faying.report.figures import write_figures
-from faying.report.figures.backbone import backbone_figure
+from faying.report.figures.backbone import backbone_figure, masing_remark
 from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.report.quantities import number
 from faying.report.slip import slip_sentence
@@ -50,6 +50,7 @@ modes = [2, 1]
 amplitude_range = [0.001, 0.1, 3]
 increments = 3
 at = "tip"
+masing = true
 
 [output]
 report = false
@@ -98,7 +99,7 @@ def curve(results, tmp_path_factory):
     model = build(parse_study(STUDY, tmp_path_factory.mktemp("python") / "ring.toml"))
     force = results.bolts["bolt"].initial_force
     joint = model.with_bolt_forces({"bolt": force})
-    return fy.backbone(joint, 2, np.geomspace(0.001, 0.1, 3), at="tip", increments=12)
+    return fy.backbone(joint, 2, np.geomspace(0.001, 0.1, 3), at="tip", increments=12, masing=True)
 
 
 @pytest.mark.usefixtures("finished")
@@ -117,6 +118,12 @@ def test_the_summary_has_frequency_and_damping(finished, curve):
         np.testing.assert_allclose(found[name], getattr(curve, name), rtol=1e-6, err_msg=name)
     assert found["damping_ratio"][-1] > found["linear_damping"][-1] > 0
     np.testing.assert_allclose(found["energy"], curve.energy, rtol=1e-6)
+    largest = curve.damping_ratio.max()
+    for name in ("masing_frequency", "masing_damping", "masing_deviation"):
+        np.testing.assert_allclose(
+            found[name], getattr(curve, name), rtol=1e-5, atol=1e-6 * largest, err_msg=name
+        )
+    assert abs(found["masing_deviation"][-1]) > 0.01
 
 
 def test_results_keep_the_curves_of_every_method(results):
@@ -181,6 +188,19 @@ def test_damping_is_drawn_over_amplitude(results):
     np.testing.assert_array_equal(second.get_xdata(), expected.amplitude)
     np.testing.assert_array_equal(second.get_ydata(), expected.damping_ratio)
     assert len(loops.get_lines()) == 2
+    one = results.cases["ring"].reference.backbones["2"]
+    masing = one.masing_damping + one.linear_damping
+    (crosses,) = (
+        line
+        for line in damping.get_lines()
+        if line.get_marker() == "x" and set(line.get_ydata()) <= set(masing)
+    )
+    assert crosses.get_ydata()[-1] == masing[-1]
+    slips = one.friction_damping > 0
+    off = [f"{one:+.2g}" for one in np.sort(100 * one.masing_deviation[slips])[[0, -1]]]
+    assert f"damping of mode 2 is off by {off[0]} to {off[1]} %" in drawn.caption
+    unasked = replace(one, masing_frequency=None, masing_damping=None)
+    assert masing_remark("2", unasked) == ""
 
 
 def test_slip_is_mapped_at_amplitudes_that_slip(results):

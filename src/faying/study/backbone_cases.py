@@ -85,7 +85,7 @@ def _curve(
         cycles.append(unpacked_members(ModalCycle, kept))
         seconds += float(kept[SECONDS])
         progress(1)
-    curve = packed_backbone(analysis.backbone(cycles), CURVE)
+    curve = packed_backbone(analysis.backbone(cycles, masing=case.masing), CURVE)
     return {**curve, SECONDS: np.asarray(seconds)}
 
 

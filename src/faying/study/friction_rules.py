@@ -19,6 +19,7 @@ KINDS = {
     "amplitude_range": ("backbone",),
     "over": ("backbone",),
     "maps": ("backbone",),
+    "masing": ("backbone",),
     "modes": ("backbone",),
     "at": ("backbone",),
     "increments": ("static", "cycle", "backbone"),

@@ -270,6 +270,11 @@ def _slip(case: CaseResult) -> dict[str, Any]:
 
 
 def _backbone(one: Backbone) -> dict[str, Any]:
+    by_rule = {
+        name: values.tolist()
+        for name in ("masing_frequency", "masing_damping", "masing_deviation")
+        if (values := getattr(one, name)) is not None
+    }
     return {
         "small_frequency": one.small_frequency,
         "measured_at": one.measured_at,
@@ -283,6 +288,7 @@ def _backbone(one: Backbone) -> dict[str, Any]:
         "macroslip": one.macroslip.tolist(),
         "stationary": one.stationary.tolist(),
         "remarks": list(one.remarks),
+        **by_rule,
     }
 
 

@@ -214,10 +214,9 @@ class LoadCaseSection(Timed):
     Attributes
     ----------
     kind
-        ``"static"``; ``"step"``, loads applied at once to the preloaded structure at rest;
-        ``"history"``, which by default lasts as long as its shortest file; ``"path"``, a sequence
-        of static loads; ``"cycle"``, static loads to and fro; or ``"backbone"``, modes of the
-        preloaded joint over their amplitude.
+        ``"static"``; ``"step"``, applied at once to the preloaded structure at rest; ``"history"``,
+        by default as long as its shortest file; ``"path"``, static loads one after the other;
+        ``"cycle"``, to and fro; or ``"backbone"``, modes of the preloaded joint over amplitude.
     factors
         Of a path: csv of the loads' factors in each increment.
     amplitudes
@@ -229,6 +228,8 @@ class LoadCaseSection(Timed):
         Of backbones: whether amplitudes are displacements or energies of the vibration.
     maps
         Of backbones: amplitudes whose slip the report maps; by default three.
+    masing
+        Of backbones: whether Masing's rule stands beside the cycles.
     modes
         Of backbones: numbers of modes, from 1.
     at
@@ -242,8 +243,7 @@ class LoadCaseSection(Timed):
     integrator
         None is ``"implicit-euler"``.
     rho_infinity
-        Spectral radius at infinite frequency of the energy-decaying and the generalized-alpha
-        method.
+        Spectral radius at infinite frequency, of integrators that have one.
     rise_time : [time]
         Over which the loads of a step rise, by half a cosine; None is a jump.
     step : [time]
@@ -262,6 +262,7 @@ class LoadCaseSection(Timed):
     amplitude_range: tuple[Positive, Positive, Count] | None = None
     over: Literal["amplitude", "energy"] = "amplitude"
     maps: tuple[Positive, ...] = ()
+    masing: bool = False
     modes: tuple[Count, ...] = ()
     at: Name | None = None
     increments: Annotated[Count, Field(le=MOST_INCREMENTS)] | None = None

@@ -28,7 +28,7 @@ def unit_of(one: Backbone, units: Units) -> str:
 
 
 def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
-    """Draw damping over amplitude: all of it, and the share of the damping matrix."""
+    """Draw damping over amplitude: all of it, the share of the damping matrix, Masing's rule."""
     curves = case.reference.backbones
     largest = max(float(one.damping_ratio.max()) for one in curves.values())
     for i, (mode, one) in enumerate(curves.items()):
@@ -38,6 +38,10 @@ def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
         axes.plot(along[seen], one.damping_ratio[seen], "o-", color=f"C{i}", label=label)
         if one.linear_damping.max(initial=0.0) > 0:
             axes.plot(along, one.linear_damping, ":", color=f"C{i}")
+        if one.masing_damping is not None:
+            masing = one.masing_damping + one.linear_damping
+            seen = masing > NEXT_TO_NONE * largest
+            axes.plot(along[seen], masing[seen], "x--", color=f"C{i}", linewidth=0.8)
     if largest > 0:
         axes.set_yscale("log")
     axes.set_xscale("log")
@@ -69,6 +73,18 @@ def plot_modal_loops(case: CaseResult, axes: Axes) -> Axes:
     return axes
 
 
+def masing_remark(mode: str, one: Backbone) -> str:
+    """Say how far Masing's rule is off; nothing where it was not asked for or nothing slips."""
+    deviation = one.masing_deviation
+    if deviation is None or not (one.friction_damping > 0).any():
+        return ""
+    off = 100 * deviation[one.friction_damping > 0]
+    return (
+        f" By Masing's rule (crosses) friction damping of mode {mode} is off by {off.min():+.2g} "
+        f"to {off.max():+.2g} %; what it makes negative is not drawn."
+    )
+
+
 def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw the backbones of a case; None for cases without."""
     curves = case.reference.backbones
@@ -94,6 +110,7 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     remarks = " ".join(
         f"Mode {mode}: {text}." for mode, one in curves.items() for text in one.remarks
     )
+    remarks += "".join(masing_remark(mode, one) for mode, one in curves.items())
     return Drawn(
         figure=figure,
         stem="backbones",
