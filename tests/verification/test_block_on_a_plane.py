@@ -14,6 +14,7 @@ from pressed_layers import STEEL
 from rubbed_blocks import rubbing, two_bodies
 
 import faying as fy
+from faying.exceptions import ModelError
 from faying.model.assembly import RigidCoupling, Spring, Support
 
 SIDE, FRICTION, NORMAL, TANGENTIAL = 4.0, 0.2, 1e6, 8e5
@@ -49,6 +50,47 @@ def block_on_a_plane():
         springs=tuple(
             Spring(id=number, ends=ends, stiffness=size)
             for number, (ends, size) in enumerate(zip(springs, sizes, strict=True), start=2)
+        ),
+    )
+
+
+def test_a_block_that_nothing_else_holds_is_refused_or_held_by_friction():
+    """The way it could go is named; weak springs leave holding it to friction."""
+    pressed = fy.Load({"block.Fz": -PRESSED})
+    for holding, way in (((2, 0), "0.00, 1.00, 0.00"), ((2, 1), "1.00, 0.00, 0.00")):
+        with pytest.raises(ModelError, match=rf"can move freely along \({way}\); support it, tie"):
+            fy.solve_path(loose_block(holding), [pressed])
+    loose = loose_block((2,))
+    with pytest.raises(ModelError, match=r"rigid, or fixed, at the contact.* give the stiffness"):
+        fy.with_weak_springs(loose)
+    loads = [pressed, *(fy.Load(pressed.forces | {"block.Fx": pull}) for pull in (150.0, 150.0))]
+    path = fy.solve_path(fy.with_weak_springs(loose, 1e-2), loads)
+    moved = path.displacement("block")[:, 0]
+    # In series with contact that sticks; nine springs of 1e-2 and the block under 1e7 N/mm.
+    assert moved[1] == pytest.approx(150.0 / (TANGENTIAL * AREA), rel=1e-6)
+    np.testing.assert_allclose(path.shear_forces[1:].sum(axis=-1)[:, 0], -150.0, rtol=1e-6)
+    assert moved[2] == pytest.approx(moved[1], rel=1e-9)
+
+
+def loose_block(holding):
+    """The block alone, which springs hold along so many axes and couplings from turning."""
+    lines, z, middle = np.linspace(0, SIDE, 3), np.array([0.0, 2.0]), SIDE / 2
+    mesh, lower, upper = two_bodies(lines, lines, z, z, ends=[(middle, middle, 0.0)])
+    block = len(mesh.nodes) - 1
+    return rubbing(
+        mesh,
+        STEEL,
+        boundaries={"block": block},
+        penalty=NORMAL,
+        friction=FRICTION,
+        tangential_penalty=TANGENTIAL,
+        supports=(
+            Support(id=1, nodes=lower, components=(0, 1, 2)),
+            Support(id=2, nodes=np.array([block]), components=(3, 4, 5)),
+        ),
+        rigid_couplings=(RigidCoupling(id=1, reference=block, nodes=upper),),
+        springs=tuple(
+            Spring(id=2 + axis, ends=((block, axis),), stiffness=HOLDING) for axis in holding
         ),
     )
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 from test_reference_cantilever import AXIAL, generated, node_map, reference_pressure
 
 import faying as fy
@@ -14,6 +16,7 @@ from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ConvergenceError, ModelError, StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize
+from faying.joint.system import input_forces
 from faying.simulation.path import moved_alone, path_inputs
 
 FRICTION, TANGENTIAL = 0.2, 8e5
@@ -195,6 +198,27 @@ def test_a_small_coefficient_is_frictionless(coarse):
     )
 
 
+@pytest.mark.parametrize("case", LOADS)
+def test_a_large_coefficient_sticks_every_closed_point(gauss, case, monkeypatch):
+    """By one sparse solution with springs at the points that close, and none elsewhere."""
+    monkeypatch.setattr("faying.contact.laws.coulomb.LARGEST_FRICTION", np.inf)
+    rough = gauss.with_friction(1e9, tangential_penalty=TANGENTIAL)
+    found = fy.solve_path(rough, [LOADS[case]])
+    contact, P = rough.contact, rough.contact.relative_operator
+    closed = found.contact_forces[0] > 0
+    G = sp.vstack([contact.interpolation @ P, contact.shear @ P]).tocsr()
+    springs = np.repeat([1e6, TANGENTIAL, TANGENTIAL], contact.n_points)
+    springs *= np.tile(closed * contact.weights, 3)
+    external = input_forces(rough, found.inputs)[0]
+    u = spla.spsolve((rough.K + G.T @ sp.diags_array(springs) @ G).tocsc(), external)
+    np.testing.assert_allclose(found.states[0], u, rtol=0, atol=1e-9 * np.abs(u).max())
+    forces = np.concatenate([found.contact_forces[0], *found.shear_forces[0]])
+    # Digits of displacements, times the penalty.
+    np.testing.assert_allclose(forces, -springs * (G @ u), rtol=0, atol=1e-8 * forces.max())
+    assert (found.contact_forces[0] >= 0).all()
+    assert (found.gap[0][~closed] >= 0).all()
+
+
 def test_a_path_that_only_sticks_returns_to_its_start():
     model = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
     model = model.with_friction(10.0)
@@ -211,8 +235,6 @@ def test_turning_the_tangents_changes_nothing(gauss):
     cosine, sine = np.cos(0.7), np.sin(0.7)
     half = contact.shear.shape[0] // 2
     first, second = contact.shear[:half], contact.shear[half:]
-    import scipy.sparse as sp
-
     turned = sp.vstack([cosine * first + sine * second, cosine * second - sine * first]).tocsr()
     other = FrictionalContact(contact=replace(contact, shear=turned), S=solver.S)
     rng = np.random.default_rng(0)

@@ -53,8 +53,8 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     Raises
     ------
     ModelError
-        If the stiffness is not a positive number, or there are too many parts to look for free
-        ones.
+        If the stiffness is not a positive number, ``"auto"`` finds nothing elastic, or there are
+        too many parts to look for free ones.
 
     Notes
     -----
@@ -100,7 +100,15 @@ def _stiffness_there(model: Model, nodes: Indices) -> float:
     """Return the median of what it takes to move one of some nodes alone [force/length]."""
     rows = _translations(model.dofs.transformation, nodes)
     K = stiffness_at(model.assembly, model.dofs, nodes)
-    return float(np.median((rows @ K @ rows.T).diagonal()))
+    found = float(np.median((rows @ K @ rows.T).diagonal()))
+    if not found > 0:
+        message = (
+            "weak springs: what they would hold is rigid, or fixed, at the contact, and nothing "
+            "tells how stiff it is; give the stiffness of a spring [force/length] as a number, far "
+            "below what contact and the rest of the structure resist with"
+        )
+        raise ModelError(message)
+    return found
 
 
 def _held_pairs(model: Model) -> Mapping[str, Indices]:
