@@ -29,6 +29,7 @@ import test_nafems
 import test_receding_layer
 import test_reference_cantilever
 import test_transient
+import test_two_leaves
 
 import faying as fy
 
@@ -399,6 +400,30 @@ def frictional_bar() -> Iterator[Row]:
         )  # fmt: skip
 
 
+def two_leaves() -> Iterator[Row]:
+    """Two leaves that slip over each other, twice the load at which they begin to."""
+    coarse, fine = (test_two_leaves.bent(length) for length in (20.0, 40.0))
+    for place, (quantity, values) in enumerate(
+        {
+            "deflection over that at onset, twice its load": [
+                (5 * one.exact_deflection, one.deflections[2], one.exact_deflection)
+                for one in (coarse, fine)
+            ],
+            "energy per cycle [mJ]": [
+                (one.exact_energy, one.energy, 1.0) for one in (coarse, fine)
+            ],
+        }.items()
+    ):
+        errors = [abs(ours / exact - 1) for exact, ours, _ in values]
+        exact, ours, unit = values[1]
+        yield Row(
+            "two leaves of a cantilever, L/h = 40" if not place else "",
+            "Goodman & Klumpp 1956" if not place else "",
+            quantity, f"{exact / unit:.5g}", f"{ours / unit:.5g}", rounded(errors[1]),
+            f"{np.log2(errors[0] / errors[1]):.2f}", "test_two_leaves",
+        )  # fmt: skip
+
+
 def cattaneo_mindlin() -> Iterator[Row]:
     """The cylinders of Hertz's problem pushed sideways by half of μ P."""
     module = test_cattaneo_mindlin
@@ -437,6 +462,7 @@ PROBLEMS: tuple[Callable[[], Iterator[Row]], ...] = (
     slider,
     block_on_a_plane,
     frictional_bar,
+    two_leaves,
     cattaneo_mindlin,
     cantilever,
     rubbing_cantilever,
