@@ -283,7 +283,8 @@ def sensitivity(system: System, solution: Solution) -> Sensitivity:
     if solution.times is not None or shapes != ((system.contact.n_points,), (n_input,)):
         message = (
             f"sensitivities need one static solution of this model; found contact forces of shape "
-            f"{shapes[0]} for {system.contact.n_points} contact points"
+            f"{shapes[0]} for {system.contact.n_points} contact points (of paths with friction "
+            "take fy.path_sensitivity)"
         )
         raise ModelError(message)
     return Sensitivity(
