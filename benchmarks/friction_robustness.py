@@ -1,6 +1,7 @@
 """How often increments with friction are solved, and in how many Newton steps.
 
     python benchmarks/friction_robustness.py PATHS [--first NUMBER] [--compiled] [--keep FILE]
+    python benchmarks/friction_robustness.py --why NUMBER...
 
 Paths of five increments, numbered. Half are of a coarse lap joint, half of a few points with any
 compliance, normals and gaps; μ up to 1, c_n from 1e4 to 1e9 N/mm³ or hard. Prints a table of
@@ -10,18 +11,30 @@ out again; of compiled increments also how many were left to the solver in Pytho
 With a file, what became of each path is kept there, one line each, and the tables are those of all
 that it holds: 4000 paths at half a second each are done in pieces, each by the same command with
 another number of the first path.
+
+With ``--why``, whether refused increments of hard contact have a solution: the largest share of the
+largest gap by which some displacement opens all gaps at once, negative where none keeps them from
+closing, and the largest force with penalties instead, of 1e8 to 1e12 N/mm³. Where it rises with the
+penalty in proportion, no solution of hard contact is the limit.
 """
 
 import argparse
 import json
 import sys
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
+
+import numpy as np
+from scipy.optimize import linprog
+
+from faying.contact.frictional import FrictionalContact
+from faying.contact.laws import Coulomb, Penalty
+from faying.exceptions import ConvergenceError
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from random_friction import Joints, Outcome, outcomes
+from random_friction import Joints, Outcome, outcomes, small_path, walked
 
 BOUNDS = (5, 10, 20, 40, 80, 160)
 """Upper ends of the classes of Newton steps."""
@@ -30,11 +43,16 @@ BOUNDS = (5, 10, 20, 40, 80, 160)
 def main() -> None:
     """Solve the paths asked for and print what became of them."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("paths", type=int, help="how many")
+    parser.add_argument("paths", type=int, nargs="?", default=0, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     parser.add_argument("--compiled", action="store_true", help="with compiled increments")
     parser.add_argument("--keep", type=Path, help="file to add to, one line a path")
+    parser.add_argument("--why", type=int, nargs="+", help="paths that were refused")
     asked = parser.parse_args()
+    if asked.why:
+        for number in asked.why:
+            sys.stdout.write(reason(number) + "\n")
+        return
     joints, found = Joints(), kept(asked.keep)
     for number in range(asked.first, asked.first + asked.paths):
         if number in found:
@@ -45,6 +63,42 @@ def main() -> None:
                 row = {"path": number, "increments": [asdict(one) for one in found[number]]}
                 file.write(json.dumps(row) + "\n")
     sys.stdout.write("\n".join(lines_of(found)) + "\n")
+
+
+def reason(number: int) -> str:
+    """Return what is known of solutions of the increment of a path of few points refused."""
+    rng = np.random.default_rng(number)
+    if rng.random() < 0.5:
+        return f"path {number} is one of the lap joint"
+    _, solver, relatives = small_path(rng)
+    (law,), slip, done = solver.contact.laws.values(), np.zeros((2, solver.contact.n_points)), 0
+    try:
+        for here, _ in walked(solver, relatives):
+            slip, done = here.slip, done + 1
+    except ConvergenceError:
+        z_free = solver.contact.free_slack(relatives[done], slip)
+    else:
+        return f"path {number} is solved"
+    forces = []
+    for penalty in 10.0 ** np.arange(8, 13):
+        laws = {"joint": Coulomb(Penalty(penalty), law.friction, penalty)}
+        soft = FrictionalContact(contact=replace(solver.contact, laws=laws), S=solver.S)
+        forces.append(f"{np.abs(soft.solve(z_free).forces).max():.1e}")
+    return f"path {number}: room {room(solver, z_free[0]):.2g}, forces {', '.join(forces)}"
+
+
+def room(solver: FrictionalContact, gap: np.ndarray) -> float:
+    """Return by how much of the largest gap all of them can be open, at most one."""
+    sizes, shapes = np.linalg.eigh(solver.S)
+    moved = (solver.G @ shapes[:, sizes > 1e-13 * sizes.max()])[: len(gap)]
+    n = moved.shape[1]
+    found = linprog(
+        np.append(np.zeros(n), -1.0),
+        A_ub=np.column_stack([-moved, np.ones(len(gap))]),
+        b_ub=gap / np.abs(gap).max(),
+        bounds=[(None, None)] * n + [(None, 1.0)],
+    )
+    return float(-found.fun)
 
 
 def kept(file: Path | None) -> dict[int, list[Outcome]]:

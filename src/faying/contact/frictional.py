@@ -65,6 +65,9 @@ BOLD = 1e3
 SOFTEST, MOST_PROXIMAL = 1.0, 40
 """First yield of proximal points over that of the structure, and how many of them are tried."""
 
+MOST_STIFFENED = 12
+"""Times that what points yield is divided by ten."""
+
 MOST_BOUNDS = 40
 """Fixed friction bounds tried where Newton's method on Coulomb's law stalls.
 
@@ -210,7 +213,7 @@ class FrictionalContact:
         x, steps, left = self._newton(z_free, x, None, factors=factors)
         if left > SOLVED and similar is not None:
             return self.solve(z_free, start)
-        for other in (self._with_fixed_bounds, self._by_proximal_points):
+        for other in (self._with_fixed_bounds, self._by_proximal_points, self._by_stiffening):
             if left > SOLVED:
                 x, more, _ = other(z_free, x)
                 steps += more
@@ -323,6 +326,23 @@ class FrictionalContact:
                 if left <= SOLVED:
                     return found, steps, left
         return x, steps, _relative(self._residual(x, self._slack(x, z_free), None), x)
+
+    def _by_stiffening(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
+        """Let points yield as much as the structure does, then less and less, as penalties rise.
+
+        Without the forces that proximal points begin from, forces settle where hard contact has a
+        solution near those of penalties, and rise with the penalty where it has none.
+        """
+        steps, x = 0, np.zeros_like(x)
+        for added in SOFTEST * 10.0 ** -np.arange(MOST_STIFFENED):
+            x, more, left = self._newton(z_free, x, None, WATCHED, added=added)
+            found, last, exact = self._newton(z_free, x, None)
+            steps += more + last
+            if exact <= SOLVED:
+                return found, steps, exact
+            if left > SOLVED:
+                break
+        return x, steps, np.inf
 
     def _with_fixed_bounds(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Solve with the friction bounds of the forces so far, again and again (Tresca).
