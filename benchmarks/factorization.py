@@ -2,13 +2,18 @@
 
     python benchmarks/factorization.py                 the backends, 8 k to 150 k dofs (10 minutes)
     python benchmarks/factorization.py --offline       jim-a and jim-b at 50 k dofs (5 minutes)
+    python benchmarks/factorization.py --joints        what compliances take (5 minutes)
+    python benchmarks/factorization.py --joints 576k   of one joint, here of 576 k dofs (8 minutes)
 
 Prints the tables of docs/validation/factorization.md: medians of interleaved repetitions and their
-ratios in one run.
+ratios in one run; with --joints processor times, each joint in a process of its own, whose peak of
+memory is told.
 """
 
 import argparse
 import os
+import resource
+import subprocess
 import sys
 import time
 from collections import defaultdict
@@ -32,6 +37,22 @@ SIZES = (2.5, 1.3, 0.88)
 SLOWEST = 60_000
 """Degrees of freedom above which SuperLU in minimum-degree order is not waited for."""
 
+JOINTS = {
+    "50k": {"element_size": 1.3},
+    "150k": {"element_size": 0.88},
+    "50k-nodal": {"element_size": 2.5, "width": 100.0, "overlap": 90.0, "quadrature": "nodal"},
+    "150k-nodal": {
+        "element_size": 2.5,
+        "length": 145.0,
+        "width": 140.0,
+        "thickness": 17.5,
+        "overlap": 130.0,
+        "quadrature": "nodal",
+    },
+    "576k": {"element_size": 0.56, "overlap": 48.0, "order": 1},
+}
+"""Nodal points are as many as pairs; with Gauss points there are four a facet."""
+
 BOX = fy.LoadBox(ranges={"tip.Fz": (-750.0, 750.0), "tip.Mx": (-30e3, 30e3)})
 
 write = sys.stdout.write
@@ -43,11 +64,18 @@ def main() -> None:
     parser.add_argument("--sizes", type=float, nargs="+", default=SIZES, help="element sizes [mm]")
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--offline", action="store_true")
+    parser.add_argument("--joints", nargs="*", choices=list(JOINTS))
+    parser.add_argument("--friction", type=float, help="one row of --joints, in this process")
     options = parser.parse_args()
+    if options.friction is not None:
+        told(options.joints[0], options.friction, options.repeat)
+        return
     threads = os.environ.get("OMP_NUM_THREADS", "unset")
     write(f"cores {os.cpu_count()}, OMP_NUM_THREADS {threads}, load average {load()}\n\n")
     if options.offline:
         offline(repeat=options.repeat)
+    elif options.joints is not None:
+        joints(options.joints or [name for name in JOINTS if name != "576k"], options.repeat)
     else:
         for size in options.sizes:
             compare(fy.lap_joint(element_size=size), options.repeat)
@@ -151,6 +179,50 @@ def report(
 def total(laps: dict[str, list[float]], second: str) -> Any:
     """Return factorization plus a second stage, repetition by repetition."""
     return np.array(laps["factorization"]) + np.array(laps[second])
+
+
+# What ports cost
+
+
+def joints(names: list[str], repeat: int) -> None:
+    """Print what the compliance of joints takes, one component of pairs and three."""
+    write("| dofs | points | ports | factorization s | told s | over it | compliance s ")
+    write("| both add | S MB | peak GB |\n" + "|---" * 10 + "|\n")
+    for name in names:
+        for friction in ("0", "0.2")[: 1 if name == "576k" else 2]:
+            sys.stdout.flush()
+            arguments = ["--joints", name, "--friction", friction, "--repeat", str(repeat)]
+            subprocess.run([sys.executable, __file__, *arguments], check=True)
+
+
+def told(name: str, friction: float, repeat: int) -> None:
+    """Print one row: medians of processor time, ratios of one repetition."""
+    model = fy.lap_joint(penalty=1e6, **JOINTS[name])
+    if friction:
+        model = model.with_friction(friction)
+    structure, points = model.structure, model.contact.n_points
+    inner = structure.interior
+    ports = structure.relative_operator[:, inner].tocsr()
+    K = structure.K[inner][:, inner].tocsr()
+    del model, structure
+    rows = []
+    for _ in range(repeat if K.shape[0] < SLOWEST else 1):
+        start = time.process_time()
+        factor = factorize(K)
+        plain = time.process_time() - start
+        del factor
+        start = time.process_time()
+        factor = factorize(K, ports=ports)
+        known = time.process_time() - start
+        compliance = port_compliance(ports, factor)
+        formed = time.process_time() - start - known
+        rows.append((plain, known, known / plain, formed, (known + formed - plain) / plain))
+        size = compliance.nbytes / 1e6
+        del factor, compliance
+    plain, known, ratio, formed, more = np.median(rows, axis=0)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    write(f"| {K.shape[0]} | {points} | {ports.shape[0]} | {plain:.2f} | {known:.2f} ")
+    write(f"| {ratio:.2f} | {formed:.2f} | {more:.1f} × | {size:.0f} | {peak:.1f} |\n")
 
 
 # The offline part

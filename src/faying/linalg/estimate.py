@@ -6,6 +6,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.backends import chosen_backend
+from faying.linalg.dissected import has_many
 from faying.linalg.memory import FactorMemory
 from faying.linalg.pardiso import estimate_pardiso
 from faying.linalg.superlu import estimate_superlu
@@ -26,7 +27,8 @@ def estimate_memory(
     PARDISO analyses the pattern, a tenth of the factorization; for SuperLU a law is fitted.
     """
     if sp.issparse(A) and A.shape[0] > 0:
-        return _ESTIMATES[chosen_backend(backend)](A, ports)
+        told = ports if ports is not None and not has_many(ports.shape) else None
+        return _ESTIMATES[chosen_backend(backend)](A, told)
     size = 8 * A.shape[0] ** 2
     return FactorMemory(
         backend="lapack", order=A.shape[0], factor=size, peak=2 * size, counted=True

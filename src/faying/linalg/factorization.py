@@ -1,13 +1,12 @@
 """Factorization of symmetric positive definite matrices, by the best backend at hand."""
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.backends import VARIABLE, available_backends, chosen_backend
 from faying.linalg.cholesky import factorize_condensed
+from faying.linalg.dissected import DissectedFactorization, SparseBackend, has_many
 from faying.linalg.interface import Factorization, MatrixFactorization
 from faying.linalg.pardiso import factorize_pardiso
 from faying.linalg.singular import (
@@ -33,8 +32,6 @@ __all__ = [
 SHIFT = 1e-10
 """Part of the diagonal that makes a structure factorizable which can move freely."""
 
-SparseBackend = Callable[[SparseMatrix, SparseMatrix | None], MatrixFactorization]
-
 _BACKENDS: dict[str, SparseBackend] = {"pardiso": factorize_pardiso, "superlu": factorize_superlu}
 
 
@@ -51,9 +48,9 @@ def factorize(
     Parameters
     ----------
     ports : (n_port, n)
-        Rows Q whose compliance Q A⁻¹ Qᵀ will be wanted. A backend that can then orders the
-        elimination so that :func:`~faying.linalg.partial.port_compliance` needs no complete
-        back-substitutions.
+        Rows Q whose compliance Q A⁻¹ Qᵀ will be wanted, so that
+        :func:`~faying.linalg.partial.port_compliance` needs no complete back-substitutions: a
+        backend that can orders the elimination for it, and many ports are dissected.
     backend
         ``"pardiso"`` or ``"superlu"``; by default what the environment variable
         ``FAYING_FACTORIZATION`` names, else the fastest there is. Dense matrices go to LAPACK.
@@ -89,13 +86,21 @@ def _factorize_sparse(
     A: SparseMatrix, ports: SparseMatrix | None, backend: SparseBackend
 ) -> MatrixFactorization:
     try:
-        factorization = backend(A, ports)
+        factorization = _factorize_definite(A, ports, backend)
     except NotDefiniteError:
         factorization = _factorize_indefinite(A, backend)
     motion, resistance = softest_motion(A, factorization)
     if resistance < MECHANISM:
         raise SingularMatrixError(motion)
     return factorization
+
+
+def _factorize_definite(
+    A: SparseMatrix, ports: SparseMatrix | None, backend: SparseBackend
+) -> MatrixFactorization:
+    if ports is None or not has_many(ports.shape):
+        return backend(A, ports)
+    return DissectedFactorization(factor=backend(A, None), A=sp.csr_array(A), factorize=backend)
 
 
 def _factorize_indefinite(A: SparseMatrix, backend: SparseBackend) -> MatrixFactorization:

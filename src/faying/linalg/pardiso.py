@@ -13,10 +13,7 @@ from faying.linalg.blocks import blocks_with_last, node_blocks, upper_blocks
 from faying.linalg.memory import FactorMemory, require_memory
 from faying.linalg.mkl import INDEFINITE, PardisoHandle
 from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
-from faying.linalg.substitution import column_blocks, solved_gram
-
-AGREEMENT = 1e-9
-"""Largest difference of confined from complete substitution, over the result; 1e-12 is usual."""
+from faying.linalg.substitution import agrees, column_blocks, solved_gram
 
 
 @final
@@ -73,10 +70,7 @@ class PardisoFactorization:
             return solved_gram(self.solve, columns)
         halves = self._halves(by_row.tocsc())
         gram: Matrix = halves.T @ halves
-        probe = np.random.default_rng(0).standard_normal(columns.shape[1])
-        expected = columns.T @ self.solve(columns @ probe)
-        difference = np.abs(gram @ probe - expected).max(initial=0.0)
-        if difference <= AGREEMENT * np.abs(expected).max(initial=0.0):
+        if agrees(gram, columns, self.solve):
             return gram
         return solved_gram(self.solve, columns)
 
