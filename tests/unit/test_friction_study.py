@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import sys
 from dataclasses import asdict, replace
 
@@ -206,6 +207,34 @@ def tightening(results):
 def build_smooth(results):
     model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
     return fy.tighten(model, {"bolt": 5e3}).initial_forces["bolt"]
+
+
+def test_tractions_are_recovered_from_a_history(finished, tmp_path, monkeypatch, capsys):
+    """From boundary loads, as in Python; in file, table and pictures."""
+    out = tmp_path / "run"
+    shutil.copytree(finished, out)
+    history = tmp_path / "pull.csv"
+    history.write_text("time,tip.Fx\n0,0\n4e-5,600\n2e-4,900\n")
+    monkeypatch.setattr(
+        sys, "argv", ["faying", "recover", str(out), str(history), "--step", "2e-5"]
+    )
+    monkeypatch.setenv("COLUMNS", "200")
+    with pytest.raises(SystemExit, match="0"):
+        cli.main()
+    said = capsys.readouterr().out
+    rom = read_results(out / "results.h5").reduced["compliance"][0]
+    times = np.array([0.0, 4e-5, 2e-4])
+    exact = fy.recover_from_boundary_loads(
+        rom, times, {"tip.Fx": np.array([0.0, 600.0, 900.0])}, step=2e-5
+    )
+    size = np.linalg.norm(exact.traction, axis=-1)
+    assert size.max() > 0
+    with h5py.File(out / "recovered_pull.h5") as file:
+        np.testing.assert_array_equal(file["traction"][()], exact.traction)
+        np.testing.assert_array_equal(file["slip"][()], exact.slip)
+    assert "largest traction [MPa]" in said
+    assert f"{size.max():.5g}" in said
+    assert "largest traction over time [MPa]" in (out / "recovered_pull_joint.vtu").read_text()
 
 
 def test_a_path_follows_its_file(results):

@@ -93,12 +93,16 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     table = Table(title="Largest pressures", title_justify="left", box=box.SIMPLE_HEAD)
     place, instant = f"at [{units.length}]", f"time [{units.time}]"
     force = f"contact force then [{units.force}]"
-    for column in ("interface", f"pressure [{units.pressure}]", place, instant, force):
+    columns = ["interface", f"pressure [{units.pressure}]", place, instant, force]
+    if recovered.traction is not None:
+        columns.append(f"largest traction [{units.pressure}]")
+    for column in columns:
         table.add_column(column, overflow="fold")
     for peak in peaks(results, recovered):
         point = ", ".join(f"{value:.4g}" for value in peak.point)
         numbers = [f"{value:.5g}" for value in (peak.pressure, peak.time, peak.contact_force)]
-        table.add_row(peak.interface, numbers[0], f"({point})", *numbers[1:])
+        rubs = [] if peak.traction is None else [f"{peak.traction:.5g}"]
+        table.add_row(peak.interface, numbers[0], f"({point})", *numbers[1:], *rubs)
     console.print(table)
 
 

@@ -73,6 +73,8 @@ class Peak:
         When.
     contact_force
         Total normal force of the interface at that instant.
+    traction
+        The largest on the interface over time; None without friction.
     """
 
     interface: str
@@ -80,6 +82,7 @@ class Peak:
     point: tuple[float, ...]
     time: float
     contact_force: float
+    traction: float | None = None
 
 
 def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredRecord:
@@ -110,6 +113,7 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
     method = options.method or (MODAL_METHODS[0] if modal else "compliance")
     rom = reduced_model(results, method, options.joint_modes)
     recovered, derivatives = (_from_modal if modal else _from_loads)(rom, history, options)
+    rubs = recovered.shear_forces is not None
     return RecoveredRecord(
         title=results.title,
         units=results.units,
@@ -127,6 +131,8 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
         bolt_force={name: recovered.bolt_force(name) for name in rom.bolts},
         max_pressure=recovered.max_pressure,
         iterations=recovered.iterations,
+        traction=recovered.traction if rubs else None,
+        slip=recovered.slip if rubs else None,
     )
 
 
@@ -148,7 +154,9 @@ def results_of(folder: Path | str) -> Results:
 
 
 def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
-    """Find the largest pressure on every interface."""
+    """Find the largest pressure, and traction, on every interface."""
+    vectors = recovered.traction
+    size = None if vectors is None else np.linalg.norm(vectors, axis=-1)
     for name, interface in results.interfaces.items():
         own = recovered.pressure[:, slice(*interface.slice)]
         row, column = np.unravel_index(int(own.argmax()), own.shape)
@@ -158,6 +166,7 @@ def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
             point=tuple(interface.points[column].tolist()),
             time=float(recovered.times[row]),
             contact_force=float(recovered.contact_force[name][row]),
+            traction=None if size is None else float(size[:, slice(*interface.slice)].max()),
         )
 
 
@@ -167,11 +176,16 @@ def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) ->
     instant = int(recovered.max_pressure.argmax())
     # Averages are largest where values are, but not always at the same instant.
     averages = nodal_average(record, recovered.pressure)
-    return {
+    fields = {
         f"pressure [{units.pressure}]": averages[instant],
         f"gap [{units.length}]": nodal_average(record, recovered.gap[instant]),
         f"largest pressure over time [{units.pressure}]": averages.max(axis=0),
     }
+    if recovered.traction is not None:
+        tractions = nodal_average(record, np.linalg.norm(recovered.traction, axis=-1))
+        fields[f"traction [{units.pressure}]"] = tractions[instant]
+        fields[f"largest traction over time [{units.pressure}]"] = tractions.max(axis=0)
+    return fields
 
 
 def reduced_model(results: Results, method: str, joint_modes: int | None = None) -> ReducedModel:

@@ -44,6 +44,10 @@ class RecoveredRecord:
         Largest over all contact points.
     iterations : (n_time,) [1]
         Linear systems of the contact problem.
+    traction : (n_time, n_point, 3) [force/length²]
+        With friction, on the plus side.
+    slip : (n_time, n_point, 3) [length]
+        With friction, of the plus side over the minus side.
     """
 
     title: str
@@ -62,3 +66,5 @@ class RecoveredRecord:
     bolt_force: Mapping[str, Matrix]
     max_pressure: Vector
     iterations: Indices
+    traction: Matrix | None = None
+    slip: Matrix | None = None
