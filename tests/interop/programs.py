@@ -175,8 +175,8 @@ class CalculixRun:
     ----------
     displacements
         Node id to three translations.
-    pressures : (n_point,)
-        At the contact points that are closed, 28 to a facet.
+    pressures, tractions : (n_point,)
+        At the contact points that are closed, 28 to a facet; lengths of the tangential ones.
     contact_forces
         Normal force of the slave surface, compression positive.
     frequencies : [1/time]
@@ -184,6 +184,7 @@ class CalculixRun:
 
     displacements: dict
     pressures: dict
+    tractions: dict
     contact_forces: dict
     frequencies: np.ndarray
 
@@ -215,17 +216,18 @@ def run_calculix(binary: Path, deck: Path) -> CalculixRun:
     if done.returncode:
         raise RuntimeError(done.stdout[-500:])
     printed = deck.with_suffix(".dat").read_text()
-    displacements, pressures = {}, {}
+    displacements, pressures, tractions = {}, {}, {}
     for time, table in _tables(printed, r"displacements .*"):
         displacements.setdefault(time, {}).update({int(row[0]): row[1:] for row in table})
     for time, table in _tables(printed, r"contact stress .*"):
-        pressures[time] = table[:, 2]
+        pressures[time], tractions[time] = table[:, 2], np.hypot(*table[:, 3:5].T)
     forces = re.findall(r"normal force \(\+ = tension\).*\n\n +\S+ +(\S+)", printed)
     summary = printed.split("P A R T I C I P A T I O N")[0]
     rows = re.findall(r"^ +\d+ +\S+ +\S+ +(\S+) +\S+$", summary, re.MULTILINE)
     return CalculixRun(
         displacements=displacements,
         pressures=pressures,
+        tractions=tractions,
         contact_forces={i + 1: -float(force) for i, force in enumerate(forces)},
         frequencies=np.array([float(row) for row in rows]),
     )

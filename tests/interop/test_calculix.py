@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from programs import calculix, or_skip, run_calculix
 
 import faying as fy
+from faying.contact.laws import Coulomb, Penalty
 from faying.io.abaqus import read_joint
 from faying.io.abaqus.writer import write_deck
 from faying.joint.build import build_model
@@ -21,6 +22,8 @@ from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices, used_components
 from faying.model.mesh import CellBlock, Mesh
 from faying.reduction.normal_modes import lowest_modes
+from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.start import last_of
 
 PRINTED = 1e-6
 """Seven digits are printed; 3e-7 is measured."""
@@ -272,6 +275,33 @@ def test_single_increment_agrees_to_the_digits_printed(both, binary, tmp_path):
     path = tmp_path / "one.inp"
     path.write_text(in_one_increment(text, control, preloaded.displacements[1][control][0]))
     check(solution, run_calculix(binary, path), 1, PRINTED)
+
+
+def test_friction_in_one_increment(binary, data, tmp_path):
+    """Tightening, then bolt and load case in one increment: displacements, pressures, tractions."""
+    path, one = tmp_path / "joint.inp", tmp_path / "one.inp"
+    smooth = cantilever("incompatible", "LC2")
+    (spec,) = smooth.interfaces
+    rough = replace(spec, friction=0.2, tangential_penalty=8e5)
+    write_deck(replace(smooth, interfaces=(rough,)), path)
+    text = path.read_text()
+    theirs = run_calculix(binary, path)
+    model, preloads, load = from_deck(path, 2)
+    assert model.interfaces["joint"].law == Coulomb(Penalty(1e6), 0.2, 8e5)
+    model = model.with_interfaces({"joint": ccx_rule(model.interfaces["joint"], data)})
+    tight = tighten_with_friction(model, preloads, increments=1)
+    control = max(theirs.displacements[1])
+    one.write_text(in_one_increment(text, control, theirs.displacements[1][control][0]))
+    loaded = fy.solve_path(model.with_bolt_forces(tight.tightening.initial_forces), [load])
+    for found, run in ((tight.rest, theirs), (loaded, run_calculix(binary, one))):
+        check(last_of(found), run, 1, PRINTED)
+        mine = np.sort(np.linalg.norm(found.traction[-1], axis=-1))[::-1]
+        printed = np.sort(run.tractions[1])[::-1]  # of points in contact alone, in another order
+        assert printed[0] > 0
+        # Both come from displacements and penalties of one size.
+        small = PRINTED * run.pressures[1].max()
+        np.testing.assert_allclose(mine[: len(printed)], printed, rtol=0, atol=small)
+    assert loaded.dissipation[-1] > 1e3 * tight.rest.dissipation.sum()
 
 
 def test_initial_interference(binary, data, tmp_path):
