@@ -8,6 +8,7 @@ import pytest
 import faying as fy
 from faying.assessment.slip_demand import area_sums, least_mean_arm
 from faying.exceptions import ModelError
+from faying.interface.relative import common_normal
 from faying.joint.build import build_model
 from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.model.assembly import Support
@@ -107,6 +108,33 @@ def test_what_nothing_tells_is_said():
     assert (
         not fy.assess(stuck, [fy.Load(name="rest")], paths=False).interfaces["joint"].slip.unknown
     )
+
+
+def test_both_faces_of_a_plate_can_be_one_interface():
+    """Their normals cancel: it has no plane, and the matrices of the rest are numbers."""
+    # Powers of two: the normals are those of the axes to the last bit.
+    whole = {"length": 128.0, "overlap": 32.0, "width": 16.0, "thickness": 8.0}
+    model = fy.lap_joint(element_size=8.0, plates=3, hole_radius=0.0, washer_radius=9.0, **whole)
+    plates = model.assembly.mesh.blocks[0]
+    outer = plates.ids[plates.properties != 2].tolist()
+    both = build_model(
+        model.assembly, interfaces=[fy.InterfaceSpec(name="both", minus="middle", plus=outer)]
+    )
+    assert not both.interfaces["both"].flat
+    for area in tangential_rows(both):
+        assert "it is curved" in area.unknown
+        assert np.isfinite(area.tangents).all()
+    rom = fy.reduce(both, fy.craig_bampton(both, normal_modes=1), compliance=True)
+    assert np.isfinite(rom.tangential[0].tangents).all()
+
+
+def test_normals_that_cancel_to_the_last_bit_have_no_mean():
+    """Here they do to the last bit."""
+    normals = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+    found, pairs, flat = common_normal(normals, np.ones(2), normals)
+    assert not flat
+    np.testing.assert_array_equal(found, normals)
+    np.testing.assert_array_equal(pairs, normals)
 
 
 def test_coefficient_of_no_interface_is_refused(pair):

@@ -40,7 +40,10 @@ def common_normal(
     weights : (n_point,)
     pair_normals : (n_pair, 3)
     """
-    mean = unit((weights @ normals)[None])
+    total = (weights @ normals)[None]
+    if not total.any():  # as of both faces of a plate
+        return normals, pair_normals, False
+    mean = unit(total)
     every = np.concatenate([normals, pair_normals])
     if np.linalg.norm(every - mean, axis=1).max() > FLATNESS:
         return normals, pair_normals, False

@@ -107,7 +107,9 @@ def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, Spa
     """Yield the areas of an interface, their rows yet empty, and the rows of displacements."""
     interface = model.interfaces[name]
     places = interface.pair_points(model.assembly.mesh.nodes)
-    normal = interface.normals.mean(axis=0)
+    # Of a flat interface they are all the same; the mean of others, which nothing is told of, can
+    # be zero, as of both faces of a plate.
+    normal = interface.normals[0]
     origin, first = interface.points.mean(axis=0), tangents_of(normal[None])[0]
     tangents = np.stack([first, np.cross(normal, first)])
     pierced = _pierced(interface, tangents, origin, model.bolts)
