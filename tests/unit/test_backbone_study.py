@@ -3,23 +3,30 @@
 import json
 import sys
 from dataclasses import fields, replace
+from io import StringIO
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import faying as fy
 from faying import cli
 from faying.assessment.backbone import Backbone
 from faying.assessment.modal_cycles import Swing
+from faying.cli.outcome import show_outcome
 from faying.exceptions import ModelError, StudyError
 from faying.report.figures import write_figures
 from faying.report.figures.backbone import backbone_figure, masing_remark
 from faying.report.figures.backbone_slip import backbone_slip_figure
-from faying.report.quantities import number
+from faying.report.quantities import number, percent
 from faying.report.slip import slip_sentence
+from faying.report.tables import applied_loads, error_table
+from faying.report.verdict import verdicts
 from faying.study.load_model import build
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
+from faying.study.summary import summarize
+from faying.units import units_of
 from faying.workflow.run import run
 
 STUDY = """
@@ -172,6 +179,44 @@ def test_a_backbone_that_was_stopped_goes_on_after_its_last_amplitude(
     assert mine.reference.seconds > 0
 
 
+def test_backbones_of_methods_are_judged_by_frequency_and_damping(results, finished):
+    """Not by pressures, which are those of the preloaded joint whatever the mode does."""
+    case = results.cases["ring"]
+    exact, found = case.reference.backbones, case.methods["compliance"][0].response.backbones
+    frequency = max(np.abs(found[m].frequency / exact[m].frequency - 1).max() for m in exact)
+    damping = max(np.abs(found[m].damping_ratio / exact[m].damping_ratio - 1).max() for m in exact)
+    table = error_table(case)
+    assert table.columns[1:3] == ("frequency off by at most", "damping ratio off by at most")
+    cells = [cell.text for cell in table.rows[0]]
+    assert cells[1:3] == [percent(frequency), percent(damping)]
+    summary = json.loads((finished / "summary.json").read_text())
+    entry = summary["load_cases"]["ring"]["methods"]["compliance"]["0"]
+    # A difference over the value, or their ratio less one: round-off of one.
+    assert entry["frequency_error"] == pytest.approx(frequency, rel=1e-9)
+    assert entry["damping_error"] == pytest.approx(damping, rel=1e-9)
+    # Amplitudes take what they take: none of that is the time of a static case.
+    assert "per_static_case" not in summary["timings"]["full"]
+    bend = replace(
+        case, name="bend", kind="static", reference=replace(case.reference, backbones={})
+    )
+    both = replace(results, cases={"ring": case, "bend": bend})
+    (verdict,) = verdicts(both)
+    assert verdict.case == "bend"
+    shown = StringIO()
+    show_outcome(summarize(both), finished, Console(file=shown, markup=False, width=1000))
+    title = next(line for line in shown.getvalue().splitlines() if "joint modes" in line)
+    assert "bend" in title
+    assert "ring" not in title
+    assert f"frequencies off by at most {frequency:.2%}, damping" in shown.getvalue()
+
+
+def test_modes_stand_where_other_cases_have_loads():
+    pull = '[[load_case]]\nname = "pull"\nkind = "static"\n'
+    pull += 'forces = [{ boundary = "tip", component = "Fx", value = 2.0 }]\n'
+    stated = applied_loads(STUDY + pull, units_of("mm-t-s"))
+    assert stated == {"ring": "modes 2, 1", "pull": "tip Fx = 2 N"}
+
+
 def assert_same_curve(mine, other):
     for one in fields(Backbone):
         np.testing.assert_array_equal(getattr(mine, one.name), getattr(other, one.name), one.name)
@@ -201,6 +246,7 @@ def test_damping_is_drawn_over_amplitude(results):
     assert f"damping of mode 2 is off by {off[0]} to {off[1]} %" in drawn.caption
     unasked = replace(one, masing_frequency=None, masing_damping=None)
     assert masing_remark("2", unasked) == ""
+    assert all(line.get_label().endswith(" mm") for line in loops.get_lines())
 
 
 def test_slip_is_mapped_at_amplitudes_that_slip(results):
@@ -228,7 +274,7 @@ def test_slip_is_mapped_where_a_study_says_and_drawn_over_energy(results):
     over = replace(case, reference=replace(case.reference, backbones=curves))
     drawn = backbone_slip_figure(replace(results, study_text=text), over)
     titles = [axes.get_title(loc="left") for axes in drawn.figure.axes]
-    ends = [number(float(one)) for one in curves["2"].energy[[0, -1]]]
+    ends = [f"{number(float(one))} N·mm" for one in curves["2"].energy[[0, -1]]]
     found = [title for title in titles if title.startswith("mode 2, ")]
     assert found == [f"mode 2, joint: energy {end}" for end in ends]
     assert "nearest to those the study names" in drawn.caption

@@ -15,7 +15,7 @@ from faying.exceptions import FormatError
 from faying.files.names import file_names
 from faying.interface.facets import reference_nodes, shape_functions
 from faying.interface.interface import FacePairs
-from faying.joint.picture import plot_bodies
+from faying.joint.picture import frame, name_axes, plot_bodies, title_above
 from faying.report import style
 from faying.report.figures import (
     plot_convergence,
@@ -32,7 +32,7 @@ from faying.report.figures.error import error_figure, shown_methods
 from faying.report.figures.gap import STATES, gap_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.plane import best_plane
-from faying.report.figures.pressure import pressure_figure
+from faying.report.figures.pressure import pressure_figure, summary
 from faying.report.figures.response import response_figure
 from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import time_step_figure
@@ -362,6 +362,30 @@ def test_only_the_outside_is_drawn():
     faces = axes.collections[0].get_facecolor()
     # Two bars, each with top and bottom of NX NY facets and a belt of 2 (NX + NY).
     assert len(faces) == 2 * (2 * NX * NY + 2 * (NX + NY))
+
+
+def test_labels_of_axes_stay_on_the_page():
+    """Of a flat, wide joint the label of its height hung over the right edge."""
+    figure = new_figure(8.0, 4.0)
+    axes = figure.add_subplot(projection="3d")
+    frame(axes, np.array([[-60.0, -35.0, -9.0], [66.0, 35.0, 9.0]]))
+    name_axes(axes, "mm")
+    title_above(axes, "a fork")
+    figure.draw_without_rendering()
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        label = axis.label.get_window_extent()
+        assert figure.bbox.x0 <= label.x0
+        assert label.x1 <= figure.bbox.x1
+
+
+def test_captions_say_that_two_faces_lie_over_each_other():
+    record = RESULTS.interfaces["joint"]
+    turned = np.where(np.arange(len(record.normals))[:, None] % 2, -1, 1) * record.normals
+    lower = record.pair_points - 0.5 * (np.arange(len(record.pairs))[:, None] % 2) * [0, 0, 1]
+    pressure = record.preload_pressure
+    said = summary("joint", replace(record, normals=turned, pair_points=lower), pressure, MM)
+    assert said.startswith("joint, faces that look opposite ways, drawn one over the other")
+    assert summary("joint", record, pressure, MM).startswith("joint: max")
 
 
 def test_peak_pressure_panel_keeps_to_the_reference():

@@ -1,5 +1,6 @@
 """Backbones: closed form of a mass on a slider, the same path by solve_path, full and reduced."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -85,6 +86,7 @@ def test_a_mass_on_a_slider_has_its_closed_form(slider):
     np.testing.assert_allclose(found.masing_frequency, found.frequency, rtol=1e-9)
     assert (np.abs(found.masing_deviation) < 0.02).all()
     assert "all that is closed on an interface slips" in found.remarks[0]
+    assert re.search(r"from an amplitude of [0-9.]+ mm on", found.remarks[0])
     # Half of force times displacement, of a mass that alone moves.
     np.testing.assert_allclose(found.energy, force * moved / 2, rtol=1e-9)
     axes = found.plot(over="energy")

@@ -7,6 +7,7 @@ import pytest
 
 import faying as fy
 from faying.assessment.slip_demand import area_sums, least_mean_arm
+from faying.cli.description import _signs
 from faying.exceptions import ModelError
 from faying.interface.relative import common_normal
 from faying.joint.build import build_model
@@ -121,6 +122,7 @@ def test_both_faces_of_a_plate_can_be_one_interface():
         model.assembly, interfaces=[fy.InterfaceSpec(name="both", minus="middle", plus=outer)]
     )
     assert not both.interfaces["both"].flat
+    assert _signs(both.interfaces["both"]) == ("several directions that cancel", "both sides")
     for area in tangential_rows(both):
         assert "it is curved" in area.unknown
         assert np.isfinite(area.tangents).all()

@@ -119,8 +119,7 @@ class Backbone(Shown):
 
     @property
     def _amplitude_unit(self) -> str:
-        turns = self.measured_at.rpartition(".")[2] in DISPLACEMENT_NAMES[3:]
-        return "rad" if turns else units_of(self.units).length
+        return amplitude_unit(self.measured_at, self.units)
 
     @property
     def energy(self) -> Vector:
@@ -187,3 +186,9 @@ class Backbone(Shown):
         slipped = self.friction_damping > 0
         difference = self.masing_damping - self.friction_damping
         return np.where(slipped, difference / np.where(slipped, self.friction_damping, 1.0), 0.0)
+
+
+def amplitude_unit(measured_at: str, units: str) -> str:
+    """Return the unit of amplitudes at a boundary or a component of one."""
+    turns = measured_at.rpartition(".")[2] in DISPLACEMENT_NAMES[3:]
+    return "rad" if turns else units_of(units).length

@@ -313,6 +313,8 @@ def _bolt(
     axial: dict[str, float] = {}
     factors: dict[str, float] = {}
     for case, one in cases.items():
+        if one.retightened:
+            continue
         load, gain = _axial_load(name, surfaces, near, rest, one)
         axial[case] = load
         if abs(load) > FEEBLE * abs(preload):

@@ -26,12 +26,15 @@ class CaseState:
         Intervals in which the full model's clamp forces lie, of static cases.
     bolt_moments
         Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where seen.
+    retightened
+        Whether bolts are loosened or tightened in it, so that not all they lose is due to loads.
     """
 
     pressure: Matrix
     bolt_forces: Mapping[str, Vector]
     certified: CertifiedClamps | None = None
     bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
+    retightened: bool = False
 
 
 @final
@@ -54,6 +57,7 @@ class BoltAssessment:
     axial_loads : [force]
         Load case to F_A = ΔF_S − ΔF_K, what the case takes from the bolt and the area around it
         along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
+        Without load cases that loosen or tighten bolts.
     load_factors : [1]
         Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
     clamp_around

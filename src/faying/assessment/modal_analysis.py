@@ -16,9 +16,10 @@ from typing import Literal, final
 import numpy as np
 
 from faying._typing import Vector
-from faying.assessment.backbone import Backbone
+from faying.assessment.backbone import Backbone, amplitude_unit
 from faying.assessment.modal_cycles import Measure, ModalCycle, Swing, measured
 from faying.assessment.stuck_modes import StuckMode, stuck_mode
+from faying.display.facts import with_unit
 from faying.exceptions import ModelError, naming
 from faying.joint.system import System
 from faying.simulation.cycles import FEWEST_CYCLES, MOST_CYCLES
@@ -112,7 +113,7 @@ class ModalAnalysis:
             slip_distance=column("slip_distance"),
             masing_frequency=np.sqrt(load / first) / (2 * np.pi) if masing else None,
             masing_damping=lost / (2 * np.pi * load * first) if masing else None,
-            remarks=_remarks(self.shape, self.mode, rows, self.swing),
+            remarks=_remarks(self.shape, self.mode, rows, self.swing, self.measure.name),
             over=self.over,
         )
 
@@ -265,9 +266,9 @@ def _checked(
 
 
 def _remarks(
-    found: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing
+    found: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measured_at: str
 ) -> tuple[str, ...]:
-    remarks = []
+    remarks, unit = [], amplitude_unit(measured_at, swing.system.units)
     if found.contact_share < AWAY:
         remarks.append(
             f"mode {mode} does not move the joint: its contact holds {found.contact_share:.1e} of "
@@ -285,13 +286,15 @@ def _remarks(
     if any(row.macroslip for row in rows):
         reached = min(row.reached for row in rows if row.macroslip)
         remarks.append(
-            f"all that is closed on an interface slips from an amplitude of {reached:.3g} on: no "
-            "friction is left to stiffen it, and quasi-static cycles of one mode are a rough "
-            "picture"
+            "all that is closed on an interface slips from an amplitude of "
+            f"{with_unit(reached, unit)} on: no friction is left to stiffen it, and quasi-static "
+            "cycles of one mode are a rough picture"
         )
     changing = [row.reached for row in rows if not row.stationary]
     if changing:
+        reach = with_unit(max(changing), unit)
         remarks.append(
-            f"cycles still changed after {MOST_CYCLES} at an amplitude of {min(changing):.3g}"
+            f"cycles still changed after {MOST_CYCLES} at {len(changing)} of {len(rows)} "
+            f"amplitudes, the largest of them {reach}"
         )
     return tuple(remarks)

@@ -229,10 +229,12 @@ def _sides(model: Model) -> Table:
 
 def _signs(interface: Interface) -> tuple[str, str]:
     """Return the mean normal, and the side that has the contact points."""
-    mean = _point(
-        (np.round(interface.weights @ interface.normals / interface.area, 4) + 0).tolist()
-    )
-    normal = mean if interface.flat else f"curved, on average {mean}"
+    mean = np.round(interface.weights @ interface.normals / interface.area, 4) + 0
+    normal = _point(mean.tolist())
+    if not interface.flat:
+        normal = f"several directions, on average {normal}"
+    if not mean.any():
+        normal = "several directions that cancel"
     return normal, "both sides" if interface.coupling is None else "minus"
 
 

@@ -1,6 +1,6 @@
 """What a run prints when it ends: how far each method's pressures are off, and where to read on."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,17 +29,21 @@ ESTIMATED = "estimated_max_relative_error"
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
     """Print one row per method with its largest basis, one column per load case."""
     cases = summary["load_cases"]
+    # Pressures of backbones are those of the preloaded joint, which tell nothing of vibrations.
+    pressed = {name: case for name, case in cases.items() if case["kind"] != "backbone"} or cases
     full = all(case["reference"]["model"] == FULL_MODEL for case in cases.values())
     of = FULL_MODEL if full else "reference"
     table = Table(title=f"Largest pressure error over the largest pressure of the {of}")
     table.add_column("method")
     table.add_column("joint modes", justify="right")
-    for name in cases:
+    for name in pressed:
         table.add_column(name, justify="right")
     methods = dict.fromkeys(name for case in cases.values() for name in case["methods"])
     for method in methods:
-        table.add_row(method, *_row(method, list(cases.values())))
+        table.add_row(method, *_row(method, list(pressed.values())))
     console.print(table)
+    for line in _backbones(cases):
+        console.print(line, highlight=False, soft_wrap=True)
     for line in _estimates(cases):
         console.print(line, highlight=False)
     for name, case in cases.items():
@@ -97,6 +101,19 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     largest = max(sizes, key=int)
     found = [case["methods"].get(method, {}).get(largest) for case in cases]
     return [largest, *(_percent(entry) for entry in found)]
+
+
+def _backbones(cases: Mapping[str, Any]) -> Iterator[str]:
+    """Say how far backbones of reduced models are from those of the full model."""
+    for name, case in cases.items():
+        for method, sizes in case["methods"].items():
+            for entry in list(sizes.values())[-1:]:
+                if "frequency_error" in entry:
+                    yield (
+                        f"Backbones {name}, {method}: frequencies off by at most "
+                        f"{_small(entry['frequency_error'])}, damping ratios by "
+                        f"{_small(entry['damping_error'])}"
+                    )
 
 
 def _chosen_modes(summary: Mapping[str, Any]) -> list[str]:
@@ -165,5 +182,9 @@ def _estimated(entry: Mapping[str, float]) -> str:
 def _percent(entry: Mapping[str, float] | None) -> str:
     if entry is None:
         return "-"
-    error = entry["max_relative_error"]
+    return _small(entry["max_relative_error"])
+
+
+def _small(error: float) -> str:
+    """Return an error in percent, as a bound where it is round-off."""
     return "< 1e-7" if error < 1e-7 else f"{error:.2%}"

@@ -98,7 +98,7 @@ def frame(axes: Any, points: Matrix) -> None:
         (axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, extent, strict=True
     ):
         set_limits(centre - size / 2, centre + size / 2)
-    axes.set_box_aspect(extent, zoom=0.85 if extent[2] < SLENDER * extent.max() else 0.7)
+    axes.set_box_aspect(extent, zoom=_zoom(extent))
     axes.view_init(**VIEW)
     axes.grid(visible=False)
     for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent, strict=True):
@@ -107,13 +107,34 @@ def frame(axes: Any, points: Matrix) -> None:
         axis.set_major_locator(_ticks(size, extent.max()))
 
 
+def _zoom(extent: Vector) -> float:
+    return 0.85 if extent[2] < SLENDER * extent.max() else 0.7
+
+
 def _ticks(size: float, longest: float) -> Any:
     bins = 6 if size > 0.6 * longest else (4 if size > 0.25 * longest else 2)
     return MaxNLocator(nbins=bins, prune=None if bins > 4 else "both")
 
 
+def _fit_labels(axes: Any) -> None:
+    """Make the box smaller where a label of an axis reaches over the edge of the figure."""
+    page = axes.figure.bbox
+    axes.figure.draw_without_rendering()
+    labels = [axis.label.get_window_extent() for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+    over = max(max(label.x1 - page.x1, page.x0 - label.x0) for label in labels)
+    if over > 0:
+        limits = (axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d())
+        extent = np.ptp(np.array(limits), axis=1)
+        axes.set_box_aspect(extent, zoom=_zoom(extent) * (1 - 2 * (over + MARGIN) / page.width))
+
+
+MARGIN = 10.0
+"""Pixels between a label and the edge of a figure."""
+
+
 def title_above(axes: Any, title: str) -> None:
     """Write a title just above what is drawn: the box, the bolts and their names."""
+    _fit_labels(axes)
     limits = [axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()]
     corners = np.stack(np.meshgrid(*limits), axis=-1).reshape(-1, 3)
     names = np.array([text.get_position_3d() for text in axes.texts]).reshape(-1, 3)

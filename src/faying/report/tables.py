@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from faying._typing import Matrix
 from faying.report.quantities import number, percent, place, quantity, seconds
 from faying.report.style import label
 from faying.report.verdict import grade
+from faying.study.backbone_errors import backbone_errors
 from faying.study.declared import kept_share, missing_contact
 from faying.study.opening import Opening, opening
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
@@ -236,9 +237,16 @@ def applied_loads(study_text: str, units: Units) -> dict[str, str]:
     """
     try:
         cases = tomllib.loads(study_text).get("load_case", [])
-        return {case["name"]: ", ".join(_force(f, units) for f in case["forces"]) for case in cases}
+        return {case["name"]: _applied(case, units) for case in cases}
     except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
         return {}
+
+
+def _applied(case: dict[str, Any], units: Units) -> str:
+    """Return the loads of a case, or what it has in their place."""
+    if case["kind"] == "backbone":
+        return f"mode{'s' * (len(case['modes']) > 1)} {', '.join(map(str, case['modes']))}"
+    return ", ".join(_force(force, units) for force in case["forces"])
 
 
 def _force(force: dict[str, object], units: Units) -> str:
@@ -253,8 +261,22 @@ def _force(force: dict[str, object], units: Units) -> str:
     return f"{target} = {value:g} {unit}".replace("-", "−")
 
 
+def backbone_error_table(case: CaseResult) -> Table:
+    """Return how far the backbones of every method are from those of the full model."""
+    rows = [
+        (label(name, count), percent(found.frequency), percent(found.damping), f"{result.n_modes}")
+        for name, sizes in case.methods.items()
+        for count, result in sorted(sizes.items())
+        if (found := backbone_errors(result.response, case.reference)) is not None
+    ]
+    columns = ("method", "frequency off by at most", "damping ratio off by at most", "coordinates")
+    return table(columns, rows)
+
+
 def error_table(case: CaseResult) -> Table:
     """Return the errors of every method and size in one load case, without columns of none."""
+    if case.reference.backbones:
+        return backbone_error_table(case)
     columns = (
         "method", "max error", "rms error", "99.9th percentile", "peak pressure ratio",
         "displacement error", "max error of recovered pressures", "estimated max error",

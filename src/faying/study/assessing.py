@@ -131,6 +131,11 @@ def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
             for name, force in response.bolt_forces.items()
         },
         certified=certified,
+        retightened=any(
+            name in response.bolt_forces and (one.factors[:, column] != 1).any()
+            for one in paths
+            for column, name in enumerate(one.loads)
+        ),
         # Of increments bending is known at the last one, which stands for the others.
         bolt_moments={
             name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])

@@ -10,6 +10,7 @@ import numpy as np
 from faying import __version__
 from faying.assessment.backbone import Backbone
 from faying.reduction.methods import METHODS
+from faying.study.backbone_errors import backbone_errors
 from faying.study.comparison import increments, rubbed
 from faying.study.declared import barely_held, missing_contacts
 from faying.study.mode_choice import chosen_count, mode_sentences
@@ -166,7 +167,7 @@ def _offline(name: str, seconds: Mapping[str, float]) -> float:
 
 def _per_solution(solved: list[tuple[CaseResult, Response]]) -> dict[str, float]:
     """Median wall time of a static case and of a time step."""
-    static = [response.seconds for case, response in solved if case.times is None]
+    static = [response.seconds for case, response in solved if case.kind == "static"]
     steps = [
         response.seconds / max(len(case.times) - 1, 1)
         for case, response in solved
@@ -207,7 +208,7 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             "mesh_error": {name: asdict(error) for name, error in case.mesh_errors.items()},
         },
         "methods": {
-            name: {str(count): _method(result) for count, result in sizes.items()}
+            name: {str(count): _method(result, case) for count, result in sizes.items()}
             for name, sizes in case.methods.items()
         },
     }
@@ -347,7 +348,7 @@ def _estimated(response: Response) -> dict[str, float]:
     return figures
 
 
-def _method(result: MethodResult) -> dict[str, float]:
+def _method(result: MethodResult, case: CaseResult) -> dict[str, float]:
     accuracy = {name: one for name, one in asdict(result.accuracy).items() if one is not None}
     figures = {**accuracy, **_estimated(result.response)}
     if result.recovered_error is not None:
@@ -360,6 +361,9 @@ def _method(result: MethodResult) -> dict[str, float]:
         "law_residual": result.response.law_residual,
         "dissipation_error": result.dissipation_error,
     }
+    backbones = backbone_errors(result.response, case.reference)
+    if backbones is not None:
+        figures |= {"frequency_error": backbones.frequency, "damping_error": backbones.damping}
     figures |= {
         name: bound for name, bound in optional.items() if bound is not None and np.isfinite(bound)
     }

@@ -6,7 +6,7 @@ from faying._typing import Vector
 from faying.assessment.backbone import Backbone
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import number, quantity
+from faying.report.quantities import quantity
 from faying.report.style import new_figure
 from faying.study.results import CaseResult, Results
 from faying.units import Units, units_of
@@ -61,11 +61,11 @@ def plot_shift(case: CaseResult, axes: Axes) -> Axes:
     return axes
 
 
-def plot_modal_loops(case: CaseResult, axes: Axes) -> Axes:
+def plot_modal_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw the loop of the largest amplitude of each mode, less what an elastic joint would do."""
     for i, (mode, one) in enumerate(case.reference.backbones.items()):
         load, modal = one.loop_load[-1] / one.load[-1], one.loop_modal[-1] / one.modal_amplitude[-1]
-        label = f"mode {mode}, {one.over} {number(float(abscissa(one)[-1]))}"
+        label = f"mode {mode}, {one.over} {quantity(float(abscissa(one)[-1]), unit_of(one, units))}"
         axes.plot(modal, load - modal, ".-", color=f"C{i}", label=label)
     axes.set_xlabel("modal displacement over its amplitude")
     axes.set_ylabel("load over its amplitude, less the same")
@@ -98,7 +98,7 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     loops = figure.add_subplot(grid[:, 1])
     plot_damping(case, damping, units)
     plot_shift(case, shift)
-    plot_modal_loops(case, loops)
+    plot_modal_loops(case, loops, units)
     places = sorted({one.measured_at for one in curves.values()})
     one = next(iter(curves.values()))
     what = (

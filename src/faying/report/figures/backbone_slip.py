@@ -6,11 +6,11 @@ import numpy as np
 
 from faying.assessment.backbone import Backbone
 from faying.display.style import heading, plain
-from faying.report.figures.backbone import abscissa
+from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
-from faying.report.quantities import number
+from faying.report.quantities import quantity
 from faying.report.style import new_figure
 from faying.study.results import CaseResult, Results
 from faying.units import units_of
@@ -52,7 +52,8 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
                 axes, record, plane, np.where(own > NEXT_TO_NONE * own.max(), own, np.nan), colours
             )
             colour_bar(axes, colours, f"slip in a cycle [{units.length}]")
-            reached = f"{backbone.over} {number(float(abscissa(backbone)[at]))}"
+            size = quantity(float(abscissa(backbone)[at]), unit_of(backbone, units))
+            reached = f"{backbone.over} {size}"
             axes.set_title(plain(f"mode {mode}, {name}: {reached}"), loc="left")
     which = "the first, the middle and the last amplitude of each mode that slips somewhere"
     if wanted:

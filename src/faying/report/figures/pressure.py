@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from faying._typing import Vector
 from faying.display.style import PRESSURE_MAP, heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane
+from faying.report.figures.plane import best_plane, looks_both_ways
 from faying.report.figures.surface_map import (
     colour_bar,
     draw_averages,
@@ -108,12 +108,22 @@ def open_share(record: InterfaceRecord, pressure: Vector) -> float:
 
 def summary(name: str, record: InterfaceRecord, pressure: Vector, units: Units) -> str:
     """Return what a caption says about the pressure on one interface."""
-    shape = "" if best_plane(record).flat else ", curved, projected on its best plane"
+    shape = "" if best_plane(record).flat else f", {_projected(record)}"
     return (
         f"{name}{shape}: {described_peak(record, pressure, units)}; "
         f"{described_average(record, pressure, units)}; "
         f"{percent(open_share(record, pressure))} without pressure"
     )
+
+
+def _projected(record: InterfaceRecord) -> str:
+    """Say what a map of an interface does that does not lie in a plane."""
+    if looks_both_ways(record):
+        return (
+            "faces that look opposite ways, drawn one over the other (as interfaces of their own, "
+            "from faces that are named in the source, each has a map)"
+        )
+    return "curved, projected on its best plane"
 
 
 def pressure_figure(results: Results, case: CaseResult) -> Drawn:

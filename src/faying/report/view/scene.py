@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from faying._typing import Indices
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, PRESSURE_MAP
 from faying.model.mesh import Mesh
-from faying.report.figures.plane import best_plane
+from faying.report.figures.plane import best_plane, looks_both_ways
 from faying.report.quantities import percent
 from faying.report.style import ERROR_MAP, GAP_MAP, OPEN_COLOUR, SLIP_MAP
 from faying.report.view.explosion import explosion
@@ -175,6 +175,7 @@ def _sides(name: str, record: InterfaceRecord, results: Results, place: Indices)
         "triangles": packed_integers(np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])),
         "flat": packed_numbers(plane.project(record.pair_points)),
         "labels": plane.labels,
+        "over": looks_both_ways(record),
     }
 
 

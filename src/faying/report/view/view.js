@@ -61,7 +61,7 @@ async function startView(data) {
     const figure = document.createElement("figure");
     const canvas = document.createElement("canvas");
     const caption = document.createElement("figcaption");
-    const { name, labels } = contact[number];
+    const { name, labels, over } = contact[number];
     const { length } = data.units;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
@@ -73,7 +73,8 @@ async function startView(data) {
     });
     canvas.style.aspectRatio = String(Math.min(Math.max(wide / tall || 1, 1), 6));
     const rest = `${name}: ${labels[0]} across, ${labels[1]} up, `
-      + `${written(wide)} × ${written(tall, length)}`;
+      + `${written(wide)} × ${written(tall, length)}`
+      + (over ? ", faces that look opposite ways one over the other" : "");
     caption.textContent = rest;
     figure.append(canvas, caption);
     part("maps").append(figure);
