@@ -26,6 +26,7 @@ from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter
 from faying.assessment.recovery import recover_pressure as recover_pressure
 from faying.assessment.requirements import ClosedRing as ClosedRing
 from faying.assessment.requirements import Requirements as Requirements
+from faying.assessment.ring_down import ring_down as ring_down
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve
 from faying.assessment.thread import Thread as Thread

@@ -1,0 +1,82 @@
+"""Modes that ring down: linear vibration in closed form, and the backbone of one that slips."""
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.assessment.stuck_modes import stuck_mode
+from faying.exceptions import ModelError
+
+BETA = 3e-7
+
+
+@pytest.fixture(scope="module")
+def rom():
+    model = fy.lap_joint(
+        element_size=10.0,
+        hole_radius=0.0,
+        washer_radius=11.0,
+        penalty=1e6,
+        damping=fy.Rayleigh(alpha=0.0, beta=BETA),
+    )
+    rubbing = model.with_bolt_forces({"bolt": 8e3}).with_friction(0.2)
+    return fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=15), compliance=True)
+
+
+def test_small_vibrations_die_out_by_the_damping_matrix(rom):
+    """Cycles that were there before move points off their bounds, and nothing slips then."""
+    path = [fy.Load({"tip.Fz": force}) for force in (0.0, 30.0, -30.0, 20.0, -20.0, 10.0, 0.0)]
+    found = fy.ring_down(rom, 1, 1e-5, path=path, increments=2)
+    rest = fy.solve_path(rom, path)
+    mode = stuck_mode(rom, rest, 1)
+    assert found.small_frequency == mode.frequency
+    circular = 2 * np.pi * mode.frequency
+    damping = mode.shape @ (rom.C @ mode.shape) / (2 * circular)
+    assert damping > 3e-4
+    # Steps of a hundredth of the period: 3e-4 of the frequency, and of the damping.
+    np.testing.assert_allclose(found.decay.damping_ratio, damping, rtol=1e-2)
+    np.testing.assert_allclose(found.decay.frequency, mode.frequency, rtol=2e-3)
+    # Its first loading slips a little: 2.7 % are measured.
+    assert found.motion[0] == pytest.approx(1e-5, rel=0.05)
+    assert found.measured_at == "tip"
+    np.testing.assert_array_equal(found.solution.states.shape, (401, len(rom.K)))
+
+
+def test_a_mode_that_slips_dies_out_as_its_cycles_say(rom):
+    found = fy.ring_down(rom, 2, 0.05, at="tip.uy")
+    assert found.measured_at == "tip.uy"
+    cycles = fy.backbone(rom, 2, [0.04, 0.05], at="tip.uy")
+    assert (cycles.friction_damping > 2 * cycles.linear_damping).all()
+    at = np.log(cycles.amplitude)
+    expected = np.exp(np.interp(np.log(found.decay.amplitude), at, np.log(cycles.damping_ratio)))
+    # What other modes do is not in cycles: 2 % are measured.
+    assert found.decay.damping_ratio.mean() == pytest.approx(expected.mean(), rel=0.05)
+
+
+def test_loads_that_stay_stay(rom):
+    """About a pulled joint: at rest after a long time where nothing is let go is where it began."""
+    path = [fy.Load(), fy.Load({"tip.Fx": 500.0})]
+    found = fy.ring_down(rom, 1, 0.01, path=path, increments=4, periods=3)
+    middle = found.solution.displacement("tip")[:, 0].mean()
+    assert middle == pytest.approx(fy.solve_path(rom, path).displacement("tip")[-1, 0], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "message"),
+    [
+        ((0, 0.1), {}, "there is no mode 0; modes are whole numbers from 1"),
+        ((1, -0.1), {}, r"the amplitude is -0\.1; give a positive number"),
+        ((1, 0.1), {"increments": 0}, "found 0 increments; give one or more"),
+        ((1, 0.1), {"periods": 1.0}, "found 1 periods of 100 steps; give 3 periods or more of 20"),
+        ((1, 0.1), {"at": "top"}, "mode 1: there is no boundary 'top'; the boundaries are tip"),
+    ],
+)
+def test_what_does_not_ring_is_refused(rom, arguments, options, message):
+    with pytest.raises(ModelError, match=message):
+        fy.ring_down(rom, *arguments, **options)
+
+
+def test_a_joint_without_friction_is_refused():
+    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    with pytest.raises(ModelError, match="no interface has friction"):
+        fy.ring_down(smooth, 1, 0.1)
