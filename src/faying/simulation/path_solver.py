@@ -17,6 +17,10 @@ installation, and where a path begins takes as long as five increments. An incre
 faster with 444 relative displacements, 10 to 60 ms with 1296, and 0.13 to 0.6 s with 2472.
 """
 
+SHARED = 10
+"""Increments from which they are solved about the state where their path begins: to prepare that
+takes as long as five of them, and saves half of each where most of the joint sticks."""
+
 
 def paying_increments(n_relative: int) -> int:
     """Return from how many increments on they are compiled unasked."""
@@ -48,4 +52,5 @@ def path_solver(
     pays = count >= paying_increments(len(plain.S)) and find_spec("numba") is not None
     if not (pays if compiled is None else compiled) or not compilable(plain):
         return plain
-    return CompiledFrictionalContact(plain, about if about.any() else None)
+    shared = count >= SHARED and about.any()
+    return CompiledFrictionalContact(plain, about if shared else None)
