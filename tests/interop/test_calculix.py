@@ -277,6 +277,7 @@ def test_single_increment_agrees_to_the_digits_printed(both, binary, tmp_path):
     check(solution, run_calculix(binary, path), 1, PRINTED)
 
 
+@pytest.mark.slow
 def test_friction_in_one_increment(binary, data, tmp_path):
     """Tightening, then bolt and load case in one increment: displacements, pressures, tractions."""
     path, one = tmp_path / "joint.inp", tmp_path / "one.inp"

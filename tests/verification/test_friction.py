@@ -198,7 +198,7 @@ def test_a_small_coefficient_is_frictionless(coarse):
     )
 
 
-@pytest.mark.parametrize("case", LOADS)
+@pytest.mark.parametrize("case", ["LC2", "PULL"])
 def test_a_large_coefficient_sticks_every_closed_point(gauss, case, monkeypatch):
     """By one sparse solution with springs at the points that close, and none elsewhere."""
     monkeypatch.setattr("faying.contact.laws.coulomb.LARGEST_FRICTION", np.inf)

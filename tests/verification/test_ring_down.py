@@ -42,6 +42,7 @@ def test_small_vibrations_die_out_by_the_damping_matrix(rom):
     np.testing.assert_array_equal(found.solution.states.shape, (401, len(rom.K)))
 
 
+@pytest.mark.slow
 def test_a_mode_that_slips_dies_out_as_its_cycles_say(rom):
     found = fy.ring_down(rom, 2, 0.05, at="tip.uy")
     assert found.measured_at == "tip.uy"
@@ -53,6 +54,7 @@ def test_a_mode_that_slips_dies_out_as_its_cycles_say(rom):
     assert found.decay.damping_ratio.mean() == pytest.approx(expected.mean(), rel=0.05)
 
 
+@pytest.mark.slow
 def test_loads_that_stay_stay(rom):
     """About a pulled joint: at rest after a long time where nothing is let go is where it began."""
     path = [fy.Load(), fy.Load({"tip.Fx": 500.0})]
