@@ -6,9 +6,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from rich.text import Text
 
 import faying as fy
 from faying import cli
+from faying.cli.description import _table
 from faying.joint.diagnosis import free_parts
 from faying.linalg.backends import available_backends
 from small_abaqus_deck import DECK
@@ -43,6 +45,12 @@ def check(monkeypatch, capsys, tmp_path):
 
 def cells(lines, first):
     return next(line for line in lines if line[:1] == [first])
+
+
+def test_tables_leave_out_columns_in_which_nothing_stands():
+    shown = _table("Bolts", ["name", "said by", "force"], [("a", "", 1.0), ("b", "", 2.0)])
+    assert [str(column.header) for column in shown.columns] == ["name", "force"]
+    assert list(shown.columns[1].cells) == [Text("1"), Text("2")]
 
 
 def test_held_joint_has_no_rigid_body_modes(check):

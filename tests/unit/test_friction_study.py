@@ -336,7 +336,7 @@ def test_the_report_says_first_what_slips(results, tmp_path):
     assert reserve.first_slip < 1e-3  # tightening left points on their bound
     assert rows["pull"][4] == "once it acts"
     assert rows["pull"][5].startswith("joint (")
-    assert rows["pull"][6] == f"{number(reserve.onset)} × the load"
+    assert rows["pull"][6] == f"{number(reserve.onset)} ×"
     assert rows["way"][4] == "—"
     assert rows["shake"][2].endswith("per cycle")
 

@@ -85,6 +85,12 @@ def test_clamp_forces_are_told_around_each_of_several_bolts():
     assert rows[2][4].text == f"{quantity(around.most, 'N', 5)} (bend)"
     alone = replace(found, bolts={"bolt-2": found.bolts["bolt-2"]})
     assert len(clamp_judgement(replace(RESULTS, assessment=alone)).rows) == 1
+    bare = {"certified": None, "certified_most": None, "certified_width": None}
+    joint = replace(
+        found, bolts={}, interfaces={"joint": replace(found.interfaces["joint"], **bare)}
+    )
+    table = clamp_judgement(replace(RESULTS, assessment=joint))
+    assert table.columns == ("clamp force of", "at rest", "smallest", "largest")
 
 
 def test_page_stands_alone(written):

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Iterator
+from itertools import compress
 
 import numpy as np
 from rich import box
@@ -89,11 +90,14 @@ def _missing(study: Study, found: Understood) -> Iterator[Table]:
 
 
 def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:
+    """Return a table without the columns in which nothing stands."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
-    for column in columns:
+    cells = [list(map(_text, row)) for row in rows]
+    told = [any(column) for column in zip(*cells, strict=True)]
+    for column in compress(columns, told):
         table.add_column(column, overflow="fold")
-    for row in rows:
-        table.add_row(*(Text(_text(cell)) for cell in row))
+    for row in cells:
+        table.add_row(*map(Text, compress(row, told)))
     return table
 
 
@@ -202,8 +206,7 @@ def _supports(assembly: Assembly) -> dict[str, list[int]]:
 def _interfaces(model: Model, title: str) -> Table:
     columns = ["name", "faces", "pairs", "points", "rule", "area", "of declared"]
     columns += ["mean gap", "penalty"]
-    rows = (_interface(interface) for interface in model.interfaces.values())
-    return _table(title, columns, rows)
+    return _table(title, columns, map(_interface, model.interfaces.values()))
 
 
 def _friction(model: Model) -> Table:
@@ -230,12 +233,8 @@ def _sides(model: Model) -> Table:
 def _signs(interface: Interface) -> tuple[str, str]:
     """Return the mean normal, and the side that has the contact points."""
     mean = np.round(interface.weights @ interface.normals / interface.area, 4) + 0
-    normal = _point(mean.tolist())
-    if not interface.flat:
-        normal = f"several directions, on average {normal}"
-    if not mean.any():
-        normal = "several directions that cancel"
-    return normal, "both sides" if interface.coupling is None else "minus"
+    several = "" if interface.flat else "several directions, on average "
+    return several + _point(mean.tolist()), "both sides" if interface.coupling is None else "minus"
 
 
 def _interface(interface: Interface) -> tuple[object, ...]:

@@ -38,7 +38,7 @@ def friction_table(results: Results) -> Table:
 
 def _factor(factor: float) -> str:
     """Return a load factor; next to none is round-off of what tightening left on its bound."""
-    return f"{number(factor)} × the load" if factor >= PRECISION else "once it acts"
+    return f"{number(factor)} ×" if factor >= PRECISION else "once it acts"
 
 
 def _reserve(results: Results, case: CaseResult) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_demand import SlipDemand
 from faying.report.quantities import number, place, quantity
-from faying.report.tables import Cell, Table, table
+from faying.report.tables import Cell, Table, table, told
 from faying.study.declared import barely_held, missing_contacts
 from faying.study.results import Results
 from faying.study.summary import required
@@ -104,7 +104,7 @@ def interface_judgement(results: Results) -> Table:
         "nothing pressed from",
     )  # fmt: skip
     rows = [(name, *_interface(name, one, results, units)) for name, one in found.items()]
-    return table(columns, rows)
+    return told(table(columns, rows))
 
 
 def clamp_judgement(results: Results) -> Table:
@@ -136,7 +136,7 @@ def clamp_judgement(results: Results) -> Table:
         }
         if len(near) > 1:
             rows += [(f"{name} around {bolt}", *_clamp(area, force)) for bolt, area in near.items()]
-    return table(columns, rows)
+    return told(table(columns, rows))
 
 
 def slip_judgement(results: Results) -> Table:

@@ -305,15 +305,15 @@ def error_table(case: CaseResult) -> Table:
         for name, sizes in case.methods.items()
         for count, result in sorted(sizes.items())
     ]
-    return _told(table(columns, rows))
+    return told(table(columns, rows))
 
 
-def _told(whole: Table) -> Table:
+def told(whole: Table) -> Table:
     """Return a table without the columns in which nothing stands."""
     kept = [
         number
         for number in range(len(whole.columns))
-        if any(row[number].text != "—" for row in whole.rows)
+        if not whole.rows or any(row[number].text != "—" for row in whole.rows)
     ]
     return Table(
         columns=tuple(whole.columns[number] for number in kept),
