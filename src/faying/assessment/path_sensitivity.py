@@ -33,7 +33,7 @@ LEFT = 1e-7
 
 @final
 @dataclass(frozen=True, eq=False)
-class Increment:
+class LinearIncrement:
     """An increment about which the path is linear.
 
     Attributes
@@ -135,10 +135,10 @@ class PathSensitivity:
         return members
 
     @cached_property
-    def _increments(self) -> tuple[Increment, ...]:
+    def _increments(self) -> tuple[LinearIncrement, ...]:
         return tuple(self._linearized())
 
-    def _linearized(self) -> Iterator[Increment]:
+    def _linearized(self) -> Iterator[LinearIncrement]:
         contact, solver, n = self.system.contact, self._solver, self.system.contact.n_points
         slips = slip_history(self.path, self.initial)
         relative = moved_alone(self.system, self.path.inputs)
@@ -161,7 +161,7 @@ class PathSensitivity:
             slope = solver.laws.derivative(tried, None)
             closed = np.flatnonzero(tried[0] > 0)
             lu, pivots = self._factors(slope, compliance, closed)
-            yield Increment(x, z, tried, closed, slope, lu, pivots)
+            yield LinearIncrement(x, z, tried, closed, slope, lu, pivots)
 
     def _factors(
         self, slope: Matrix, compliance: Matrix, closed: Indices
@@ -245,7 +245,7 @@ class PathSensitivity:
         )
 
     def _reach(
-        self, one: Increment, rate: Matrix, friction: Matrix | None
+        self, one: LinearIncrement, rate: Matrix, friction: Matrix | None
     ) -> tuple[Vector, Vector]:
         """Return changes of the parameters at which a first point changes its state.
 
@@ -269,7 +269,7 @@ class PathSensitivity:
         down = np.where(reach <= 0, reach, -np.inf).max(axis=0, initial=-np.inf)
         return down, np.where(reach >= 0, reach, np.inf).min(axis=0, initial=np.inf)
 
-    def _forces(self, one: Increment, dz: Matrix, friction: Matrix | None) -> Matrix:
+    def _forces(self, one: LinearIncrement, dz: Matrix, friction: Matrix | None) -> Matrix:
         """Solve (F6) for the changes of the forces (3, n_point, n_parameter)."""
         at, shape = one.closed, dz.shape
         right = -np.einsum("pij,jpq->ipq", one.slope[at], self._scaled(dz)[:, at])
@@ -287,7 +287,7 @@ class PathSensitivity:
     def _scaled(self, dz: Matrix) -> Matrix:
         return np.asarray(self._solver.scale[:, :, None] * dz)
 
-    def _yielded(self, one: Increment, dx: Matrix) -> Matrix:
+    def _yielded(self, one: LinearIncrement, dx: Matrix) -> Matrix:
         """Return H δx (3, n_point, n_parameter)."""
         solver = self._solver
         columns = dx.reshape(3 * dx.shape[1], dx.shape[2])

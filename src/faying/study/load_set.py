@@ -118,9 +118,25 @@ def read_loads(
         if table.times is not None:
             return _of_histories(rom, [table], step, integrator)
         names = tuple(table.row_name(row) for row in range(table.n_row))
+        _check_forgetful(rom, path, names)
         return LoadSet(names=names, inputs=table_inputs(table, rom), transients=())
     cases, requirement = read_load_cases(path)
-    return replace(_of_cases(cases, rom), requirement=requirement)
+    found = _of_cases(cases, rom)
+    _check_forgetful(rom, path, found.names)
+    return replace(found, requirement=requirement)
+
+
+def _check_forgetful(rom: ReducedModel, path: Path, static: Sequence[str]) -> None:
+    """Refuse static cases of a joint with friction, which depend on the way to them."""
+    rubbing = [name for name, law in rom.contact.laws.items() if law.components > 1]
+    if static and rubbing:
+        message = (
+            f"{path}: '{static[0]}' is a static case, but interface '{rubbing[0]}' has friction, "
+            "and what a load leaves depends on the way to it; give loads over time (a column "
+            "'time'), or load cases of the study, which faying run solves in increments from the "
+            "preload, or follow them in Python with faying.solve_path"
+        )
+        raise StudyError(message)
 
 
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
