@@ -387,25 +387,6 @@ def test_paths_are_left_to_studies(rom, tmp_path):
         read_loads(tmp_path / "loads.toml", rom)
 
 
-def test_static_cases_with_friction_are_left_to_studies(study, tmp_path):
-    """What they leave depends on the way to them; reducing such a joint says so."""
-    section = '[[interface]]\nname = "joint"\npenalty = 1e6\nfriction = 0.2\n\n[[bolt]]'
-    rubbing = tmp_path / "rubbing.toml"
-    rubbing.write_text(study.path.read_text().replace("[[bolt]]", section))
-    done = CliRunner().invoke(
-        app, ["reduce", str(rubbing), "--out", str(tmp_path / "rubbing.faying"), "--no-shapes"]
-    )
-    assert "faying solve takes loads over time of it" in done.output
-    rom = fy.load(tmp_path / "rubbing.faying")
-    (tmp_path / "loads.toml").write_text(LOADS)
-    (tmp_path / "loads.csv").write_text("case,tip.Fz\nbend,-100\n")
-    for loads in ("loads.toml", "loads.csv"):
-        with pytest.raises(StudyError, match=r"'bend' is a static case, but interface 'joint' has"):
-            read_loads(tmp_path / loads, rom)
-    (tmp_path / "ride.csv").write_text("time,tip.Fz\n0,0\n1e-5,-100\n")
-    assert read_loads(tmp_path / "ride.csv", rom).transients
-
-
 def test_time_in_periods_needs_the_period_of_the_full_model(rom, tmp_path):
     (tmp_path / "loads.toml").write_text(LOADS)
     with pytest.raises(StudyError, match="'jump' measures time by the longest period"):

@@ -51,8 +51,3 @@ def reduce(
         )
     typer.echo(model_sizes(rom))
     typer.echo(f"Wrote {target} ({target.stat().st_size / 1e6:.3g} MB)")
-    if len(rom.contact.rubbing):
-        typer.echo(
-            "The joint has friction: faying solve takes loads over time of it; static cases go in "
-            "increments, in faying run or in Python with faying.solve_path"
-        )

@@ -70,12 +70,12 @@ def solve(
 
     from faying.cli.outcome import met
     from faying.cli.progress import progress_bar
-    from faying.reduction.model_reader import load, study_of
+    from faying.reduction.model_reader import load, preload_path_of, study_of
     from faying.simulation.integrators import named_integrator
     from faying.study.assessing import requirements_of
     from faying.study.load_set import read_loads
     from faying.study.schema import stored_requirement
-    from faying.workflow.solve import SolveOptions, solve_loads
+    from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
     folder = out or Path(f"{loads.stem}-solved")
     if step is not None and not 0 < step < float("inf"):
@@ -84,6 +84,7 @@ def solve(
     rom = load(model)
     wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
     usable_folder(folder)
+    tightened = preload_path_of(model)
     options = SolveOptions(
         worst=worst,
         named=tuple(keep or ()),
@@ -96,7 +97,14 @@ def solve(
             executor = shared_executor(workers, scheduler, stack)
             bar = stack.enter_context(progress_bar(Console(stderr=True), remaining=True))
             result = solve_loads(
-                rom, wanted, folder, options, resume=resume, progress=bar, executor=executor
+                rom,
+                wanted,
+                folder,
+                options,
+                tightening=None if tightened is None else bolt_loads(tightened),
+                resume=resume,
+                progress=bar,
+                executor=executor,
             )
     except KeyboardInterrupt:
         again = shlex.join(["faying", "solve", str(model), str(loads), "--out", str(folder)])

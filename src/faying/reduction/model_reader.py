@@ -1,5 +1,6 @@
 """Reduced models out of HDF5 files, as :mod:`faying.reduction.model_writer` puts them there."""
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from itertools import pairwise
@@ -12,6 +13,7 @@ import numpy as np
 from faying._typing import Matrix, frozen
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Law, normal_law
+from faying.exceptions import FormatError
 from faying.files.described import (
     described_file,
     items,
@@ -351,6 +353,34 @@ def study_of(path: Path | str) -> str:
     with described_file(Path(path), MODEL) as file:
         made = member(file, "provenance")
         return _text(made, "study") if "study" in made else ""
+
+
+PRELOAD_PATH = "preload_path"
+"""Of the provenance: initial bolt forces, increment by increment, as JSON."""
+
+
+def preload_path_of(path: Path | str) -> list[dict[str, float]] | None:
+    """Return the initial bolt forces that tightened a joint with friction, increment by increment.
+
+    Empty of one that was tightened without friction; None where the file does not say.
+
+    Raises
+    ------
+    FormatError
+        As :func:`load`.
+    """
+    with described_file(Path(path), MODEL) as file:
+        made = member(file, "provenance")
+        if PRELOAD_PATH not in made:
+            return None
+        text = _text(made, PRELOAD_PATH)
+    try:
+        return [
+            {str(name): float(force) for name, force in one.items()} for one in json.loads(text)
+        ]
+    except (ValueError, TypeError, AttributeError) as error:
+        message = f"{path}: /provenance/{PRELOAD_PATH} is not a list of bolt forces; {error}"
+        raise FormatError(message) from None
 
 
 def _text(group: h5py.Group, name: str) -> str:

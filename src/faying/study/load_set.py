@@ -17,7 +17,7 @@ from faying.study.loads import case_load
 from faying.study.ranges import LARGEST, SMALLEST
 from faying.study.requirement_tables import RequirementSection
 from faying.study.schema import read_load_cases
-from faying.study.tables import LoadCaseSection
+from faying.study.tables import DEFAULT_INCREMENTS, LoadCaseSection
 from faying.study.timing import time_span, time_step
 
 TABLES = (".csv", ".parquet")
@@ -118,25 +118,9 @@ def read_loads(
         if table.times is not None:
             return _of_histories(rom, [table], step, integrator)
         names = tuple(table.row_name(row) for row in range(table.n_row))
-        _check_forgetful(rom, path, names)
         return LoadSet(names=names, inputs=table_inputs(table, rom), transients=())
     cases, requirement = read_load_cases(path)
-    found = _of_cases(cases, rom)
-    _check_forgetful(rom, path, found.names)
-    return replace(found, requirement=requirement)
-
-
-def _check_forgetful(rom: ReducedModel, path: Path, static: Sequence[str]) -> None:
-    """Refuse static cases of a joint with friction, which depend on the way to them."""
-    rubbing = [name for name, law in rom.contact.laws.items() if law.components > 1]
-    if static and rubbing:
-        message = (
-            f"{path}: '{static[0]}' is a static case, but interface '{rubbing[0]}' has friction, "
-            "and what a load leaves depends on the way to it; give loads over time (a column "
-            "'time'), or load cases of the study, which faying run solves in increments from the "
-            "preload, or follow them in Python with faying.solve_path"
-        )
-        raise StudyError(message)
+    return replace(_of_cases(cases, rom), requirement=requirement)
 
 
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
@@ -152,6 +136,13 @@ def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
         message = (
             f"load case '{chosen[0]}' leaves its time steps to a run of a study; give a number for "
             "'step' and no 'tolerance'"
+        )
+        raise StudyError(message)
+    finer = [case.name for case in cases if case.kind == "static" and case.increments is not None]
+    if finer and len(rom.contact.rubbing):
+        message = (
+            f"load case '{finer[0]}' says its increments, which only a run of a study follows; "
+            f"leave 'increments' out, and static cases take {DEFAULT_INCREMENTS} here"
         )
         raise StudyError(message)
     static = [case_load(case) for case in cases if case.kind == "static"]

@@ -1,6 +1,7 @@
 """Reduce a study's model once, into one file that is solved without the full model."""
 
 import hashlib
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,13 +12,20 @@ from faying.exceptions import StudyError
 from faying.linalg.threads import one_thread
 from faying.reduction.method import Method
 from faying.reduction.methods import METHODS
+from faying.reduction.model_reader import PRELOAD_PATH
 from faying.reduction.projection import completed
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.checkpoint import open_checkpoint
 from faying.study.errors import one_of
 from faying.study.mode_choice import mode_sentences
 from faying.study.normal_modes import normal_modes_of
-from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
+from faying.study.offline import (
+    PreparedJoint,
+    build_bases,
+    choose_counts,
+    prepare_joint,
+    reduced_models,
+)
 from faying.study.progress import ProgressBar, Stages
 from faying.study.tables import Study
 from faying.units import units_of
@@ -105,9 +113,17 @@ def reduce_study(
                 "study": text,
                 "study_sha256": hashlib.sha256(text.encode()).hexdigest(),
                 "factorization": joint.model.structure.interior_factor.backend,
+                **_tightened(joint),
             },
         )
     return rom
+
+
+def _tightened(joint: PreparedJoint) -> dict[str, str]:
+    """Say how a joint with friction was tightened: initial bolt forces, increment by increment."""
+    if not len(joint.model.contact.rubbing):
+        return {}
+    return {PRELOAD_PATH: json.dumps([dict(load.bolt_forces) for load in joint.preload_path])}
 
 
 def _method(name: str) -> Method:

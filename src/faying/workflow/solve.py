@@ -21,7 +21,7 @@ from faying.files.lock import held
 from faying.files.names import file_names
 from faying.linalg.threads import one_thread
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import History
+from faying.simulation.load import History, Load
 from faying.study.checkpoint import open_checkpoint
 from faying.study.errors import nearest
 from faying.study.extras import Extras
@@ -70,6 +70,7 @@ def solve_loads(
     out: Path,
     options: SolveOptions | None = None,
     *,
+    tightening: Sequence[Load] | None = None,
     resume: bool = False,
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
@@ -81,6 +82,9 @@ def solve_loads(
     out
         Receives ``metrics.csv`` of the static cases, ``history_NAME.csv`` of each transient (or
         ``.parquet``), ``fields.h5`` and ``summary.json``.
+    tightening
+        Of a joint with friction: initial bolt forces, increment by increment, from whose end all
+        loads begin; none where it was tightened without friction.
     resume
         Take over what an interrupted call with the same model, loads and options has finished,
         static cases and transients piece by piece.
@@ -90,8 +94,8 @@ def solve_loads(
     Raises
     ------
     StudyError
-        If a case to be kept is not there, or another call is writing to the folder. Cases that do
-        not converge are recorded instead.
+        If a case to be kept is not there, another call is writing to the folder, or it is not known
+        how a joint with friction was tightened. Cases that do not converge are recorded instead.
 
     Notes
     -----
@@ -106,11 +110,20 @@ def solve_loads(
         remedy = nearest(unknown[0], loads.names[:20])
         message = f"there is no static case '{unknown[0]}' to keep; {remedy}"
         raise StudyError(message)
+    rubbing = [name for name, law in rom.contact.laws.items() if law.components > 1]
+    if rubbing and tightening is None:
+        message = (
+            f"interface '{rubbing[0]}' has friction, so that what a load leaves depends on how the "
+            "bolts were tightened, and nothing says how: make the file anew with faying reduce, or "
+            "follow the loads in Python with faying.solve_path"
+        )
+        raise StudyError(message)
     stages, extras = Stages(progress), Extras()
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
         remove_left_over(out)
-        checkpoint = open_checkpoint(out, _mark(rom, loads, chosen), resume=resume)
+        path = tuple(tightening or ()) if rubbing else None
+        checkpoint = open_checkpoint(out, _mark(rom, loads, chosen, path), resume=resume)
         solver = CaseSolver(
             rom=rom,
             checkpoint=checkpoint,
@@ -120,6 +133,7 @@ def solve_loads(
             certificates=chosen.certificates,
             rings=rings_of(chosen.requirements, rom),
             areas=areas_of(chosen.requirements, rom),
+            tightening=path,
         )
         named = [loads.names.index(name) for name in chosen.named]
         if executor is not None:
@@ -128,7 +142,9 @@ def solve_loads(
         transients = {one.load.name: solver.transient(one) for one in loads.transients}
         assessment = None
         with stages.stage("requirements"), extras.attempt("requirements"):
-            judged = solved_verdicts(chosen.requirements, rom, loads, static, transients)
+            judged = solved_verdicts(
+                chosen.requirements, rom, loads, static, transients, solver.rest
+            )
             assessment = {"verdicts": plain([asdict(one) for one in judged])}
         with stages.stage("files"):
             found = _written(rom, static, transients, named, out, chosen)
@@ -145,6 +161,11 @@ def solve_loads(
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
         checkpoint.discard()
     return Outcome(converged=not summary["not_converged"], summary=summary)
+
+
+def bolt_loads(path: Sequence[Mapping[str, float]]) -> list[Load]:
+    """Return loads of initial bolt forces alone."""
+    return [Load(name="preload", bolt_forces=forces) for forces in path]
 
 
 def stated(requirements: Requirements) -> list[str]:
@@ -235,7 +256,9 @@ def _fields(pieces: Pieces, count: int, named: Sequence[int]) -> SolvedFields | 
     )
 
 
-def _mark(rom: ReducedModel, loads: LoadSet, options: SolveOptions) -> str:
+def _mark(
+    rom: ReducedModel, loads: LoadSet, options: SolveOptions, path: Sequence[Load] | None
+) -> str:
     """Return what tells one model with its loads and options from others."""
     mark, contact = hashlib.sha256(), rom.contact
     model = (rom.K, rom.M, rom.C, contact.relative_operator, contact.initial_gap)
@@ -247,5 +270,6 @@ def _mark(rom: ReducedModel, loads: LoadSet, options: SolveOptions) -> str:
             mark.update(key.encode())
             known = [value.times, value.values] if isinstance(value, History) else [[value]]
             mark.update(b"".join(np.asarray(part, dtype=float).tobytes() for part in known))
-    mark.update(repr((loads.names, options)).encode())
+    tightened = None if path is None else [dict(load.bolt_forces) for load in path]
+    mark.update(repr((loads.names, options, tightened)).encode())
     return mark.hexdigest()

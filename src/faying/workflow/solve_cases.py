@@ -6,15 +6,18 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Indices, Matrix
 from faying.assessment.case_metrics import Metric, metrics_of
 from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.friction_metrics import friction_metrics
 from faying.assessment.sealing import Ring
 from faying.exceptions import ConvergenceError
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
+from faying.simulation.load import Load
+from faying.simulation.ramps import solve_ramps
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
@@ -22,7 +25,9 @@ from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_pieces import transient_pieces
 from faying.study.extras import Extras
 from faying.study.load_set import LoadSet, TimedLoad
+from faying.study.path_cases import rest_state
 from faying.study.progress import Stages
+from faying.study.tables import DEFAULT_INCREMENTS
 from faying.workflow.solved_pieces import Pieces, piece_of
 
 PIECE_NUMBERS = 2**18
@@ -53,6 +58,8 @@ class CaseSolver:
         Around holes that are judged, by name.
     areas
         What is carried along interfaces whose slip is judged in static cases.
+    tightening
+        How a joint with friction was tightened; None without.
     """
 
     rom: ReducedModel
@@ -63,6 +70,12 @@ class CaseSolver:
     certificates: bool
     rings: Mapping[str, Ring] = field(default_factory=dict)
     areas: Mapping[str, TangentialRows] = field(default_factory=dict)
+    tightening: tuple[Load, ...] | None = None
+
+    @cached_property
+    def rest(self) -> Solution | None:
+        """Where all loads of a joint with friction begin; None without."""
+        return None if self.tightening is None else rest_state(self.rom, self.tightening)
 
     def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
         """Solve static cases, or take what an interrupted call has finished."""
@@ -98,14 +111,20 @@ class CaseSolver:
 
     @property
     def _metrics(self) -> list[Metric]:
-        return metrics_of(self.rom, self.rom.interfaces, certified=False, rings=self.rings)
+        found = metrics_of(self.rom, self.rom.interfaces, certified=False, rings=self.rings)
+        return found + self._friction_metrics
 
     @property
     def _static_metrics(self) -> list[Metric]:
         certified = self._judge is not None
-        return metrics_of(
+        found = metrics_of(
             self.rom, self.rom.interfaces, certified=certified, rings=self.rings, areas=self.areas
         )
+        return found + self._friction_metrics
+
+    @property
+    def _friction_metrics(self) -> list[Metric]:
+        return [] if self.tightening is None else friction_metrics(self.rom.interfaces)
 
     @property
     def _length(self) -> int:
@@ -114,7 +133,7 @@ class CaseSolver:
 
     @cached_property
     def _judge(self) -> Certifier | None:
-        if not self.certificates:
+        if not self.certificates or self.tightening is not None:
             return None
         with self.stages.timed("certificates"), self.extras.attempt("certified bounds"):
             return certifier(self.rom.joint)
@@ -146,7 +165,7 @@ class CaseSolver:
     ) -> tuple[list[tuple[Indices, Solution]], list[str]]:
         """Solve static cases together; where one fails, in halves until it is alone."""
         try:
-            return [(rows, solve_static_inputs(self.rom, loads.inputs[rows]))], []
+            return [(rows, self._ends(loads.inputs[rows]))], []
         except ConvergenceError as error:
             if len(rows) == 1:
                 return [], [f"{loads.names[rows[0]]}: {error}"]
@@ -154,6 +173,12 @@ class CaseSolver:
         return [one for found, _ in halves for one in found], [
             text for _, failed in halves for text in failed
         ]
+
+    def _ends(self, inputs: Matrix) -> Solution:
+        """Solve static cases, with friction in increments from the preload as in a study."""
+        if self.rest is None:
+            return solve_static_inputs(self.rom, inputs)
+        return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
     def walked(self, one: TimedLoad) -> Arrays:
         """Keep the pieces of a transient; return their number, and what went wrong.
@@ -176,6 +201,7 @@ class CaseSolver:
                 [one.load],
                 duration=one.duration,
                 length=self._length,
+                initial=None if self.rest is None else [self.rest],
                 restarts=None if restart is None else [restart],
                 progress=advance,
             )

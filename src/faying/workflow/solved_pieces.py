@@ -11,6 +11,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.case_metrics import Metric, case_metrics
 from faying.assessment.certificate import Certificate
 from faying.assessment.envelope import Envelope, envelope_of, joined
+from faying.assessment.friction_metrics import friction_figures
 from faying.assessment.sealing import Ring
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.interface.surface import ContactSurface
@@ -153,7 +154,10 @@ def piece_of(
     """
     table = np.full((len(rows), len(metrics)), np.nan)
     for own, solution, certificate in solved:
-        table[own - rows.start] = case_metrics(solution, interfaces, certificate, rings, areas)
+        own_metrics = case_metrics(solution, interfaces, certificate, rings, areas)
+        if solution.shear_forces is not None:
+            own_metrics = np.hstack([own_metrics, friction_figures(solution, interfaces)])
+        table[own - rows.start] = own_metrics
     kept = {
         rows.start + row
         for column, metric in enumerate(metrics)

@@ -19,6 +19,7 @@ from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import pressed_near
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static
 from faying.study.load_set import LoadSet
 from faying.workflow.solved_pieces import Pieces
@@ -71,8 +72,14 @@ def solved_verdicts(
     loads: LoadSet,
     static: Pieces | None,
     transients: Mapping[str, Pieces],
+    rest: Solution | None = None,
 ) -> Iterator[Verdict]:
     """Yield the verdicts on what is required, each where it is nearest to failing.
+
+    Parameters
+    ----------
+    rest
+        Preloaded state of a joint with friction.
 
     Raises
     ------
@@ -92,7 +99,7 @@ def solved_verdicts(
             continue
         found = {name: _extreme(sets, f"{requirement}.{name}") for name in rom.interfaces}
         yield from pressure_verdict(requirement, limit, found)
-    yield from _openings(wanted.no_opening_within, rom, sets)
+    yield from _openings(wanted.no_opening_within, rom, sets, rest)
     for name, ring in _named(wanted, rom).items():
         case, value = _extreme(sets, f"ring_pressure.{name}", largest=False)
         yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
@@ -151,14 +158,14 @@ def _label(name: str, pieces: Pieces, row: int) -> str:
 
 
 def _openings(
-    radius: float | None, rom: ReducedModel, sets: Mapping[str, Pieces]
+    radius: float | None, rom: ReducedModel, sets: Mapping[str, Pieces], rest: Solution | None
 ) -> Iterator[Verdict]:
     if radius is None:
         return
-    rest = solve_static(rom).pressure
+    preload = (solve_static(rom) if rest is None else rest).pressure
     envelopes = {name: pieces.envelope() for name, pieces in sets.items()}
     for bolt_name, bolt in rom.bolts.items():
-        near = np.flatnonzero(pressed_near(rom.interfaces, bolt, radius, rest))
+        near = np.flatnonzero(pressed_near(rom.interfaces, bolt, radius, preload))
         lows: list[tuple[str, float]] = []
         for name, envelope in envelopes.items():
             if envelope is not None and len(near):
@@ -171,6 +178,12 @@ def _openings(
 def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
     if limit is None:
         return
+    if len(rom.contact.rubbing):
+        message = (
+            "min_opening_factor follows static cases without friction, and the joint has some; "
+            "leave the requirement out"
+        )
+        raise ModelError(message)
     if not 0 < len(loads.names) <= MOST_PATHS:
         message = (
             f"min_opening_factor follows each static case to its opening, and there are "

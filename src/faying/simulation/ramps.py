@@ -1,0 +1,50 @@
+"""Many loads of a joint that remembers, each ramped up on its own from one state."""
+
+from collections import deque
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.joint.system import System
+from faying.simulation.path import PathStep, assembled, follow, moved_alone, path_start
+from faying.simulation.path_solver import path_solver
+from faying.simulation.solution import Solution
+
+
+def solve_ramps(
+    system: System, inputs: Matrix, rest: Solution, *, increments: int, name: str = "ramps"
+) -> Solution:
+    """Solve many loads, each in equal increments from the same state; its end of each.
+
+    Parameters
+    ----------
+    inputs : (n_case, n_input) [force]
+        Boundary forces and initial bolt forces.
+    rest
+        Where every load begins: the last state of a path.
+
+    Returns
+    -------
+    Solution
+        One entry per load, with ``traction`` and ``slip``; iterations and dissipation are those of
+        the last increment.
+
+    Raises
+    ------
+    ConvergenceError
+        If an increment is not solved even when it is divided.
+
+    Notes
+    -----
+    As many increments as :func:`faying.solve_path` with the same loads, and one back-substitution
+    for each load. Compiled where that pays for all of them together.
+    """
+    here = path_start(system, rest)
+    solver = path_solver(system, increments * len(inputs), here.increment.forces)
+    begun = np.atleast_2d(rest.inputs)[-1]
+    shares = np.arange(1, increments + 1)[:, None] / increments
+    ends: list[PathStep] = []
+    for row in inputs:
+        relative = moved_alone(system, begun + shares * (row - begun))
+        ends += deque(follow(solver, relative, here), maxlen=1)
+    return assembled(system, inputs, ends, name)

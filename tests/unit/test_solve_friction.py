@@ -1,0 +1,169 @@
+"""Many loads on one file of a joint with friction: from where its bolts were tightened."""
+
+import csv
+import json
+
+import h5py
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import faying as fy
+from faying.cli import app
+from faying.exceptions import FormatError, StudyError
+from faying.execution.processes import ProcessExecutor
+from faying.reduction.model_reader import PRELOAD_PATH, preload_path_of
+from faying.study.load_set import read_loads
+from faying.study.schema import read_study
+from faying.study.store import read_results
+from faying.workflow.reduce import reduce_study
+from faying.workflow.run import run
+from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
+
+LOADS = """
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
+
+[[load_case]]
+name = "pull"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fx", value = 1500.0 }]
+
+[[load_case]]
+name = "jump"
+kind = "step"
+forces = [{ boundary = "tip", component = "Fx", value = 900.0 }]
+periods = 0.25
+steps_per_period = 20
+"""
+
+STUDY = f"""
+friction_during_preload = SWITCH
+
+[model]
+source = "lap-joint"
+lap_joint = {{ element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }}
+
+[[interface]]
+name = "joint"
+penalty = 1e6
+friction = 0.2
+
+[[bolt]]
+name = "bolt"
+preload = 8e3
+
+[damping]
+beta = 1e-6
+
+[reduction]
+normal_modes = 4
+methods = ["compliance"]
+
+[validation]
+penalty_sweep = false
+half_step = false
+
+[output]
+report = false
+{LOADS}"""
+
+EQUAL = 1e-9
+"""Of the largest: both solve the same increments, each to 1e-11 of the largest force."""
+
+
+@pytest.fixture(scope="module", params=["true", "false"])
+def reduced(request, tmp_path_factory):
+    """A study tightened with or without friction, its file, and the loads."""
+    folder = tmp_path_factory.mktemp("rubbing")
+    (folder / "study.toml").write_text(STUDY.replace("SWITCH", request.param))
+    (folder / "loads.toml").write_text(LOADS)
+    study = read_study(folder / "study.toml")
+    reduce_study(study, folder / "one.faying", shapes=False)
+    return study, folder / "one.faying", folder / "loads.toml"
+
+
+def solved(file, loads, out, **given):
+    rom = fy.load(file)
+    path = bolt_loads(preload_path_of(file))
+    return solve_loads(rom, read_loads(loads, rom), out, tightening=path, **given)
+
+
+def column(path, name):
+    with path.open(newline="") as file:
+        return np.array([float(row[name]) for row in csv.DictReader(file)])
+
+
+def off(found, expected):
+    return np.abs(np.asarray(found) - expected).max() / np.abs(expected).max()
+
+
+def test_results_are_those_of_a_run(reduced, tmp_path):
+    """Static cases in the increments of a study; the step begins where the bolts were tightened."""
+    study, file, loads = reduced
+    assert run(study, tmp_path / "run").converged
+    cases = read_results(tmp_path / "run" / "results.h5").cases
+    out = tmp_path / "solved"
+    assert solved(file, loads, out, options=SolveOptions(named=("bend", "pull"))).converged
+    expected = {name: case.methods["compliance"][0].response for name, case in cases.items()}
+    with h5py.File(out / "fields.h5") as fields:
+        names = fields["static/names"].asstr()[()].tolist()
+        for name in ("bend", "pull"):
+            pressure = fields["static/pressure"][names.index(name)]
+            assert off(pressure, expected[name].pressure) < EQUAL
+    traction, slip = (
+        column(out / "metrics.csv", f"{one}.joint") for one in ("max_traction", "max_slip")
+    )
+    for row, name in enumerate(("bend", "pull")):
+        path = expected[name].path
+        assert traction[row] == pytest.approx(
+            np.linalg.norm(path.traction[-1], axis=-1).max(), rel=EQUAL
+        )
+        assert slip[row] == pytest.approx(np.linalg.norm(path.slip[-1], axis=-1).max(), rel=EQUAL)
+    bolt = column(out / "history_jump.csv", "bolt_force.bolt")
+    assert off(bolt, expected["jump"].bolt_forces["bolt"]) < EQUAL
+
+
+def test_workers_solve_the_same(reduced, tmp_path):
+    _, file, loads = reduced
+    solved(file, loads, tmp_path / "alone")
+    solved(file, loads, tmp_path / "shared", executor=ProcessExecutor(2))
+    for name in ("metrics.csv", "history_jump.csv"):
+        alone, shared = ((tmp_path / one / name).read_bytes() for one in ("alone", "shared"))
+        assert alone == shared
+
+
+def test_files_that_do_not_say_how_they_were_tightened_are_refused(reduced, tmp_path):
+    _, file, loads = reduced
+    old = tmp_path / "old.faying"
+    old.write_bytes(file.read_bytes())
+    with h5py.File(old, "a") as members:
+        del members["provenance"][PRELOAD_PATH]
+    assert preload_path_of(old) is None
+    result = CliRunner().invoke(app, ["solve", str(old), str(loads), "--out", str(tmp_path / "x")])
+    assert result.exit_code != 0
+    rom = fy.load(old)
+    with pytest.raises(StudyError, match=r"'joint' has friction.*make the file anew"):
+        solve_loads(rom, read_loads(loads, rom), tmp_path / "out")
+    with h5py.File(old, "a") as members:
+        members["provenance"][PRELOAD_PATH] = "[1]"
+    with pytest.raises(FormatError, match="preload_path is not a list of bolt forces"):
+        preload_path_of(old)
+
+
+def test_what_is_not_followed_is_refused(reduced, tmp_path):
+    """Increments of a case; openings, which are followed without friction, leave a warning."""
+    _, file, loads = reduced
+    rom = fy.load(file)
+    finer = tmp_path / "finer.toml"
+    finer.write_text(loads.read_text().replace('"static"', '"static"\nincrements = 20'))
+    with pytest.raises(StudyError, match="'bend' says its increments"):
+        read_loads(finer, rom)
+    demanding = tmp_path / "demanding.toml"
+    demanding.write_text("[requirement]\nmin_opening_factor = 2.0\n" + loads.read_text())
+    runner = CliRunner()
+    runner.invoke(app, ["solve", str(file), str(demanding), "--out", str(tmp_path / "out")])
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert "the joint has some" in " ".join(summary["warnings"])
