@@ -114,8 +114,9 @@ def solve_loads(
     if rubbing and tightening is None:
         message = (
             f"interface '{rubbing[0]}' has friction, so that what a load leaves depends on how the "
-            "bolts were tightened, and nothing says how: make the file anew with faying reduce, or "
-            "follow the loads in Python with faying.solve_path"
+            "bolts were tightened, and nothing says how: make the file anew with faying reduce; in "
+            "Python give solve_loads the bolt_loads of preload_path_of(file) as tightening, or "
+            "follow the loads with faying.solve_path"
         )
         raise StudyError(message)
     stages, extras = Stages(progress), Extras()
