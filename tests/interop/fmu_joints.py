@@ -33,7 +33,7 @@ BOLT = ("bolt.initial_force", float)
 
 def handed_over(**parameters):
     model = fy.lap_joint(
-        element_size=5.0, damping=fy.Rayleigh(alpha=160.0, beta=5e-7), **parameters
+        **{"element_size": 5.0, **parameters}, damping=fy.Rayleigh(alpha=160.0, beta=5e-7)
     )
     joint = fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking())
     basis = fy.craig_bampton(joint, normal_modes=8)

@@ -166,17 +166,25 @@ def test_pairs_give_what_points_give(given, unzipped, tmp_path):
     assert_equal(result, ours, chosen)
 
 
-@pytest.mark.parametrize("quadrature", ["nodal", "gauss"])
-def test_hard_contact(tmp_path, quadrature):
-    given = handed_over(penalty="hard", quadrature=quadrature)
+PLATES = {"plates": 3, "shape": "hex20", "element_size": 10.0, "hole_radius": 0.0}
+"""Eight-node facets have more points than displacements, and weak springs bring round-off."""
+
+
+@pytest.mark.parametrize(
+    ("quadrature", "plates"), [("nodal", {}), ("gauss", {}), ("nodal", PLATES)]
+)
+def test_hard_contact(tmp_path, quadrature, plates):
+    given = handed_over(penalty="hard", quadrature=quadrature, **plates)
     file = written(given, tmp_path / "hard.fmu")[0]
     assert validate_fmu(str(file)) == []
     system, bolt = given, given.bolts["bolt"].initial_force
     ours = fy.solve_transient(system, fy.Load(FORCES), step=STEP, duration=N_STEP * STEP)
     chosen = outputs(system)
-    if quadrature == "gauss":
+    if quadrature == "gauss" or plates:
         # Forces of single points are not unique there; where they sit is decided at 1e-7 relative.
         del chosen["joint.max_pressure"], chosen["joint.open_fraction"]
+    if plates:
+        del chosen["joint.contact_force"]
     result = simulate(file, held([0.0], FORCES, bolt), {}, output=list(chosen))
     assert_equal(result, ours, chosen)
 

@@ -96,3 +96,22 @@ def test_a_reduced_model_tells_the_same_after_loading_too(held, friction, tmp_pa
 def test_bodies_without_springs_have_no_force(held):
     with pytest.raises(ModelError, match=r"no weak springs 'lower'; those there are hold lower-mi"):
         fy.solve_static(held, PULL).weak_force("lower")
+
+
+def test_hard_contact_of_a_plate_on_weak_springs_is_the_limit_of_stiff_penalties():
+    """Eight-node facets have more points than displacements; the springs bring round-off."""
+    forces = []
+    for penalty in (np.inf, 1e11):
+        joint = fy.lap_joint(
+            element_size=10.0,
+            plates=3,
+            shape="hex20",
+            hole_radius=0.0,
+            washer_radius=11.0,
+            penalty=penalty,
+            quadrature="nodal",
+        )
+        found = fy.solve_static(fy.preload(joint, {"bolt": 10e3}), fy.Load({"tip.Fz": -50.0}))
+        forces.append(joint.contact.at_pairs(found.contact_forces))
+    # What 1e11 N/mm³ gives way by: 4e-8 of the largest force, in proportion to 1 / penalty.
+    np.testing.assert_allclose(forces[0], forces[1], atol=2e-7 * forces[1].max())

@@ -26,6 +26,9 @@ With 5, thin plates on thousands of points needed up to 850 linear systems; from
 ROUND_OFF = 1e-13
 """Sign violations below this fraction of the largest |g_free| are noise of the factorization."""
 
+EPSILON = float(np.finfo(float).eps)
+"""Round-off of a sum over the sum of its magnitudes; of n terms √n times that is rare."""
+
 PROXIMAL_FRACTION = 1e-7
 """Proximal term over the largest diagonal of H; keeps the regularized pivots above the limit."""
 
@@ -106,12 +109,12 @@ def solve_complementarity(
 def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
     """Block principal pivoting with Murty's rule as backup."""
     n = len(g_free)
-    noise = space.noise * largest(g_free)
-    force_noise = noise / np.maximum(space.diagonal, np.finfo(float).tiny)
+    own = np.maximum(space.diagonal, np.finfo(float).tiny)
     fewest, attempts = n + 1, BLOCK_ATTEMPTS
     for iteration in range(1, 50 * n + 200):
         forces, slack = space.equilibrate(g_free, active)
-        wrong = np.where(active, forces < -force_noise, slack < -noise)
+        noise = _noise(space, g_free, forces)
+        wrong = np.where(active, own * forces < -noise, slack < -noise)
         count = int(np.count_nonzero(wrong))
         if count == 0:
             forces = np.maximum(forces, 0.0)
@@ -128,10 +131,22 @@ def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces
             active = active.copy()
             active[np.flatnonzero(wrong)[-1]] ^= True
     message = (
-        f"the contact problem of {n} points did not settle; its flexibility matrix is not "
-        "positive semidefinite: check that the stiffness matrix is symmetric and the structure held"
+        f"the contact problem of {n} points did not settle: its flexibility matrix is not positive "
+        "semidefinite, or round-off hides that it is; check that the stiffness matrix is symmetric "
+        "and the structure held by more than weak springs, or take a penalty"
     )
     raise ConvergenceError(message)
+
+
+def _noise(space: ActiveSetSpace, g_free: Vector, forces: Vector) -> Vector:
+    """Return what round-off makes of gaps that vanish (n_point,), as |H_ij|² ≤ H_ii H_jj.
+
+    Where weak springs alone hold a part, H holds its rigid motion, and forces that balance move it
+    by far more than |g_free| in sum.
+    """
+    root = np.sqrt(np.maximum(space.diagonal, 0.0))
+    summed = EPSILON * float(root @ np.abs(forces)) * root
+    return np.maximum(summed, space.noise * largest(g_free))
 
 
 def largest(values: Vector) -> float:
@@ -143,7 +158,6 @@ def _proximal_point(space: ActiveSetSpace, g_free: Vector, active: Mask) -> Cont
     """Solve with H + δ I, feeding δ times the last forces back into the gap until it is closed."""
     delta = PROXIMAL_FRACTION * float(space.diagonal.max())
     regular = space.shifted(delta)
-    tolerance = ROUND_OFF * np.abs(g_free).max()
     forces = np.zeros_like(g_free)
     iterations = 0
     for _ in range(200):
@@ -151,7 +165,7 @@ def _proximal_point(space: ActiveSetSpace, g_free: Vector, active: Mask) -> Cont
         iterations += step.iterations
         residual = delta * np.abs(step.forces - forces).max()
         forces, active = step.forces, step.active
-        if residual <= tolerance:
+        if residual <= _noise(space, g_free, forces).max():
             slack = np.maximum(space.product(forces) + g_free, 0.0)
             return ContactForces(forces=forces, slack=slack, active=active, iterations=iterations)
     message = (

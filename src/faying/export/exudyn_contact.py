@@ -13,6 +13,7 @@ Array = np.ndarray[Any, np.dtype[Any]]
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
 FORCES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 ROUND_OFF = 1e-13
+EPSILON = float(np.finfo(float).eps)
 NEARLY_RIGID = 1e-6
 DRIFT = 1e-11
 """Gap left at closed points, over the largest, from which the inverse is formed anew."""
@@ -39,7 +40,7 @@ class CoupledPoints:
         has not helped for twenty times (block principal pivoting).
         """
         active, largest = self.active, np.abs(gap).max()
-        noise = ROUND_OFF * largest
+        root = np.sqrt(self.diagonal)
         fewest, attempts = len(gap) + 1, 20
         for _ in range(50 * len(gap) + 200):
             forces = -(self.inverse(active) @ gap)
@@ -49,7 +50,9 @@ class CoupledPoints:
                 self._inverse[:] = 0.0
                 forces = -(self.inverse(active) @ gap)
                 slack = self.flexibility @ forces + gap
-            wrong = np.where(active, forces < -noise / self.diagonal, slack < -noise)
+            # Where weak springs hold a part, forces that balance move it far more than the gap.
+            noise = np.maximum(ROUND_OFF * largest, EPSILON * (root @ np.abs(forces)) * root)
+            wrong = np.where(active, self.diagonal * forces < -noise, slack < -noise)
             count = int(np.count_nonzero(wrong))
             if count == 0:
                 self.active = active

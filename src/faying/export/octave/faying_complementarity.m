@@ -28,7 +28,7 @@ function [lambda, slack, active] = faying_complementarity(S, N, d, gfree, active
     end
     residual = delta * max(abs(new - lambda));
     lambda = new;
-    if residual <= 1e-13 * max(abs(gfree))
+    if residual <= max(round_off(own, gfree, lambda))
       active = start;
       slack = max(N * (S * (N' * lambda)) + d .* lambda + gfree, 0);
       return
@@ -40,8 +40,6 @@ end
 
 function [lambda, slack, active, ok] = pivot(S, N, d, own, gfree, active)
   n = numel(gfree);
-  noise = 1e-13 * max([abs(gfree); 0]);
-  force_noise = noise ./ max(own, realmin);
   fewest = n + 1;
   attempts = 20;
   for iteration = 1:(50 * n + 200)
@@ -49,7 +47,8 @@ function [lambda, slack, active, ok] = pivot(S, N, d, own, gfree, active)
     if ~ok
       return
     end
-    wrong = (active & lambda < -force_noise) | (~active & slack < -noise);
+    noise = round_off(own, gfree, lambda);
+    wrong = (active & own .* lambda < -noise) | (~active & slack < -noise);
     count = sum(wrong);
     if count == 0
       lambda = max(lambda, 0);
@@ -69,6 +68,12 @@ function [lambda, slack, active, ok] = pivot(S, N, d, own, gfree, active)
     end
   end
   error('faying:contact', 'the contact problem of %d points did not settle', n);
+end
+
+function noise = round_off(own, gfree, lambda)
+% What it makes of gaps that vanish; the rigid motion of a part on weak springs moves by far more.
+  root = sqrt(max(own, 0));
+  noise = max(eps * (root' * abs(lambda)) * root, 1e-13 * max([abs(gfree); 0]));
 end
 
 function [lambda, slack, ok] = equilibrate(S, N, d, gfree, active)

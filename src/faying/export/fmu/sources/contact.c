@@ -14,8 +14,10 @@
 
 /* Exchanges of the whole active set without progress before single ones take over. */
 #define BLOCK_ATTEMPTS 20
-/* Sign violations below this fraction of the largest gap are noise. */
+/* Sign violations below this fraction of the largest gap are noise, as is what round-off makes of
+ * sums over the sum of their magnitudes. */
 #define ROUND_OFF 1e-13
+#define EPSILON 2.220446049250313e-16
 /* Proximal term over the largest diagonal of H. */
 #define PROXIMAL_FRACTION 1e-7
 #define PROXIMAL_STEPS 200
@@ -334,13 +336,24 @@ static int equilibrate(struct contact *c, const double *gap, const unsigned char
     return 0;
 }
 
+/* What round-off makes of gaps that vanish, over the root of the diagonal. */
+static double summed(const struct contact *c, const double *forces)
+{
+    double sum = 0.0;
+    for (size_t p = 0; p < c->n; p++)
+        sum += sqrt(c->diagonal[p] + c->delta) * fabs(forces[p]);
+    return EPSILON * sum;
+}
+
 /* Mark points with a wrong sign; returns how many there are. */
 static size_t find_wrong(struct contact *c, const unsigned char *active, const double *forces,
-                         const double *slack, double noise)
+                         const double *slack, double least)
 {
+    const double sum = summed(c, forces);
     size_t count = 0;
     for (size_t p = 0; p < c->n; p++) {
         const double own = c->diagonal[p] + c->delta;
+        const double noise = fmax(sum * sqrt(own), least);
         c->wrong[p] = active[p] ? forces[p] < -noise / own : slack[p] < -noise;
         count += c->wrong[p];
     }
@@ -404,7 +417,8 @@ static enum contact_status proximal_point(struct contact *c, const double *gap,
             change = moved > change ? moved : change;
         }
         memcpy(last, forces, c->n * sizeof *last);
-        if (c->delta * change <= tolerance)
+        const double noise = summed(c, forces) * sqrt(most_of(c->diagonal, c->n) + c->delta);
+        if (c->delta * change <= fmax(tolerance, noise))
             return CONTACT_SOLVED;
     }
     return CONTACT_UNSETTLED;
