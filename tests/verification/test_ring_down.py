@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment import stuck_modes
 from faying.assessment.stuck_modes import stuck_mode
 from faying.exceptions import ModelError
 
@@ -40,6 +41,30 @@ def test_small_vibrations_die_out_by_the_damping_matrix(rom):
     assert found.motion[0] == pytest.approx(1e-5, rel=0.05)
     assert found.measured_at == "tip"
     np.testing.assert_array_equal(found.solution.states.shape, (401, len(rom.K)))
+
+
+def test_the_sign_of_a_mode_is_not_the_eigensolvers(rom, monkeypatch):
+    """Masing's first loading and a ring-down begin on one side: that of the place they name."""
+
+    def begun(at):
+        curve = fy.backbone(rom, 1, [0.1], at=at, masing=True, increments=12)
+        motion = fy.ring_down(rom, 1, 0.1, at=at, increments=3, periods=3, steps_per_period=20)
+        return curve.masing_damping[0], motion.motion, motion.solution.displacement("tip")[0, 2]
+
+    up, other = begun("tip"), begun("-tip")
+    lowest = stuck_modes.lowest_modes
+
+    def turned(*arguments):
+        squares, shapes = lowest(*arguments)
+        return squares, -shapes
+
+    monkeypatch.setattr(stuck_modes, "lowest_modes", turned)
+    for before, now in zip(up, begun("tip"), strict=True):
+        np.testing.assert_array_equal(now, before)
+    # The tip goes up by most of the amplitude, and down on the other side, where contact opens.
+    assert up[2] > 0.05 > -0.05 > other[2]
+    assert (up[1][0], other[1][0]) == pytest.approx((0.1, 0.1), rel=0.2)
+    assert abs(up[0] / other[0] - 1) > 0.1
 
 
 @pytest.mark.slow

@@ -147,7 +147,9 @@ def backbone(
         slipped; ``energy`` of the result is what they became.
     at
         A boundary, whose translation is meant, or one of its components as ``"tip.rx"``
-        (amplitudes are angles then). By default the boundary that the mode moves most.
+        (amplitudes are angles then). By default the boundary that the mode moves most. The first
+        loading, all that Masing's rule knows, moves it to its positive side, by the first component
+        that moves half as far as the most; ``"-tip.uz"`` to the other.
     initial
         State to vibrate about, the last one of a path; by default the bolts are tightened with
         friction in one increment.
@@ -226,7 +228,7 @@ def modal_analysis(
     rest = solve_path(system, [Load()]) if initial is None else initial
     found = stuck_mode(system, rest, mode)
     with naming(f"mode {mode}"):
-        measure = measured(system, found, at)
+        found, measure = measured(system, found, at)
     start = path_start(system, rest)
     whole = len(levels) * (FEWEST_CYCLES * increments + increments // 4)
     solver = path_solver(system, whole, start.increment.forces, compiled)

@@ -1,7 +1,7 @@
 """Cycles of a preloaded joint in the shape of one of its modes, seen through its contact."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self, final
 
 import numpy as np
@@ -20,6 +20,10 @@ AT_BOUND = 1e-6
 
 STILL = 1e-6
 """Displacement at a boundary, over that of the structure, below which a mode leaves it still."""
+
+ALIKE = 0.99
+"""Share of the largest displacement from which the first place that moves so far is measured:
+which of several alike moves most is round-off."""
 
 
 @final
@@ -41,50 +45,69 @@ class Measure:
     unit: float
 
 
-def measured(system: System, mode: StuckMode, at: str | None) -> Measure:
-    """Return the direction in which a mode moves a boundary."""
-    name, _, component = (at or "").partition(".")
+def measured(system: System, mode: StuckMode, at: str | None) -> tuple[StuckMode, Measure]:
+    """Return a mode with the sign that it has where it is measured, and the direction there.
+
+    An eigensolver leaves the sign open. The mode moves that place towards its positive side, by
+    the first component that moves at least half as far as the one that moves most; with a minus
+    before the name, as in ``"-tip.uz"``, to the other.
+    """
+    side, name, component = boundary_and_component(at or "")
     if at is not None and name not in system.boundaries:
         message = (
             f"there is no boundary '{name}'; the boundaries are "
             f"{', '.join(system.boundaries) or 'none'}"
         )
         raise ModelError(message)
-    wanted = [DISPLACEMENT_NAMES.index(component)] if component in DISPLACEMENT_NAMES else [0, 1, 2]
-    if component and len(wanted) > 1:
+    rows = [DISPLACEMENT_NAMES.index(component)] if component in DISPLACEMENT_NAMES else [0, 1, 2]
+    if component and len(rows) > 1:
         message = (
             f"boundary '{name}' has no component '{component}'; they are "
             f"{', '.join(DISPLACEMENT_NAMES)}"
         )
         raise ModelError(message)
-    names = list(system.boundaries) if at is None else [name]
-    found = [_direction(system, one, wanted, mode.shape) for one in names]
-    if not found:
+    names = [name] if name else list(system.boundaries)
+    if not names:
         message = "the model has no boundary, where amplitudes are measured; give it one"
         raise ModelError(message)
-    best = max(range(len(found)), key=lambda i: found[i].unit)
-    chosen = found[best]
+    moved = [_direction(system, name, rows, mode.shape) for name in names]
+    sizes = np.array([np.linalg.norm(one) for one in moved])
+    best = _first(sizes, ALIKE)
+    name, direction, unit = names[best], moved[best], float(sizes[best])
     moves = np.abs(mode.shape).max(initial=0.0)
-    if not chosen.unit > STILL * moves:
+    if not unit > STILL * moves:
         message = (
-            f"the mode of {mode.frequency:.6g} leaves '{chosen.name}' still; measure its amplitude "
-            f"where it moves: at = a boundary, or one of its components as '{chosen.name}.rx'"
+            f"the mode of {mode.frequency:.6g} leaves '{name}' still; measure its amplitude "
+            f"where it moves: at = a boundary, or one of its components as '{name}.rx'"
         )
         raise ModelError(message)
-    return Measure(name=at or chosen.name, rows=chosen.rows, unit=chosen.unit)
+    sign = side * np.sign(direction[_first(np.abs(direction), 0.5)])
+    ports = np.zeros(system.port_compliance.n_boundary)
+    ports[boundary_slices(system.boundaries)[name]] = sign * direction / unit
+    return (
+        replace(mode, shape=sign * mode.shape),
+        Measure(name=at or name, rows=ports, unit=unit),
+    )
 
 
-def _direction(system: System, name: str, wanted: Sequence[int], shape: Vector) -> Measure:
-    """Return the direction of the node of a boundary that a mode moves most."""
+def boundary_and_component(at: str) -> tuple[float, str, str]:
+    """Return the side of a place where amplitudes are measured, its boundary and component."""
+    name, _, component = at.removeprefix("-").partition(".")
+    return -1.0 if at.startswith("-") else 1.0, name, component
+
+
+def _direction(system: System, name: str, components: Sequence[int], shape: Vector) -> Vector:
+    """Return what a mode moves the node of a boundary that it moves most (n_boundary_dof,)."""
     boundary = system.boundaries[name]
-    moved = np.where(np.isin(boundary.components, wanted), shape[boundary.dofs], 0.0)
-    sizes = {node: np.linalg.norm(moved[boundary.nodes == node]) for node in set(boundary.nodes)}
-    node = max(sorted(sizes), key=lambda one: sizes[one])
-    own = np.where(boundary.nodes == node, moved, 0.0)
-    unit = float(sizes[node])
-    rows = np.zeros(system.port_compliance.n_boundary)
-    rows[boundary_slices(system.boundaries)[name]] = own / unit if unit > 0 else own
-    return Measure(name=name, rows=rows, unit=unit)
+    moved = np.where(np.isin(boundary.components, components), shape[boundary.dofs], 0.0)
+    nodes = np.unique(boundary.nodes)
+    sizes = np.array([np.linalg.norm(moved[boundary.nodes == node]) for node in nodes])
+    return np.where(boundary.nodes == nodes[_first(sizes, ALIKE)], moved, 0.0)
+
+
+def _first(sizes: Vector, share: float) -> int:
+    """Return the index of the first size that is at least this share of the largest."""
+    return int(np.argmax(sizes >= share * sizes.max()))
 
 
 @final

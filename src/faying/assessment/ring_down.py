@@ -85,7 +85,7 @@ def ring_down(
         Displacement to begin with where it is measured, if nothing slipped.
     at
         A boundary, or one of its components as ``"tip.rx"``; by default the boundary that the mode
-        moves most.
+        moves most. It begins on the positive side of that, with ``"-tip.rx"`` on the other.
     path
         Loads that lead to the joint about which it vibrates; the last one stays on. By default the
         bolts are tightened with friction in one increment.
@@ -125,7 +125,7 @@ def ring_down(
     rest = solve_path(system, path)
     found = stuck_mode(system, rest, mode)
     with naming(f"mode {mode}"):
-        measure = measured(system, found, at)
+        found, measure = measured(system, found, at)
     name = _unused(system, f"mode {mode}")
     inertia = LoadPattern(name=name, forces=np.asarray(system.M @ found.shape))
     pushed = replace(system, load_patterns={**system.load_patterns, name: inertia})

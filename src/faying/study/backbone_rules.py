@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from faying.assessment.modal_cycles import boundary_and_component
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -78,10 +79,10 @@ def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
 def _check_place(at: str | None, boundaries: list[str]) -> None:
     if at is None:
         return
-    name, dot, component = at.partition(".")
+    _, name, component = boundary_and_component(at)
     if name not in boundaries:
         message = f"there is no boundary '{name}'; {nearest(name, boundaries)}"
         raise ModelError(message)
-    if dot and component not in DISPLACEMENT_NAMES:
+    if component and component not in DISPLACEMENT_NAMES:
         message = f"'{component}' is no component; they are {quoted(DISPLACEMENT_NAMES)}"
         raise ModelError(message)
