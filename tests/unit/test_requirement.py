@@ -103,11 +103,45 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     assert page.index('id="joint"') < page.index('id="summary"')
 
 
-def test_requirement_that_cannot_be_judged_is_not_met(tmp_path):
-    summary, results = outcome(tmp_path, "min_slip_safety = 1.5")
-    assert results.assessment is None
-    assert "min_slip_safety is judged by" in " ".join(summary["warnings"])
-    assert "not judged" in joint_headline(results)
+def test_each_requirement_is_judged_alone(tmp_path):
+    """What cannot be judged is unknown, with the reason; bolts and all else are there."""
+    demanded = "min_slip_safety = 1.5\nno_opening_within = 0.5\nmin_clamp_force = 1e3"
+    path = tmp_path / "joint.toml"
+    path.write_text(STUDY.replace("REQUIREMENT", demanded))
+    done = CliRunner().invoke(app, ["check", str(path)])
+    assert "min_slip_safety cannot be judged: it is judged by" in " ".join(done.output.split())
+    done = CliRunner().invoke(app, ["run", str(path), "--out", str(tmp_path / "out")])
+    assert done.exit_code == 3, done.output
+    assert "Requirement no_opening_within: UNKNOWN (bolt), the preload presses no" in done.output
+    results = read_results(tmp_path / "out" / "results.h5")
+    clamp, around, slip = results.assessment.verdicts
+    assert (clamp.met, around.met, slip.met) == (True, None, None)
+    assert "there is neither" in slip.reason
+    assert results.assessment.bolts["bolt"].preload > 0
+    said = "Whether it holds is not known of no_opening_within (bolt); min_slip_safety."
+    assert joint_headline(results) == said
+    rows = [[cell.text for cell in row] for row in requirement_table(results).rows]
+    assert [row[2].startswith("not known: ") for row in rows] == [False, True, True]
+    kept = json.loads((tmp_path / "out" / "summary.json").read_text())["assessment"]["verdicts"]
+    assert [one["met"] for one in kept] == [True, None, None]
+
+
+@pytest.mark.parametrize(
+    ("demanded", "message"),
+    [
+        ("min_clamp_force = { jiont = 1e3 }", "there is no interface 'jiont'"),
+        ("slip_friction = { jiont = 0.1 }", "no interface 'jiont' without friction"),
+        ('closed_ring = [{ around = [0, 0, 0], interface = "x" }]', "no interface 'x'"),
+    ],
+)
+def test_requirements_on_what_is_not_there_are_refused_before_the_run(tmp_path, demanded, message):
+    path = tmp_path / "joint.toml"
+    path.write_text(STUDY.replace("REQUIREMENT", demanded))
+    for command in ("check", "run"):
+        done = CliRunner().invoke(app, [command, str(path)])
+        assert isinstance(done.exception, StudyError)
+        assert message in str(done.exception)
+        assert "joint.toml (line " in str(done.exception)
 
 
 @pytest.mark.parametrize(("limit", "status"), [(4e3, 0), (9e9, 3)])

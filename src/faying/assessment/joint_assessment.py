@@ -19,7 +19,7 @@ from faying.assessment.joint_record import (
 from faying.assessment.load_path import Openings, load_path
 from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
 from faying.assessment.recovery import solve_cases_at_ports
-from faying.assessment.requirements import Requirements
+from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.thread import Thread, thread_stress
 from faying.assessment.verdicts import verdicts
@@ -83,6 +83,8 @@ def assess(
     if len(set(names)) < len(names):
         message = "two loads have the same name; give each a name of its own, Load(…, name=…)"
         raise ModelError(message)
+    wanted = requirements or Requirements()
+    check_names(wanted, list(system.contact.slices), list(system.contact.slices))
     rest, cases = solve_static(system), solve_static_cases(system, loads)
     full = system.joint if isinstance(system, ReducedModel) else system
     surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
@@ -106,7 +108,6 @@ def assess(
         bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
     )
     followed = {load.name: load_path(full, load).openings() for load in loads} if paths else {}
-    wanted = requirements or Requirements()
     demands = slip_demands(
         system,
         surfaces,

@@ -174,5 +174,5 @@ class Assessment:
 
     @property
     def met(self) -> bool:
-        """Whether every requirement is met."""
-        return all(one.met for one in self.verdicts)
+        """Whether every requirement is known to be met."""
+        return all(one.met is True for one in self.verdicts)

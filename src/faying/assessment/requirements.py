@@ -1,7 +1,10 @@
 """What a joint must hold under every load case, and whether it does."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+
+from faying.exceptions import ModelError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +61,49 @@ class Requirements:
     closed_ring: tuple[ClosedRing, ...] = ()
 
 
+def misnamed(
+    wanted: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
+) -> Iterator[tuple[str, str]]:
+    """Yield the requirements that name an interface that is not there, and what is wrong.
+
+    Parameters
+    ----------
+    frictionless
+        Interfaces without a friction law.
+    """
+    limits, given = wanted.min_clamp_force, wanted.slip_friction
+    named = [("min_clamp_force", n) for n in (limits if isinstance(limits, Mapping) else ())]
+    named += [("closed_ring", ring.interface) for ring in wanted.closed_ring if ring.interface]
+    for key, name in named:
+        if name not in interfaces:
+            yield key, f"there is no interface '{name}'; there are {', '.join(interfaces)}"
+    if len(interfaces) > 1 and any(ring.interface is None for ring in wanted.closed_ring):
+        known = ", ".join(interfaces)
+        yield "closed_ring", f"there are several interfaces, {known}; add 'interface'"
+    for name in given if isinstance(given, Mapping) else ():
+        if name not in frictionless:
+            known = ", ".join(frictionless) or "none"
+            yield (
+                "slip_friction",
+                f"there is no interface '{name}' without friction; there are {known}",
+            )
+
+
+def check_names(
+    wanted: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
+) -> None:
+    """Refuse requirements on interfaces that are not there.
+
+    Raises
+    ------
+    ModelError
+        One message with all of them.
+    """
+    wrong = [f"{key}: {text}" for key, text in misnamed(wanted, interfaces, frictionless)]
+    if wrong:
+        raise ModelError("\n".join(wrong))
+
+
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
     """One requirement, judged where it is nearest to failing.
@@ -67,24 +113,27 @@ class Verdict:
     requirement
         Its key in the study.
     met
-        Whether it is met.
+        Whether it is met; None where that is not known.
     place
         Interface or bolt.
     case
         Load case.
     value
         Where it is nearest to failing, in the unit of the key; of openings the smallest pressure
-        near a bolt, which must stay above zero.
+        near a bolt, which must stay above zero; not a number where it is not known.
     limit
         Limit that the study sets.
+    reason
+        Why it is not known; empty where it is.
     """
 
     requirement: str
-    met: bool
+    met: bool | None
     place: str
     case: str
     value: float
     limit: float
+    reason: str = ""
 
     @classmethod
     def at_least(
@@ -94,4 +143,17 @@ class Verdict:
         met = value >= limit
         return cls(
             requirement=requirement, met=met, place=place, case=case, value=value, limit=limit
+        )
+
+    @classmethod
+    def unknown(cls, requirement: str, limit: float, reason: str, place: str = "") -> "Verdict":
+        """Return the verdict on what cannot be judged."""
+        return cls(
+            requirement=requirement,
+            met=None,
+            place=place,
+            case="",
+            value=math.nan,
+            limit=limit,
+            reason=reason,
         )

@@ -17,7 +17,6 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.system import Joint
@@ -187,24 +186,10 @@ def slip_coefficients(
     ----------
     frictionless
         Interfaces without a friction law.
-
-    Raises
-    ------
-    ModelError
-        If one is named that is not there, or has friction of its own.
     """
     if given is None:
         return {}
-    coefficients = dict(given) if isinstance(given, Mapping) else dict.fromkeys(frictionless, given)
-    unknown = sorted(set(coefficients) - set(frictionless))
-    if unknown:
-        known = ", ".join(frictionless) or "none"
-        message = (
-            f"slip_friction: there is no interface '{unknown[0]}' without friction; there are "
-            f"{known}"
-        )
-        raise ModelError(message)
-    return coefficients
+    return dict(given) if isinstance(given, Mapping) else dict.fromkeys(frictionless, given)
 
 
 def slip_demands(

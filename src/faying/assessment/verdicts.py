@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from faying.assessment.joint_record import CaseState, InterfaceAssessment
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import ring_around, ring_pressure
-from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import pressed_near
 from faying.model.bolt import Bolt
@@ -55,22 +54,10 @@ def _clamp_verdict(
 def wanted_clamps(
     limit: float | Mapping[str, float] | None, interfaces: Iterable[str]
 ) -> Mapping[str, float]:
-    """Return the least clamp force of each interface that has one.
-
-    Raises
-    ------
-    ModelError
-        If an interface is not there.
-    """
+    """Return the least clamp force of each interface that has one."""
     if limit is None:
         return {}
-    limits = limit if isinstance(limit, Mapping) else dict.fromkeys(interfaces, limit)
-    unknown = sorted(set(limits) - set(interfaces))
-    if unknown:
-        known = ", ".join(interfaces)
-        message = f"min_clamp_force: there is no interface '{unknown[0]}'; there are {known}"
-        raise ModelError(message)
-    return limits
+    return limit if isinstance(limit, Mapping) else dict.fromkeys(interfaces, limit)
 
 
 def pressure_verdict(
@@ -110,19 +97,13 @@ def _opening_verdict(
 
 
 def no_opening(bolt: str, radius: float, lows: Sequence[tuple[str, float]]) -> Verdict:
-    """Judge the smallest pressures around a bolt, each with its case.
-
-    Raises
-    ------
-    ModelError
-        If there is none, because nothing is pressed there.
-    """
+    """Judge the smallest pressures around a bolt, each with its case."""
     if not lows:
-        message = (
+        reason = (
             f"the preload presses no contact point within {radius:g} of bolt '{bolt}', so "
             "nothing can open there; give a larger radius for no_opening_within"
         )
-        raise ModelError(message)
+        return Verdict.unknown("no_opening_within", radius, reason, bolt)
     case, value = min(lows, key=lambda one: one[1])
     return Verdict(
         requirement="no_opening_within",
@@ -145,11 +126,12 @@ def _factor_verdict(
     if limit is None:
         return
     if not factors:
-        message = (
-            "min_opening_factor is judged by following static loads without friction, and none "
-            "was followed; add one, take a coarser interface, or leave the requirement out"
+        reason = (
+            "it is judged by following static loads without friction, and none was followed; add "
+            "one, take a coarser interface, or leave the requirement out"
         )
-        raise ModelError(message)
+        yield Verdict.unknown("min_opening_factor", limit, reason)
+        return
     name, case = min(factors, key=factors.__getitem__)
     value = factors[name, case]
     yield Verdict.at_least("min_opening_factor", name, case, value, limit)
@@ -166,39 +148,29 @@ def _slip_verdict(
         if one.slip is None or one.slip.coefficient is None:
             continue
         if one.slip.unknown:
-            message = (
-                f"min_slip_safety: what is carried along interface '{name}' is not known: "
-                f"{one.slip.unknown}; give it friction or a sticking area, or leave it out of "
-                "slip_friction"
+            reason = (
+                f"what is carried along it is not known: {one.slip.unknown}; give it friction or a "
+                "sticking area, or leave it out of slip_friction"
             )
-            raise ModelError(message)
+            yield Verdict.unknown("min_slip_safety", limit, reason, name)
+            continue
         found |= {(name, case): safety for case, safety in one.slip.safety.items()}
-    if not found:
-        message = (
-            "min_slip_safety is judged by static loads and cycles with friction, or by static "
-            "loads and slip_friction, the coefficient to judge interfaces without friction with, "
-            "and there is neither; give one, or leave the requirement out"
-        )
-        raise ModelError(message)
-    place, case = min(found, key=found.__getitem__)
-    yield Verdict.at_least("min_slip_safety", place, case, found[place, case], limit)
+    if found:
+        place, case = min(found, key=found.__getitem__)
+        yield Verdict.at_least("min_slip_safety", place, case, found[place, case], limit)
+    elif not any(one.slip and one.slip.unknown for one in interfaces.values()):
+        yield Verdict.unknown("min_slip_safety", limit, NO_SLIP)
+
+
+NO_SLIP = (
+    "it is judged by static loads and cycles with friction, or by static loads and slip_friction, "
+    "the coefficient to judge interfaces without friction with, and there is neither"
+)
+"""Why nothing is known of slip where no load and coefficient tells of it."""
 
 
 def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> str:
-    """Return the interface of a ring.
-
-    Raises
-    ------
-    ModelError
-        If it is not there, or not the only one where none is named.
-    """
-    known = ", ".join(surfaces)
-    if ring.interface is not None and ring.interface not in surfaces:
-        message = f"closed_ring: there is no interface '{ring.interface}'; there are {known}"
-        raise ModelError(message)
-    if ring.interface is None and len(surfaces) > 1:
-        message = f"closed_ring: there are several interfaces, {known}; add 'interface'"
-        raise ModelError(message)
+    """Return the interface of a ring, the only one where none is named."""
     return ring.interface or next(iter(surfaces))
 
 

@@ -37,6 +37,7 @@ def check(
     from faying.study.load_model import load_model
     from faying.study.loads import check_targets
     from faying.study.naming_tables import naming_tables
+    from faying.study.requirement_rules import not_judged
     from faying.study.solid_constants import doubts
     from faying.study.understood import understood
     from faying.units import units_of
@@ -70,7 +71,8 @@ def check(
         )
         for case in checked.load_cases
     ]
-    for doubt in [*constants, *filter(None, missing), *filter(None, jumps)]:
+    unjudged = not_judged(checked, model)
+    for doubt in [*constants, *filter(None, missing), *filter(None, jumps), *unjudged]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")

@@ -71,9 +71,9 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
 
 
 def met(summary: Mapping[str, Any]) -> bool:
-    """Say whether the joint holds what the study demands; not if that could not be judged."""
+    """Say whether the joint is known to hold what the study demands."""
     judged = summary.get("assessment") is not None or not summary.get("requirements")
-    return judged and all(verdict["met"] for verdict in _verdicts(summary))
+    return judged and all(verdict["met"] is True for verdict in _verdicts(summary))
 
 
 def _verdicts(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -86,6 +86,9 @@ def verdict_lines(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _verdict_line(verdict: Mapping[str, Any]) -> str:
+    if verdict["met"] is None:
+        place = f" ({verdict['place']})" if verdict["place"] else ""
+        return f"Requirement {verdict['requirement']}: UNKNOWN{place}, {verdict['reason']}"
     mark = "met" if verdict["met"] else "NOT MET"
     value = "never" if verdict["value"] is None else f"{verdict['value']:.5g}"
     place = f"{verdict['place']}, " if verdict["place"] else ""

@@ -1,6 +1,6 @@
 """The joint itself, first on the page: requirements, bolts and interfaces over all load cases."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -28,6 +28,9 @@ MEANINGS = {
 }
 """Requirement to what is judged, how it is limited, and the dimension of the limit."""
 
+
+GRADES: Mapping[bool | None, str] = {True: "good", False: "poor", None: "fair"}
+"""Grade of a requirement that is met, that is not, and that is not known."""
 
 NO_FRICTION = 1e-9
 """Coefficient needed that is the round-off of loads that press alone."""
@@ -62,14 +65,25 @@ def joint_headline(results: Results) -> str:
         return "The joint was not judged; see the warnings." if wanted else ""
     if not found.verdicts:
         return "The study demands nothing of the joint ([requirement]); this is what it sees."
-    failed: dict[str, list[str]] = {}
-    for one in found.verdicts:
-        if not one.met:
-            failed.setdefault(one.requirement, []).append(one.place or one.case)
-    if failed:
-        what = "; ".join(f"{name} ({', '.join(places)})" for name, places in failed.items())
-        return f"The joint does not hold what the study demands: {what}."
+    failed, unknown = (
+        _named(one for one in found.verdicts if one.met is met) for met in (False, None)
+    )
+    said = [f"The joint does not hold what the study demands: {failed}."] if failed else []
+    said += [f"Whether it holds is not known of {unknown}."] if unknown else []
+    if said:
+        return " ".join(said)
     return "The joint holds all that the study demands in these load cases."
+
+
+def _named(verdicts: Iterable[Verdict]) -> str:
+    """Name requirements, each with where it is judged."""
+    places: dict[str, list[str]] = {}
+    for one in verdicts:
+        places.setdefault(one.requirement, []).append(one.place or one.case)
+    return "; ".join(
+        f"{name} ({', '.join(filter(None, some))})" if any(some) else name
+        for name, some in places.items()
+    )
 
 
 def joint_doubts(results: Results) -> list[str]:
@@ -198,9 +212,11 @@ def _verdict(one: Verdict, units: Units) -> tuple[str | Cell, ...]:
     what, how, dimension = MEANINGS[one.requirement]
     of_value = "force/length²" if one.requirement == "no_opening_within" else dimension
     return (
-        Cell(text=one.requirement, grade="good" if one.met else "poor"),
+        Cell(text=one.requirement, grade=GRADES[one.met]),
         f"{how} {_measured(one.limit, dimension, units)}",
-        f"{what} {_measured(one.value, of_value, units)}",
+        f"not known: {one.reason}"
+        if one.met is None
+        else f"{what} {_measured(one.value, of_value, units)}",
         one.place,
         one.case,
     )

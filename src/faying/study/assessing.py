@@ -12,7 +12,7 @@ from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.load_path import Openings, load_path
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
-from faying.assessment.requirements import ClosedRing, Requirements
+from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.thread import Thread
 from faying.exceptions import ModelError
@@ -27,7 +27,7 @@ from faying.study.loads import case_load
 from faying.study.offline import PreparedJoint
 from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
-from faying.study.requirement_tables import RequirementSection
+from faying.study.requirement_rules import requirements_of
 from faying.study.results import CaseResult
 from faying.study.tables import LoadCaseSection, Study
 
@@ -88,7 +88,9 @@ def assess_run(
             if bolt.thread is not None
         }
         found = replace(found, scatter=_scatter(study, exact, static, threads, extras))
-        return with_threads(found, states, threads, study.units)
+        with extras.attempt("stress in threads"):
+            return with_threads(found, states, threads, study.units)
+        return found
     return None
 
 
@@ -109,13 +111,6 @@ def _scatter(
         for case in static:
             spreads += preload_spreads(exact, surfaces, case_load(case), scatter, threads)
     return tuple(spreads)
-
-
-def requirements_of(section: RequirementSection) -> Requirements:
-    """Return what a study demands."""
-    keys = {name: getattr(section, name) for name in type(section).model_fields}
-    rings = tuple(ClosedRing(**ring.model_dump()) for ring in section.closed_ring)
-    return Requirements(**{**keys, "closed_ring": rings})
 
 
 def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:

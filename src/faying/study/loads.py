@@ -9,6 +9,7 @@ from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
 from faying.study.friction_rules import check_friction
 from faying.study.history import read_history
+from faying.study.requirement_rules import check_requirements
 from faying.study.tables import (
     ForceSection,
     LoadCaseSection,
@@ -97,11 +98,13 @@ def check_targets(study: Study, model: Model) -> None:
     Raises
     ------
     StudyError
-        As :func:`faying.study.friction_rules.check_friction`.
+        As :func:`faying.study.friction_rules.check_friction`, and of requirements on interfaces
+        that are not there.
     ModelError
         The message names the boundary and its components.
     """
     check_friction(study, model)
+    check_requirements(study, model)
     start = np.zeros(1)
     training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
     worst = Load({side.target: 0.0 for side in study.validation.box}, name="validation")

@@ -12,7 +12,7 @@ import numpy as np
 
 from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE
-from faying.assessment.requirements import Requirements
+from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
@@ -93,6 +93,8 @@ def solve_loads(
 
     Raises
     ------
+    ModelError
+        If a requirement names an interface that is not there.
     StudyError
         If a case to be kept is not there, another call is writing to the folder, or it is not known
         how a joint with friction was tightened. Cases that do not converge are recorded instead.
@@ -105,6 +107,8 @@ def solve_loads(
     """
     chosen = options or SolveOptions()
     check_table_format(chosen.table)
+    smooth = [name for name, one in rom.interfaces.items() if not one.friction > 0]
+    check_names(chosen.requirements, list(rom.interfaces), smooth)
     unknown = [name for name in chosen.named if name not in loads.names]
     if unknown:
         remedy = nearest(unknown[0], loads.names[:20])

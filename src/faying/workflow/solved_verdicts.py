@@ -38,13 +38,7 @@ def rings_of(wanted: Requirements, rom: ReducedModel) -> dict[str, Ring]:
 
 
 def areas_of(wanted: Requirements, rom: ReducedModel) -> dict[str, TangentialRows]:
-    """Return what is carried along the interfaces whose slip is judged by sums, by name.
-
-    Raises
-    ------
-    ModelError
-        If a coefficient is given for one that is not there.
-    """
+    """Return what is carried along the interfaces whose slip is judged by sums, by name."""
     if wanted.slip_friction is None:
         return {}
     known = {one.interface: one for one in rom.tangential if not one.bolt}
@@ -81,10 +75,6 @@ def solved_verdicts(
     rest
         Preloaded state of a joint with friction.
 
-    Raises
-    ------
-    ModelError
-        If a requirement names what is not there, or cannot be judged on a reduced model.
     """
     sets = {**({} if static is None else {"": static}), **transients}
     for name, least in wanted_clamps(wanted.min_clamp_force, rom.interfaces).items():
@@ -105,34 +95,35 @@ def solved_verdicts(
         yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
     yield from _factors(wanted.min_opening_factor, rom, loads)
     if wanted.min_slip_safety is not None:
-        yield _slip(wanted.min_slip_safety, wanted, rom, static)
+        yield from _slip(wanted.min_slip_safety, wanted, rom, static)
 
 
-def _slip(limit: float, wanted: Requirements, rom: ReducedModel, static: Pieces | None) -> Verdict:
+def _slip(
+    limit: float, wanted: Requirements, rom: ReducedModel, static: Pieces | None
+) -> Iterator[Verdict]:
     """Judge S_G of the static cases, by sums."""
     coefficients, known = _coefficients(wanted, rom), areas_of(wanted, rom)
-    unknown = [name for name in coefficients if name not in known]
-    missing = ""
-    if unknown:
-        told = {one.interface: one.unknown for one in rom.tangential if not one.bolt}
-        reason = told.get(unknown[0], "the file does not tell; reduce the study again")
-        missing = f"what is carried along '{unknown[0]}' is not known: {reason}"
-    elif not coefficients:
-        missing = "no slip_friction is given"
-    elif static is None:
-        missing = "there is no static case"
-    if static is None or missing:
-        message = (
-            f"min_slip_safety is judged by sums over static cases, with slip_friction, and "
-            f"{missing}; friction itself is followed by faying run alone"
+    if static is None or not coefficients:
+        missing = "no slip_friction is given" if not coefficients else "there is no static case"
+        reason = (
+            f"it is judged by sums over static cases, with slip_friction, and {missing}; friction "
+            "itself is followed by faying run alone"
         )
-        raise ModelError(message)
+        yield Verdict.unknown("min_slip_safety", limit, reason)
+        return
+    told = {one.interface: one.unknown for one in rom.tangential if not one.bolt}
     found: list[tuple[float, str, str]] = []
     for name, coefficient in coefficients.items():
+        if name not in known:
+            why = told.get(name, "the file does not tell; reduce the study again")
+            reason = f"what is carried along it is not known: {why}"
+            yield Verdict.unknown("min_slip_safety", limit, reason, name)
+            continue
         case, needed = _extreme({"": static}, f"needed_friction.{name}")
         found.append((coefficient / needed if needed > 0 else np.inf, name, case))
-    value, place, case = min(found)
-    return Verdict.at_least("min_slip_safety", place, case, value, limit)
+    if found:
+        value, place, case = min(found)
+        yield Verdict.at_least("min_slip_safety", place, case, value, limit)
 
 
 def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -> tuple[str, float]:
@@ -178,18 +169,17 @@ def _openings(
 def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
     if limit is None:
         return
+    reason = ""
     if len(rom.contact.rubbing):
-        message = (
-            "min_opening_factor follows static cases without friction, and the joint has some; "
-            "leave the requirement out"
+        reason = "it follows static cases without friction, and the joint has some"
+    elif not 0 < len(loads.names) <= MOST_PATHS:
+        reason = (
+            f"it follows each static case to its opening, and there are {len(loads.names)}; give "
+            f"up to {MOST_PATHS}"
         )
-        raise ModelError(message)
-    if not 0 < len(loads.names) <= MOST_PATHS:
-        message = (
-            f"min_opening_factor follows each static case to its opening, and there are "
-            f"{len(loads.names)}; give up to {MOST_PATHS}, or leave the requirement out"
-        )
-        raise ModelError(message)
+    if reason:
+        yield Verdict.unknown("min_opening_factor", limit, reason)
+        return
     found = [input_path(rom.joint, row).openings() for row in loads.inputs]
     lost = {
         (place, case): openings.last[place]
