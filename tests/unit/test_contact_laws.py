@@ -111,3 +111,52 @@ def test_laws_do_not_change(law):
             setattr(law, field.name, 1.0)
     with pytest.raises(FrozenInstanceError):
         law.colour = "red"
+
+
+MOVED = np.random.default_rng(3).standard_normal((3, 400)) * [[1.0], [0.3], [0.3]]
+AREAS = np.random.default_rng(4).uniform(0.5, 2.0, 400)
+
+
+@pytest.mark.parametrize("law", [Penalty(10.0), RUBBING])
+@pytest.mark.parametrize("given", [False, True])
+def test_responses_are_the_forces_of_admissible_and_closure(law, given):
+    """λ = admissible(λ − r (moved + c(λ))), (F1), at open, sticking and slipping points."""
+    moved, pressing = MOVED[: law.components], np.abs(MOVED[1]) * 20 if given else None
+    forces, _ = law.respond(moved, AREAS, pressing)
+    if pressing is not None:
+        moved, forces, pressing = (a[..., MOVED[0] < 0] for a in (moved, forces, pressing))
+    slack = moved + law.closure(forces, AREAS[MOVED[0] < 0] if given else AREAS)[0]
+    again = law.admissible(forces - 7.0 * slack, pressing)
+    np.testing.assert_allclose(again, forces, rtol=0, atol=1e-13)  # round-off of forces of 30
+    assert (forces[0] > 0).any()
+
+
+@pytest.mark.parametrize("law", [Penalty(10.0), RUBBING])
+@pytest.mark.parametrize("given", [False, True])
+def test_stiffnesses_are_the_derivatives_of_responses(law, given):
+    moved, pressing = MOVED[: law.components], MOVED[1] * 20 if given else None
+    way = np.random.default_rng(5).standard_normal(moved.shape)
+    ends = [law.respond(moved + h * way, AREAS, pressing)[0] for h in (1e-7, -1e-7)]
+    stiffness = law.respond(moved, AREAS, pressing)[1]
+    found = -np.einsum("pij,jp->ip", stiffness, way)
+    # Round-off of the differences, 30 · 1e-16/1e-7; no point lies within 1e-7 of a kink.
+    np.testing.assert_allclose(found, (ends[0] - ends[1]) / 2e-7, rtol=0, atol=1e-5)
+    if given:
+        np.testing.assert_array_equal(stiffness, stiffness.transpose(0, 2, 1))
+        np.testing.assert_array_equal(stiffness[:, 1:, 0], 0.0)
+
+
+def test_newtons_method_begins_closed_and_sticking():
+    zero = np.zeros((3, 2))
+    forces, stiffness = RUBBING.respond(zero, WEIGHTS)
+    np.testing.assert_array_equal(forces, zero)
+    np.testing.assert_array_equal(stiffness, [np.diag([10.0, 40.0, 40.0]) * w for w in WEIGHTS])
+    smooth = Coulomb(Penalty(10.0), 0.0, 40.0).respond(zero, WEIGHTS)[1]
+    np.testing.assert_array_equal(smooth[:, 1:, 1:], 0.0)  # nothing to hold on by
+
+
+@pytest.mark.parametrize("law", [Hard(), Coulomb(Penalty(10.0), 0.5, np.inf)])
+def test_what_does_not_yield_has_no_response(law):
+    assert not law.yields
+    with pytest.raises(ModelError, match="do not follow from displacements; give a penalty"):
+        law.respond(np.zeros((law.components, 2)), WEIGHTS)

@@ -72,6 +72,11 @@ class Coulomb:
         return self.normal.penalty
 
     @property
+    def yields(self) -> bool:
+        """Whether the normal law does, and sticking points by a finite c_t."""
+        return self.normal.yields and np.isfinite(self.tangential_penalty).item()
+
+    @property
     def proportional(self) -> bool:
         """Whether the normal law is; shear is in proportion to the tangential force."""
         return self.normal.proportional
@@ -111,6 +116,44 @@ class Coulomb:
             pulled = self.friction * (closed & slips)
             result[:, 1, 0], result[:, 2, 0] = pulled * first, pulled * second
         return result
+
+    def respond(
+        self, moved: Matrix, weights: Vector, pressing: Vector | None = None
+    ) -> tuple[Matrix, Matrix]:
+        """Return λ_n of the normal law and −w c_t moved_t cut to μ λ_n, with the stiffness.
+
+        The stiffness is consistent with the cut (radial return; J. C. Simo, T. J. R. Hughes,
+        Computational Inelasticity, 1998, §3.3), and unsymmetric where a point slips.
+
+        Raises
+        ------
+        ModelError
+            If nothing yields.
+        """
+        if not self.yields:
+            message = "forces of rigid sticking do not follow from displacements; give a penalty"
+            raise ModelError(message)
+        pressed, normal = self.normal.respond(moved[:1], weights)
+        shear = self.tangential_penalty * weights
+        trial = -shear * moved[1:]
+        size = np.hypot(trial[0], trial[1])
+        limit = self.friction * (pressed[0] if pressing is None else np.maximum(pressing, 0.0))
+        touching = limit > 0 if pressing is not None else (moved[0] <= 0) & (self.friction > 0)
+        slips = (size > limit) | ~touching
+        over = 1.0 / np.where(size > 0, size, 1.0)
+        first, second = trial * over
+        cut = np.where(slips, limit * over, 1.0)
+        turned = shear * cut
+        bent = turned * slips
+        stiffness = np.zeros((len(weights), 3, 3))
+        stiffness[:, 0, 0] = normal[:, 0, 0]
+        stiffness[:, 1, 1] = turned - bent * first * first
+        stiffness[:, 2, 2] = turned - bent * second * second
+        stiffness[:, 1, 2] = stiffness[:, 2, 1] = -bent * first * second
+        if pressing is None:
+            pulled = self.friction * slips * normal[:, 0, 0]
+            stiffness[:, 1, 0], stiffness[:, 2, 0] = pulled * first, pulled * second
+        return np.concatenate([pressed, cut * trial]), stiffness
 
     def _limits(self, forces: Matrix, pressing: Vector | None) -> tuple[Vector, Vector, Vector]:
         """Return ⟨λ_n⟩, |λ_t| and what |λ_t| is held to."""

@@ -1,12 +1,13 @@
 """Hard contact: nothing penetrates, Eq. (15.7)."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import NoReturn, final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.laws.unilateral import Unilateral
+from faying.exceptions import ModelError
 
 
 @final
@@ -20,6 +21,11 @@ class Hard(Unilateral):
         return "hard"
 
     @property
+    def yields(self) -> bool:
+        """No displacement tells its forces."""
+        return False
+
+    @property
     def penalty(self) -> float:
         """Infinite."""
         return float("inf")
@@ -27,3 +33,19 @@ class Hard(Unilateral):
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:  # noqa: ARG002
         """Return zeros (1, n_point)."""
         return np.zeros_like(forces), np.zeros_like(forces)
+
+    def respond(
+        self,
+        moved: Matrix,  # noqa: ARG002
+        weights: Vector,  # noqa: ARG002
+        pressing: Vector | None = None,  # noqa: ARG002
+    ) -> NoReturn:
+        """Refuse: forces of hard contact are unknowns of their own.
+
+        Raises
+        ------
+        ModelError
+            Always.
+        """
+        message = "forces of hard contact do not follow from displacements; give a penalty"
+        raise ModelError(message)

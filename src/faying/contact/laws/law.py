@@ -42,6 +42,11 @@ class Law(Protocol):
         ...
 
     @property
+    def yields(self) -> bool:
+        """Whether forces follow from displacements; hard contact has no :meth:`respond`."""
+        ...
+
+    @property
     def proportional(self) -> bool:
         """Whether c(x) is in proportion to x, as active sets need it; others take solve_path."""
         ...
@@ -72,4 +77,31 @@ class Law(Protocol):
 
     def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
         """Return the derivative of :meth:`admissible` (n_point, components, components)."""
+        ...
+
+    def respond(
+        self, moved: Matrix, weights: Vector, pressing: Vector | None = None
+    ) -> tuple[Matrix, Matrix]:
+        """Return forces λ (components, n_point) [force] and −∂λ/∂moved at relative displacements.
+
+        The stiffness (n_point, components, components) [force/length] is that of the branch the
+        point is on. A point whose gap is zero counts as closed, and as sticking while it has not
+        moved along: there Newton's method begins.
+
+        Parameters
+        ----------
+        moved : (components, n_point) [length]
+            Gap g, negative where the surfaces approach, and the tangential displacements less the
+            slip so far.
+        weights : (n_point,) [length²]
+        pressing : (n_point,) [force]
+            Normal forces that bound the tangential ones; by default those that follow from the
+            gap. With them given the tangential forces do not depend on the gap (Tresca), and the
+            stiffness is symmetric.
+
+        Raises
+        ------
+        ModelError
+            If the law does not yield.
+        """
         ...

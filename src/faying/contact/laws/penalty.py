@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from faying._typing import Matrix, Vector
 from faying.contact.laws.unilateral import Unilateral
 from faying.exceptions import ModelError
@@ -45,3 +47,13 @@ class Penalty(Unilateral):
         """Return λ / (c_n w) and 1 / (c_n w), (1, n_point) each."""
         compliance = 1.0 / (self.stiffness * weights[None])
         return forces * compliance, compliance
+
+    def respond(
+        self,
+        moved: Matrix,
+        weights: Vector,
+        pressing: Vector | None = None,  # noqa: ARG002
+    ) -> tuple[Matrix, Matrix]:
+        """Return w c_n ⟨−g⟩ (1, n_point), and w c_n where closed (n_point, 1, 1)."""
+        stiffness = np.where(moved <= 0, self.stiffness * weights, 0.0)
+        return -stiffness * moved, stiffness.T[:, :, None]

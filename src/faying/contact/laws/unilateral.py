@@ -19,6 +19,11 @@ class Unilateral:
         return 0.0
 
     @property
+    def yields(self) -> bool:
+        """The surfaces close by what their pressure asks for."""
+        return True
+
+    @property
     def proportional(self) -> bool:
         """What contact yields is in proportion to its force, or nothing."""
         return True
