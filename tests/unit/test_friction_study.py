@@ -542,6 +542,13 @@ def test_path_files_with_mistakes_are_refused_at_once(tmp_path, text, match):
     assert "'factors' in [[load_case]] number 2" in str(raised.value)
 
 
+@pytest.mark.parametrize("factor", ["-1", "10000"])
+def test_a_path_turns_no_bolt_into_a_press_or_a_crane(tmp_path, factor):
+    study = read_study(write(tmp_path, way=WAY.replace("0.7", factor)))
+    with pytest.raises(StudyError, match=rf"column 'bolt' has {factor}, expected a factor from 0"):
+        build(study)
+
+
 def test_motions_start_from_what_tightening_left(tmp_path):
     text = (
         "friction_during_preload = false\n"

@@ -138,7 +138,7 @@ def test_requirements_on_what_is_not_there_are_refused_before_the_run(tmp_path, 
     path = tmp_path / "joint.toml"
     path.write_text(STUDY.replace("REQUIREMENT", demanded))
     for command in ("check", "run"):
-        done = CliRunner().invoke(app, [command, str(path)])
+        done = CliRunner().invoke(app, [command, str(path), "--out", str(tmp_path / "out")])
         assert isinstance(done.exception, StudyError)
         assert message in str(done.exception)
         assert "joint.toml (line " in str(done.exception)

@@ -11,6 +11,7 @@ from faying.study.backbone_rules import backbone_problems, backbones_of
 from faying.study.errors import Problem, nearest, quoted, reject
 from faying.study.load_factors import ALL, read_load_factors
 from faying.study.positions import Location
+from faying.study.ranges import MOST_PRELOAD_FACTOR
 from faying.study.tables import LoadCaseSection, Study
 
 KINDS = {
@@ -97,13 +98,21 @@ def check_friction(study: Study, model: Model) -> None:
 
 
 def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
-    """Find columns of paths that are neither loads of the case nor bolts."""
+    """Find columns of paths that are neither loads nor bolts, and absurd factors of bolts."""
     for i, case in enumerate(study.load_cases):
         if case.factors is None:
             continue
         loads = [force.target for force in case.forces]
         known = [ALL, *loads, *model.bolts]
-        for name in read_load_factors(case.factors, loads).names:
+        found = read_load_factors(case.factors, loads)
+        for name, values in zip(found.names, found.values.T, strict=True):
+            absurd = (values < 0) | (values > MOST_PRELOAD_FACTOR)
+            if name in model.bolts and name not in loads and absurd.any():
+                text = (
+                    f"{case.factors.name}: column '{name}' has {values[absurd][0]:g}, expected a "
+                    f"factor from 0 to {MOST_PRELOAD_FACTOR:g} on the bolt's initial force"
+                )
+                yield _problem(study, ("load_case", i, "factors"), text)
             if name not in known:
                 text = (
                     f"{case.factors.name}: column '{name}' is neither a load of the case nor a "

@@ -12,7 +12,14 @@ from faying.exceptions import StudyError
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
 from faying.simulation.load import History, Load
-from faying.study.load_table import LoadTable, read_load_table, table_inputs
+from faying.study.load_table import (
+    FACTOR,
+    OLD_FACTOR,
+    LoadTable,
+    read_load_table,
+    renamed_factors,
+    table_inputs,
+)
 from faying.study.loads import case_load
 from faying.study.ranges import LARGEST, SMALLEST
 from faying.study.requirement_tables import RequirementSection
@@ -59,12 +66,15 @@ class LoadSet:
         Loads over time.
     requirement
         What the file of the loads demands of the joint; None if it says nothing.
+    remarks
+        What is to be said of the file.
     """
 
     names: tuple[str, ...]
     inputs: Matrix
     transients: tuple[TimedLoad, ...]
     requirement: RequirementSection | None = None
+    remarks: tuple[str, ...] = ()
 
 
 def read_loads(
@@ -118,7 +128,9 @@ def read_loads(
         if table.times is not None:
             return _of_histories(rom, [table], step, integrator)
         names = tuple(table.row_name(row) for row in range(table.n_row))
-        return LoadSet(names=names, inputs=table_inputs(table, rom), transients=())
+        table, said = renamed_factors(table, rom)
+        inputs, remarks = table_inputs(table, rom), (said,) if said else ()
+        return LoadSet(names=names, inputs=inputs, transients=(), remarks=remarks)
     cases, requirement = read_load_cases(path)
     return replace(_of_cases(cases, rom), requirement=requirement)
 
@@ -176,8 +188,9 @@ def _of_histories(
 ) -> LoadSet:
     loads: list[TimedLoad] = []
     for table in tables:
-        table_inputs(table, rom)  # refuses unknown columns, all at once
-        locked = [name for name in table.columns if name.partition(".")[0] == "preload"]
+        table_inputs(renamed_factors(table, rom)[0], rom)  # refuses unknown columns, all at once
+        factors = {FACTOR, OLD_FACTOR}
+        locked = [name for name in table.columns if name.partition(".")[0] in factors]
         if locked:
             message = (
                 f"{table.path.name}: column '{locked[0]}' cannot change over time, for bolts are "

@@ -1,7 +1,7 @@
 """Tables of loads: one row per static case, or one row per instant where there is a time column."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.study.errors import MOST_SHOWN, nearest
 from faying.study.parquet_files import parquet_cells
-from faying.study.ranges import LARGEST, LONGEST_NAME
+from faying.study.ranges import LARGEST, LONGEST_NAME, MOST_PRELOAD_FACTOR
 
 NAME = "case"
 """Column with the names of static cases; without it they are numbered from 1."""
@@ -23,8 +23,11 @@ NAME = "case"
 TIME = "time"
 """Column that makes a table one history."""
 
-PRELOAD = "preload"
+FACTOR = "preload_factor"
 """Factor on the initial forces of all bolts, or with a bolt's name behind a dot of that one."""
+
+OLD_FACTOR = "preload"
+"""What it was called, and still may be: the name of a force in studies."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,13 +85,31 @@ def read_load_table(path: Path) -> LoadTable:
     return LoadTable(path=path, names=names, columns=columns, times=times)
 
 
+def renamed_factors(table: LoadTable, joint: Joint) -> tuple[LoadTable, str]:
+    """Return a table with the present names of preload factors, and what is to be said of it."""
+    old = {OLD_FACTOR: FACTOR} | {f"{OLD_FACTOR}.{n}": f"{FACTOR}.{n}" for n in joint.bolts}
+    there = [name for name in table.columns if name in old and name not in _force_columns(joint)]
+    if not there:
+        return table, ""
+    said = (
+        f"{table.path.name}: column '{there[0]}' is a factor on the initial force of bolts, not a "
+        f"force; call it '{old[there[0]]}', the old name will go"
+    )
+    columns = {old.get(name, name): values for name, values in table.columns.items()}
+    if len(columns) < len(table.columns):
+        message = f"{table.path.name}: '{there[0]}' and '{old[there[0]]}' are the same; keep one"
+        raise StudyError(message)
+    return replace(table, columns=columns), said
+
+
 def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
     """Return the inputs (n_row, n_input) of the static cases of a table, as those of a load.
 
     Raises
     ------
     StudyError
-        If columns are of nothing that the joint has; all of them are listed.
+        If columns are of nothing that the joint has, all of which are listed; or a preload factor
+        is none.
     """
     targets = known_columns(joint)
     wrong = [
@@ -107,29 +128,48 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
     inputs = np.zeros((table.n_row, first + len(patterns)))
     locked = initial_bolt_forces(joint)
     inputs[:, n_boundary:first] = locked
-    if PRELOAD in table.columns:
-        inputs[:, n_boundary:first] = np.outer(table.columns[PRELOAD], locked)
+    if FACTOR in table.columns:
+        _check_factors(table, FACTOR)
+        inputs[:, n_boundary:first] = np.outer(table.columns[FACTOR], locked)
     for name, values in table.columns.items():
         owner, _, part = name.rpartition(".")
         if name in patterns:
             inputs[:, first + patterns.index(name)] = values
         elif owner in places:
             inputs[:, places[owner]] += np.outer(values, joint.boundaries[owner].pattern(part))
-        elif name != PRELOAD:
-            bolt = bolts.index(name.removeprefix(f"{PRELOAD}."))
+        elif name != FACTOR:
+            _check_factors(table, name)
+            bolt = bolts.index(name.removeprefix(f"{FACTOR}."))
             inputs[:, n_boundary + bolt] = values * locked[bolt]
     return inputs
 
 
 def known_columns(joint: Joint) -> list[str]:
     """Return the columns of loads that a table for a joint may have."""
+    factors = [FACTOR, *(f"{FACTOR}.{name}" for name in joint.bolts)] if joint.bolts else []
+    return [*_force_columns(joint), *factors]
+
+
+def _force_columns(joint: Joint) -> list[str]:
     forces = [
         f"{name}.{FORCE_NAMES[component]}"
         for name, boundary in joint.boundaries.items()
         for component in sorted(set(boundary.components.tolist()))
     ]
-    factors = [PRELOAD, *(f"{PRELOAD}.{name}" for name in joint.bolts)] if joint.bolts else []
-    return [*forces, *joint.load_patterns, *factors]
+    return [*forces, *joint.load_patterns]
+
+
+def _check_factors(table: LoadTable, name: str) -> None:
+    """Refuse preload factors that are none."""
+    values = table.columns[name]
+    wrong = np.flatnonzero(~((values >= 0) & (values <= MOST_PRELOAD_FACTOR)))
+    if wrong.size:
+        message = (
+            f"{table.path.name}, row {wrong[0] + 1}: column '{name}' has {values[wrong[0]]:g}, "
+            f"expected a factor from 0 to {MOST_PRELOAD_FACTOR:g} on the initial force of bolts; "
+            "divide the force that is meant by the preload of the study"
+        )
+        raise StudyError(message)
 
 
 def _csv(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:

@@ -29,6 +29,11 @@ MOST_STEPS = 100_000_000
 milliseconds of a full model, days."""
 
 
+MOST_PRELOAD_FACTOR = 10.0
+"""Initial force of a bolt over that it was tightened to: bolts that are tightened at all yield long
+before, so that a larger number is meant as a force."""
+
+
 def in_range(value: float) -> float:
     """Return a measure whose products with others can be computed."""
     if value != 0 and not SMALLEST <= abs(value) <= LARGEST:

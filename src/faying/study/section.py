@@ -21,7 +21,14 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from faying.study.errors import UNKNOWN_KEY, nearest, one_of, refusal, shown
-from faying.study.ranges import LARGEST_ID, countable, identifying, in_range, nameable
+from faying.study.ranges import (
+    LARGEST_ID,
+    MOST_PRELOAD_FACTOR,
+    countable,
+    identifying,
+    in_range,
+    nameable,
+)
 
 
 def check_names(data: dict[str, Any], known: Iterable[str]) -> None:
@@ -150,6 +157,7 @@ def _selection(value: Any) -> str | int | tuple[int, ...]:
 Number = Annotated[float, Strict(), AllowInfNan(False), AfterValidator(in_range)]
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
+PreloadFactor = Annotated[Number, Field(ge=0, le=MOST_PRELOAD_FACTOR)]
 Count = Annotated[int, Strict(), Field(ge=1), AfterValidator(countable)]
 CountOrNone = Annotated[int, Strict(), Field(ge=0), AfterValidator(countable)]
 Id = Annotated[int, Strict(), AfterValidator(identifying)]

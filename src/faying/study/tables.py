@@ -36,6 +36,7 @@ from faying.study.section import (
     NotNegative,
     Number,
     Positive,
+    PreloadFactor,
     Section,
     StepOrAuto,
     Switch,
@@ -123,7 +124,7 @@ class TrainingSection(Timed):
 
     box: tuple[BoxSide, ...] = ()
     levels: Annotated[Count, Field(ge=2)] = 5
-    preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
+    preload_factors: Annotated[tuple[PreloadFactor, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
     dynamics: Switch = True
     system: Literal["full", "reduced"] = "full"
     subareas: Count | None = None
@@ -337,7 +338,7 @@ class ValidationSection(Section):
     """
 
     box: tuple[BoxSide, ...] = ()
-    preload_factors: Annotated[tuple[NotNegative, ...], Field(min_length=1)] = (1.0,)
+    preload_factors: Annotated[tuple[PreloadFactor, ...], Field(min_length=1)] = (1.0,)
     unseen_loads: CountOrNone = 100
     penalty_sweep: Switch = True
     half_step: Switch = True

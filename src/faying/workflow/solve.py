@@ -160,7 +160,7 @@ def solve_loads(
             **found,
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
-            "warnings": [*_barely_held(found), *extras.failed],
+            "warnings": [*loads.remarks, *_barely_held(found), *extras.failed],
             "timings": stages.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
