@@ -18,6 +18,7 @@ from faying.joint.build import build_model
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.joint.model import Model
 from faying.model.assembly import Material
+from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.model.supports import with_supports
@@ -110,8 +111,8 @@ def read_abaqus(
         Where bodies touch; by default the contact pairs of the deck or, if it has none, all
         coincident facets of different bodies.
     bolts
-        Bolts, as beam elements of the deck or as generated beams; by default the pretension
-        sections of the deck, whose forces :func:`faying.io.abaqus.read_joint` tells.
+        Beam elements of the deck, or generated beams; by default its pretension sections, whose
+        forces :func:`faying.io.abaqus.read_joint` tells.
     boundaries
         Where loads enter.
     step
@@ -143,13 +144,14 @@ def _of_deck(
     from faying.interface.gap_field import with_gap_offset
     from faying.interface.gap_rule import with_gap_rule
 
-    if interfaces is None and not described.interfaces and described.has_joined_faces:
+    sides = described.interfaces or AUTO if interfaces is None else interfaces
+    if sides is AUTO and described.has_joined_faces:
         message = "the deck has no contact pairs, and faces found automatically would be those "
-        message += "of ties and of cuts through bolts too; name the sides of interfaces"
-        raise ModelError(message)
+        raise ModelError(message + "of ties and of cuts through bolts too; name the sides")
+    free = described.unlocked if bolts is None else ()
     model = build_model(
-        described.assembly,
-        interfaces=(described.interfaces or AUTO) if interfaces is None else interfaces,
+        with_unlocked_bolts(described.assembly, [b for b in described.bolts if b.name in free]),
+        interfaces=sides,
         bolts=described.bolts if bolts is None else bolts,
         boundaries=[*described.boundaries, *boundaries],
         damping=damping,
@@ -162,12 +164,9 @@ def _of_deck(
             if name in model.interfaces
         }
     )
+    gaps = {n: gap for n, gap in described.initial_gaps.items() if n in model.interfaces}
     return model.with_interfaces(
-        {
-            name: with_gap_offset(model.interfaces[name], np.asarray(offset))
-            for name, offset in described.initial_gaps.items()
-            if name in model.interfaces
-        }
+        {n: with_gap_offset(model.interfaces[n], np.asarray(gap)) for n, gap in gaps.items()}
     )
 
 

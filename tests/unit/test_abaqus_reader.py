@@ -83,7 +83,22 @@ def test_the_small_deck_is_in_equilibrium(tmp_path):
     solution = fy.solve_static(tight, fy.Load({"tip.Fz": -7.0}))
     # The parts touch through contact and bolt only; the sum is exact but for round-off.
     assert solution.contact_force() == pytest.approx(solution.bolt_force("bolt 3") + 7.0, rel=1e-9)
-    assert solution.bolt_force("bolt 3") != pytest.approx(400.0, rel=1e-4)
+    # No step locks the bolt: its force is that of *CLOAD, to the stiffness that is left.
+    assert solution.bolt_force("bolt 3") == pytest.approx(400.0, rel=1e-6)
+
+
+def test_what_locks_a_bolt(read):
+    """A *CLOAD behind the lock does nothing; without other loads, a study's come after the lock."""
+    steps = DECK[: DECK.index("*STEP")] + STEPS
+    assert read(steps, step=1).unlocked == {"bolt 3"}
+    locked = read(steps, step=2)
+    assert not locked.unlocked
+    assert any("FIXED locks it while the loads of step 1" in n for n in locked.assembly.ignored)
+    later = steps.replace("100, 3, -9.", "104, 1, 900.\n100, 3, -9.")
+    assert read(later, step=2).preloads == {"bolt 3": 400.0}
+    alone = read(edited(("100, 3, -7.\n", "")))
+    assert not alone.unlocked
+    assert any("nothing but bolts acts in step 1" in note for note in alone.assembly.ignored)
 
 
 def test_read_deck_is_the_structure_alone(tmp_path):
@@ -612,7 +627,7 @@ REFUSED = [
     (edited(("*CLOAD", "*BOUNDARY\n104, 1, 1, -.1\n*CLOAD")), r"pressed apart by .* -0.1 of its"),
     (
         DECK + "*STEP\n*STATIC\n*CLOAD, OP=NEW\n100, 3, 1.\n*END STEP\n",
-        r"force of the section 'bolt 3' is taken away",
+        r"section 'bolt 3' has no force at the end of step 2, where it is read",
     ),
     (
         edited(("*PRE-TENSION", "*PRE-TENSION SECTION, ELEMENT=3, NODE=104\n*PRE-TENSION")),

@@ -58,6 +58,9 @@ def test_the_study_overrides_by_name(study):
     (interface,) = loaded.interfaces
     assert (interface.minus, interface.penalty) == ("SLAVE", 2e5)
     assert loaded.preloads == {"bolt 3": 90.0}
+    stiffness = build(study(more)).bolts["bolt 3"].stiffness
+    # The study's force locks the bolt, which the deck's does not.
+    assert build(study()).bolts["bolt 3"].stiffness == pytest.approx(1e-6 * stiffness)
 
 
 def test_an_unknown_step_is_refused(study):

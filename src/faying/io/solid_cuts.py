@@ -16,13 +16,10 @@ from faying._typing import Indices, Mask, Vector
 from faying.exceptions import FormatError
 from faying.interface.facets import area_vectors, gauss_rule
 from faying.model.assembly import Assembly, Equation, Spring, Support
+from faying.model.deck_bolt import CUT
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
 from faying.model.surface import padded, unique_rows
-
-STIFFNESS_FACTOR = 1e4
-"""Spring of a cut over E A / h of the layer of elements beside it: one part in ten thousand of one
-layer is added to the bolt's compliance, and K loses no more than four digits."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -279,7 +276,7 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
             Spring(
                 id=spring_id,
                 ends=((fixed, cut.component), (moving, cut.component)),
-                stiffness=STIFFNESS_FACTOR * _layer_stiffness(assembly, cut),
+                stiffness=CUT * _layer_stiffness(assembly, cut),
                 axis=(tuple((centre - half).tolist()), tuple((centre + half).tolist())),
             )
         )

@@ -32,6 +32,8 @@ class BeamSection:
     shear_factor_y, shear_factor_z : [-]
         Shear area divided by area in local y and z; ``inf`` is a beam rigid in shear
         (Euler-Bernoulli).
+    axial_factor : [-]
+        Axial stiffness over E A: next to 0 of a bolt that pulls with a given force.
     """
 
     area: float
@@ -40,6 +42,7 @@ class BeamSection:
     torsion: float
     shear_factor_y: float = np.inf
     shear_factor_z: float = np.inf
+    axial_factor: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,12 +2,21 @@
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, Spring
 from faying.model.specs import BoltSpec
+
+CUT = 1e4
+"""Stiffness of the spring that closes a cut over E A / h of the layer of elements beside it: one
+part in ten thousand of one layer is added to the bolt's compliance, K loses four digits at most."""
+
+UNLOCKED = 1e-6
+"""Axial stiffness left of a bolt that pulls with a given force: its force changes by a millionth of
+what it would if it were locked, and K loses six digits at most."""
 
 
 def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
@@ -40,7 +49,36 @@ def axial_stiffness(assembly: Assembly, element: Beam | Spring) -> float:
         return element.stiffness
     start, end = assembly.mesh.nodes[list(element.nodes)]
     length = float(np.linalg.norm(end - start))
-    return element.material.youngs_modulus * element.section.area / length
+    section = element.section
+    return section.axial_factor * element.material.youngs_modulus * section.area / length
+
+
+def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assembly:
+    """Let bolts pull with their initial force whatever their length: hardly any stiffness is left.
+
+    What is left holds a part that nothing but the bolt and contact hold.
+
+    Raises
+    ------
+    ModelError
+        As :func:`bolt_axis_element`.
+    """
+    ids = {bolt_axis_element(assembly, spec).id for spec in specs}
+    return replace(
+        assembly,
+        beams=tuple(
+            replace(beam, section=replace(beam.section, axial_factor=UNLOCKED))
+            if beam.id in ids
+            else beam
+            for beam in assembly.beams
+        ),
+        springs=tuple(
+            replace(spring, stiffness=spring.stiffness * UNLOCKED / CUT)
+            if spring.id in ids
+            else spring
+            for spring in assembly.springs
+        ),
+    )
 
 
 def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:

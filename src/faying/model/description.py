@@ -20,6 +20,8 @@ class JointDescription:
         Bolt name to the final force the source asks for.
     initial_forces : [force]
         Bolt name to the force it is locked at, of bolts that the source gives a length.
+    unlocked
+        Bolts of ``preloads`` that the source never locks: they pull with that force under any load.
     initial_gaps : [length]
         Interface name to an offset added to the gap of the geometry.
     gap_rules
@@ -36,6 +38,7 @@ class JointDescription:
     boundaries: tuple[BoundarySpec, ...] = ()
     preloads: Mapping[str, float] = field(default_factory=dict)
     initial_forces: Mapping[str, float] = field(default_factory=dict)
+    unlocked: frozenset[str] = frozenset()
     initial_gaps: Mapping[str, float] = field(default_factory=dict)
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     selected_load: str | None = None

@@ -59,6 +59,7 @@ def remaining_joint(
         boundaries=tuple(boundaries),
         preloads={n: force for n, force in described.preloads.items() if n in tight},
         initial_forces={n: f for n, f in described.initial_forces.items() if n in tight},
+        unlocked=described.unlocked & tight,
         initial_gaps={n: gap for n, gap in described.initial_gaps.items() if n in named},
         gap_rules={n: rule for n, rule in described.gap_rules.items() if n in named},
         selected_load=selected if selected in assembly.loads else None,

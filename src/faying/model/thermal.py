@@ -58,7 +58,8 @@ def expansion_forces(
             axis = (end - start) / np.linalg.norm(end - start)
             before, after = (one[list(beam.nodes)].mean(keepdims=True) for one in (initial, final))
             strain = strains[beam.property](after) - strains[beam.property](before)
-            pull = beam.material.youngs_modulus * beam.section.area * float(strain[0]) * axis
+            modulus = beam.section.axial_factor * beam.material.youngs_modulus
+            pull = modulus * beam.section.area * float(strain[0]) * axis
             forces[beam.nodes[0], :3] -= pull
             forces[beam.nodes[1], :3] += pull
     return forces

@@ -1,6 +1,6 @@
 """The bolts of a study: what they are made of, and the force each is brought to or locked at."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -144,6 +144,14 @@ def initial_forces(study: Study, described: JointDescription) -> dict[str, float
     given = {n: force for n, force in described.initial_forces.items() if n not in tightened}
     wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
     return given | wished
+
+
+def unlocked(
+    study: Study, described: JointDescription, bolts: Sequence[BoltSpec]
+) -> list[BoltSpec]:
+    """Return the bolts that the source never locks, but for those whose force the study gives."""
+    forced = {b.name for b in study.bolts if (b.preload, b.initial_force) != (None, None)}
+    return [bolt for bolt in bolts if bolt.name in described.unlocked - forced]
 
 
 def preloads(

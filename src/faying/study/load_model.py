@@ -16,6 +16,7 @@ from faying.joint.diagnosis import check_held
 from faying.joint.model import Model
 from faying.joint.weak_springs import with_weak_springs
 from faying.model.assembly import Assembly, Material
+from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
 from faying.model.parts import part_of
@@ -27,6 +28,7 @@ from faying.study.bolts import (
     check_no_second_preload,
     initial_forces,
     preloads,
+    unlocked,
 )
 from faying.study.consistency import boundary_problems, deck_load_problems, loadings
 from faying.study.errors import Problem, nearest, reject
@@ -103,8 +105,9 @@ def load_model(study: Study) -> LoadedModel:
     deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
     locked = initial_forces(study, described)
     check_no_second_preload(study, assembly, bolts, {**forces, **locked})
+    free = unlocked(study, described, bolts)
     return LoadedModel(
-        assembly=assembly,
+        assembly=with_unlocked_bolts(assembly, free),
         interfaces=interfaces,
         bolts=bolts,
         boundaries=boundaries,

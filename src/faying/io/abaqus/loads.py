@@ -58,17 +58,6 @@ def read_concentrated(
         yield _at(found, amplitudes, step)
 
 
-def last_given(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Forces:
-    """Return the last value of each *CLOAD up to now, removed or not.
-
-    A bolt keeps the force it was tightened to when it is locked and the force is removed.
-    """
-    found: Forces = {}
-    for step, (_, here) in enumerate(_steps(deck, dofs)):
-        found.update(_at(here, amplitudes, step))
-    return found
-
-
 def _at(given: Mapping[tuple[int, int], list[_Given]], amplitudes: Amplitudes, step: int) -> Forces:
     """Return the forces at the end of a step."""
     return {

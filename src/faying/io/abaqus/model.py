@@ -25,7 +25,7 @@ from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
-from faying.io.abaqus.loads import last_given, nodal_forces, read_concentrated
+from faying.io.abaqus.loads import nodal_forces, read_concentrated
 from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.model_changes import (
     is_from_the_start,
@@ -34,6 +34,7 @@ from faying.io.abaqus.model_changes import (
 )
 from faying.io.abaqus.mpcs import read_mpcs
 from faying.io.abaqus.nodes import read_nodes
+from faying.io.abaqus.pretension import step_name
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.shells import read_shells
@@ -53,6 +54,7 @@ from faying.io.left_out import Occurrence
 from faying.io.moved_supports import moved_note, with_moved_supports
 from faying.io.solid_cuts import Cut, close_cuts, cut_mesh, origins
 from faying.model.assembly import Assembly, NodalLoads
+from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
 
@@ -123,7 +125,9 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     )
     distributed = list(read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored))
     expansions = materials.read_expansions(deck, ignored)
-    thermal = thermal_forces(assembly, temperatures, expansions, origins(mesh, cuts), ignored)
+    free = [one for one in sections if one.element is not None and one.node not in held.since]
+    heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
+    thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), ignored)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
     assembly = with_ties(assembly, ties, ignored)
     assembly = close_cuts(assembly, cuts)
@@ -143,9 +147,10 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         loads=loads,
     )
     senses = pretension.beam_senses(sections, elements, nodes.coordinates)
-    tightening = last_given(deck, dofs, amplitudes)
-    pretension.note_displaced(sections, tightening, held.pretension, nodes.ids, ignored)
+    pretension.note_displaced(sections, forces, held.pretension, nodes.ids, ignored)
     senses |= {cut.name: cut.sense for cut in cuts}
+    preloads = pretension.preloads(sections, forces, held, senses)
+    unlocked = pretension.unlocked(sections, held, preloads, loads, deck.n_step, ignored)
     specs = contact.specs(assembly, pairs, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
     sides = [(one.slave.nodes, one.master.nodes) for one in pairs]
@@ -156,13 +161,14 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
         bolts=bolts,
-        preloads=pretension.preloads(sections, tightening, forces[-1], held.pretension, senses),
+        preloads=preloads,
         initial_forces=pretension.initial_forces(
             sections, bolts, held.pretension, senses, assembly
         ),
+        unlocked=unlocked,
         initial_gaps=offsets,
         gap_rules=rules,
-        selected_load=_name(deck.n_step) if _name(deck.n_step) in loads else None,
+        selected_load=step_name(deck.n_step) if step_name(deck.n_step) in loads else None,
         has_joined_faces=bool(cuts or ties),
     )
 
@@ -290,8 +296,4 @@ def _loads(
         if loaded.size and step in steps:
             found[step] = NodalLoads(nodes=loaded, forces=forces[loaded])
     order = sorted(found, key=lambda step: (step != deck.n_step, step))
-    return {_name(step): found[step] for step in order}
-
-
-def _name(step: int) -> str:
-    return f"step {step}"
+    return {step_name(step): found[step] for step in order}

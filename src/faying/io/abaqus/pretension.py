@@ -1,6 +1,6 @@
 """``*PRE-TENSION SECTION``: bolts and their forces."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,8 +15,9 @@ from faying.io.abaqus.fields import is_integer, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Forces
 from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.supports import Held
 from faying.io.abaqus.surfaces import DeckSurface
-from faying.model.assembly import Assembly
+from faying.model.assembly import Assembly, NodalLoads
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.specs import BoltSpec
 
@@ -160,50 +161,83 @@ def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
 
 
 def preloads(
-    sections: list[Section],
-    forces: Forces,
-    acting: Forces,
-    held: Mapping[int, float],
-    senses: Mapping[str, float],
+    sections: list[Section], forces: Sequence[Forces], held: Held, senses: Mapping[str, float]
 ) -> dict[str, float]:
     """Return the force of each bolt: the *CLOAD on its pretension node, unless that is displaced.
 
     Parameters
     ----------
-    forces, acting
-        The last of each *CLOAD, and those in force in the step that is read.
-    held
-        Pretension node to its displacement, not a number where its force had left it.
+    forces
+        Those in force in each step, from 0 to the one that is read.
     senses
         Name of a section to 1 where a positive force pulls, -1 where it presses.
 
     Raises
     ------
     FormatError
-        If a section has no force, a compressive one, or one that acts no more.
+        If a section has no force, or a compressive one.
     """
     found = {}
     for section in sections:
-        if not np.isnan(held.get(section.node, np.nan)):
+        if not np.isnan(held.pretension.get(section.node, np.nan)):
             continue
-        given = forces.get((section.node, 0))
-        if given is not None and section.node not in held and (section.node, 0) not in acting:
-            message = (
-                f"the force of the section '{section.name}' is taken away (OP=NEW) and nothing "
-                "locks it, so that the bolt is loose; lock it by *BOUNDARY, FIXED"
-            )
-            raise section.keyword.error(message)
+        last = held.since.get(section.node, len(forces)) - 1
+        given = forces[last].get((section.node, 0)) if last >= 0 else None
         value = None if given is None else given * senses[section.name] + 0.0
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
+            when = f"at the end of step {last}" if last > 0 else "in front of the first step"
             message = (
-                f"the section '{section.name}' {problem}; give its pretension node a *CLOAD in "
-                "direction 1, positive for tension along the direction of the section, or a "
-                "displacement by *BOUNDARY"
+                f"the section '{section.name}' {problem} {when}, where it is "
+                f"{'locked' if section.node in held.since else 'read'}; give its pretension node a "
+                "*CLOAD in direction 1, positive for tension along the direction of the section, "
+                "or a displacement by *BOUNDARY; *BOUNDARY, FIXED in the next step locks it"
             )
             raise section.keyword.error(message)
         found[section.name] = value
     return found
+
+
+def unlocked(
+    sections: list[Section],
+    held: Held,
+    preloads: Mapping[str, float],
+    loads: Mapping[str, NodalLoads],
+    step: int,
+    ignored: list[str],
+) -> frozenset[str]:
+    """Return the bolts whose force *CLOAD keeps under the loads of the step, and say so.
+
+    Where nothing but bolts acts in the step, the deck only tightens them: loads of a study come
+    after it, and the bolts are locked then. Bolts locked by FIXED while loads act are told.
+    """
+    free = frozenset(section.name for section in sections if section.node not in held.since)
+    names = ", ".join(f"'{name}'" for name in sorted(free))
+    if free and step_name(step) not in loads:
+        ignored.append(
+            f"bolts {names}: no *BOUNDARY, FIXED locks them and nothing but bolts "
+            f"acts in step {step}; they are locked after it, for loads of a study"
+        )
+        return frozenset()
+    if free:
+        ignored.append(
+            f"bolts {names}: no *BOUNDARY, FIXED locks them; each pulls with its *CLOAD whatever "
+            "load acts, as in the deck; a [[bolt]] with preload = its force locks it"
+        )
+    ignored.extend(
+        f"bolt '{section.name}': FIXED locks it while the loads of step {last} act; its force "
+        f"{preloads[section.name]:g} is that without them here, and with them in the deck"
+        for section in sections
+        if (last := held.since.get(section.node, 0) - 1) > 0
+        and section.name in preloads
+        and step_name(last) in loads
+    )
+    return free
+
+
+def step_name(step: int) -> str:
+    """Return what the loads of a step are called."""
+    return f"step {step}"
 
 
 def initial_forces(
@@ -219,7 +253,9 @@ def initial_forces(
 
     Parameters
     ----------
-    held, senses
+    held
+        Pretension node to its displacement, not a number where its force had left it.
+    senses
         As of :func:`preloads`.
 
     Raises
@@ -246,7 +282,7 @@ def initial_forces(
 
 def note_displaced(
     sections: list[Section],
-    forces: Forces,
+    forces: Sequence[Forces],
     held: Mapping[int, float],
     ids: Indices,
     ignored: list[str],
@@ -257,5 +293,6 @@ def note_displaced(
         f"node at {held[section.node]:g} in the step that is read, whatever force came before it; "
         "FIXED would lock the bolt as the force left it"
         for section in sections
-        if (section.node, 0) in forces and not np.isnan(held.get(section.node, np.nan))
+        if any((section.node, 0) in step for step in forces)
+        and not np.isnan(held.get(section.node, np.nan))
     )

@@ -41,13 +41,17 @@ class Held:
     moved
         Node and component of what is moved in some step to its displacement at the end of each,
         from 0.
+    pretension
+        Pretension nodes that are held to where they are held, not a number where their force had
+        left them.
+    since
+        Pretension nodes that are held to the first of the steps in which they are.
     """
 
     supports: tuple[Support, ...]
     moved: Mapping[Place, tuple[float, ...]]
     pretension: Mapping[int, float]
-    """Pretension nodes that are held to where they are held, not a number where their force had
-    left them."""
+    since: Mapping[int, int]
 
 
 def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amplitudes) -> Held:
@@ -66,13 +70,15 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     """
     courses: dict[Place, list[float]] = {}
     held: Holds = {}
+    since: dict[Place, int] = {}
     for step in range(deck.n_step + 1):
         left = {place: courses[place][step - 1] for place in held}
         held = _after(held, left, deck, step, dofs, apart)
+        since = {place: since.get(place, step) for place in held}
         for place, (value, keyword, _) in held.items():
             course = courses.setdefault(place, [0.0] * (deck.n_step + 1))
             course[step] = value * amplitudes.factor(keyword, step) if value else 0.0
-    pretension = {node: courses[node, c][-1] for node, c in held if node in apart and c == 0}
+    bolts = [node for node, c in held if node in apart and c == 0]
     held = {place: one for place, one in held.items() if place[0] not in apart}
     moved = {}
     for place in [place for place in held if any(courses[place])]:
@@ -85,7 +91,12 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
             raise keyword.error(message, row)
         moved[dofs.place(*place)] = tuple(courses[place])
     supports = tuple(_supports(list(held), dofs))
-    return Held(supports=supports, moved=moved, pretension=pretension)
+    return Held(
+        supports=supports,
+        moved=moved,
+        pretension={node: courses[node, 0][-1] for node in bolts},
+        since={node: since[node, 0] for node in bolts},
+    )
 
 
 def _after(

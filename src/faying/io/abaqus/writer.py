@@ -120,9 +120,9 @@ def _lines(
         return
     yield from contact_lines(description)
     forces = {name: force for name, force in description.preloads.items() if name in controls}
-    yield from step_lines(
-        nodes, loads, {controls[n]: f for n, f in forces.items()}, bool(description.interfaces)
-    )
+    locked = [node for name, node in controls.items() if name not in description.unlocked]
+    tightening = {controls[n]: f for n, f in forces.items()}
+    yield from step_lines(nodes, loads, tightening, locked, bool(description.interfaces))
 
 
 def _tightened(description: JointDescription) -> dict[str, int]:

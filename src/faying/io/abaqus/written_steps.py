@@ -1,6 +1,6 @@
 """Steps: tighten the bolts, lock them, then one load set after the other."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ def step_lines(
     nodes: WrittenNodes,
     loads: Mapping[str, NodalLoads],
     preloads: Mapping[int, float],
+    locked: Sequence[int],
     contact: bool,
 ) -> Iterator[str]:
     """Yield the steps.
@@ -22,6 +23,8 @@ def step_lines(
     ----------
     preloads
         Pretension node to force.
+    locked
+        Pretension nodes that the step behind the first locks.
     contact
         Whether anything touches: then every step is one increment with tight tolerances.
 
@@ -38,9 +41,9 @@ def step_lines(
     places = dict.fromkeys(place for forces in cases.values() for place in forces)
     for number, (name, forces) in enumerate(cases.items()):
         yield from (f"** {' '.join(name.split())[:60]}", *_opening(contact))
-        if preloads and number == 0:
+        if locked and number == 0:
             yield "*BOUNDARY,FIXED"
-            yield from (f"{node},1,1" for node in preloads)
+            yield from (f"{node},1,1" for node in locked)
         yield from _cload({place: forces.get(place, 0.0) for place in places})
         yield from _closing(contact)
 

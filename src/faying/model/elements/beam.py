@@ -42,6 +42,7 @@ class BeamProperties(NamedTuple):
     torsion: Vector
     factor_y: Vector
     factor_z: Vector
+    axial_factor: Vector
 
 
 def beam_matrices(beams: Sequence[Beam], nodes: Matrix) -> tuple[Matrix, Matrix]:
@@ -120,16 +121,17 @@ def beam_properties(beams: Sequence[Beam], length: Vector) -> BeamProperties:
             beam.section.torsion,
             beam.section.shear_factor_y,
             beam.section.shear_factor_z,
+            beam.section.axial_factor,
         )
         for beam in beams
     ]
-    return BeamProperties(length, *np.array(rows, dtype=float).reshape(-1, 9).T)
+    return BeamProperties(length, *np.array(rows, dtype=float).reshape(-1, 10).T)
 
 
 def _local_stiffness(beam: BeamProperties) -> Matrix:
     result = np.zeros((len(beam.length), 12, 12))
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    axial = beam.youngs * beam.area / beam.length
+    axial = beam.axial_factor * beam.youngs * beam.area / beam.length
     twist = beam.shear * beam.torsion / beam.length
     _put(result, _AXIAL, axial[:, None, None] * bar)
     _put(result, _TORSION, twist[:, None, None] * bar)
