@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import SimpleNamespace
 
 import numpy as np
 import scipy.sparse as sp
@@ -31,6 +32,14 @@ class SmallSystem:
     interfaces: Mapping[str, Placed] = field(default_factory=dict)
     name: str = "small"
     units: str = "mm-t-s"
+
+    def __post_init__(self):
+        """Points without a place of their own lie in the origin."""
+        origins = {
+            name: SimpleNamespace(points=np.zeros((at.stop - at.start, 3)))
+            for name, at in self.contact.slices.items()
+        }
+        object.__setattr__(self, "interfaces", origins | dict(self.interfaces))
 
     @cached_property
     def port_compliance(self):

@@ -10,6 +10,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.contact import Contact
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import check_points
 
 OPEN, STICK, SLIP = 0, 1, 2
 """States of a contact point; closed points without friction always slip."""
@@ -99,6 +100,8 @@ def point_states(
 def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
     """Return the slip before a path and after each increment (n_increment + 1, 2, n_point)."""
     first = np.zeros((1, 2, path.system.contact.n_points))
+    if initial is not None:
+        check_points(path.system, initial)
     before = first if initial is None else _slip(initial)[-1:]
     return np.concatenate([before, _slip(path)])
 

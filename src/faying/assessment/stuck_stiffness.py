@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.joint.system import System
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import check_points
 
 NEARLY_RIGID = 1e-6
 """Flexibility of a closed point that is hard in a direction, over its own compliance in it."""
@@ -60,6 +61,7 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
         First along the normals of closed points, then along both tangents of those that rub.
     flexibility : (n_spring,) [length/force]
     """
+    check_points(system, state)
     contact = system.contact
     closed = np.atleast_2d(state.contact_forces)[-1] > 0
     parts, yields = [contact.interpolation[closed]], [contact.flexibility[closed]]

@@ -214,6 +214,16 @@ def boundary_slices(boundaries: Mapping[str, Boundary]) -> dict[str, slice]:
     return slices
 
 
+def input_slices(system: Joint) -> dict[tuple[str, str], slice]:
+    """Return the place of each boundary, bolt and load pattern, by kind and name, in the inputs."""
+    found = {("boundary", name): at for name, at in boundary_slices(system.boundaries).items()}
+    n = sum(len(boundary.dofs) for boundary in system.boundaries.values())
+    for kind, names in (("bolt", system.bolts), ("load pattern", system.load_patterns)):
+        found |= {(kind, name): slice(n + i, n + i + 1) for i, name in enumerate(names)}
+        n += len(names)
+    return found
+
+
 def elongations(bolts: Mapping[str, Bolt], n_dof: int) -> Matrix:
     """Return the elongation rows of all bolts (n_bolt, n_dof)."""
     rows = [bolt.elongation for bolt in bolts.values()]

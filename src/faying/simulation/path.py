@@ -17,6 +17,7 @@ from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
 from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import carried_inputs
 from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
 
 MOST_DIVISIONS = 6
@@ -41,8 +42,9 @@ def solve_path(
         States of load, one after the other, not their differences; histories are taken at time
         zero. The bolts act with the initial forces they are locked at, unless a load says else.
     initial
-        Solution of an earlier path to go on from, its last state; by default the joint is
-        unstressed and nothing has slipped, so that the first increment tightens the bolts.
+        Solution of an earlier path to go on from, its last state, of this joint or one with the
+        same interfaces and the loads it carries; by default the joint is unstressed and nothing
+        has slipped, so that the first increment tightens the bolts.
     compiled
         Whether increments are compiled (extra ``compiled``, up to a minute once per installation);
         unless given, where it pays: from 1000 increments on with 150 node pairs in contact, from
@@ -153,26 +155,19 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     Raises
     ------
     ModelError
-        If that is of another joint.
+        If that has other contact points, or carries what the joint does not have.
     """
     n, ports = system.contact.n_points, system.port_compliance
     forces, slip = np.zeros((3, n)), np.zeros((2, n))
     nothing = Increment(forces=forces, slack=np.zeros((3, n)), iterations=0, residual=0.0)
     if initial is None:
         return PathStep(relative=np.zeros(ports.n_relative), increment=nothing, slip=slip)
-    normal = np.atleast_2d(initial.contact_forces)[-1]
-    if len(normal) != n:
-        message = (
-            f"the path should go on from a solution with {len(normal)} contact points, but the "
-            f"joint has {n}; give a solution of this joint"
-        )
-        raise ModelError(message)
+    relative = moved_alone(system, carried_inputs(system, initial))
     if initial.shear_forces is not None and initial.shear_slip is not None:
         shape = (-1, 2, n)
         forces[1:] = initial.shear_forces.reshape(shape)[-1]
         slip = initial.shear_slip.reshape(shape)[-1]
-    forces[0] = normal
-    relative = moved_alone(system, np.atleast_2d(initial.inputs)[-1])
+    forces[0] = np.atleast_2d(initial.contact_forces)[-1]
     return PathStep(relative=relative, increment=replace(nothing, forces=forces), slip=slip)
 
 

@@ -1,4 +1,4 @@
-"""Some states of a solution, and solutions one after the other as one."""
+"""Some states of a solution, solutions one after the other as one, and states of other joints."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,8 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Indices, Vector
+from faying.exceptions import ModelError
+from faying.joint.system import System, input_slices
 from faying.simulation.solution import Solution
+
+SAME_PLACE = 1e-6
+"""Distance of contact points over the extent of their interface, up to which they are the same.
+
+Points of another mesh are parts of an element apart; saved models repeat theirs to the bit.
+"""
 
 OF_EACH_STATE = (
     "states",
@@ -45,6 +53,55 @@ def joined(solutions: Sequence[Solution]) -> Solution:
         for name in _arrays(solutions[-1])
     }
     return replace(solutions[-1], **arrays)
+
+
+def check_points(system: System, state: Solution) -> None:
+    """Refuse a state with other contact points than a joint has.
+
+    Raises
+    ------
+    ModelError
+        Naming the first interface that differs.
+    """
+    ours, theirs = dict(system.contact.slices), dict(state.system.contact.slices)
+    for name in {**ours, **theirs}:
+        if ours.get(name) == theirs.get(name):
+            mine, other = (joint.interfaces[name].points for joint in (system, state.system))
+            reach = SAME_PLACE * float(np.ptp(mine, axis=0).max(initial=0.0))
+            if mine is other or (np.abs(mine - other) <= reach).all():
+                continue
+        message = (
+            f"the state '{state.name}' is of another joint: its contact points of interface "
+            f"'{name}' are others; give one of a joint with the same interfaces"
+        )
+        raise ModelError(message)
+
+
+def carried_inputs(system: System, state: Solution) -> Vector:
+    """Return the inputs (n_input,) of a joint under the loads of the last state of a solution.
+
+    Raises
+    ------
+    ModelError
+        If its contact points are others, or it carries what the joint does not have.
+    """
+    check_points(system, state)
+    inputs: Vector = np.atleast_2d(state.inputs)[-1]
+    if state.system is system:
+        return inputs
+    places = input_slices(system)
+    result = np.zeros(sum(at.stop - at.start for at in places.values()))
+    for (kind, name), at in input_slices(state.system).items():
+        to, values = places.get((kind, name), slice(0, 0)), inputs[at]
+        if to.stop - to.start == len(values):
+            result[to] = values
+        elif values.any():
+            message = (
+                f"the state '{state.name}' carries {kind} '{name}', which the joint does not have "
+                "like that; give the joint that too, or a state without it"
+            )
+            raise ModelError(message)
+    return result
 
 
 def _arrays(solution: Solution) -> list[str]:

@@ -15,7 +15,7 @@ from faying.simulation.load import Load
 from faying.simulation.path import solve_path
 from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
-from faying.simulation.solution_parts import OF_EACH_STATE
+from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
 from faying.simulation.static import AT_REST, relative_forces, solve_static
 
 INITIAL_FRACTION = 1e-3
@@ -50,8 +50,8 @@ def starting_states(
     Raises
     ------
     ModelError
-        If their number is another, one moves, or one has friction where the model has none or the
-        other way round.
+        If their number is another, one moves or is of a joint with other contact points or without
+        its loads, or one has friction where the model has none or the other way round.
     """
     if initial is None:
         return [at_rest(system)] * len(loads)
@@ -83,7 +83,15 @@ def _checked(system: System, start: Solution, moves: bool) -> Solution:
             "solve_static, or solve the transient with friction"
         )
         raise ModelError(message)
-    return start
+    return start if start.system is system else _carried(system, start)
+
+
+def _carried(system: System, start: Solution) -> Solution:
+    """Return a state of another joint with the same interfaces as one of this joint."""
+    inputs = carried_inputs(system, start)
+    contact = relative_forces(system, start.contact_forces, start.shear_forces)
+    states = system.factorize_static().solve(input_forces(system, inputs) + contact)
+    return replace(start, system=system, inputs=inputs, states=states)
 
 
 def stacked_forces(normal: Matrix, shear: Matrix | None) -> Matrix:
