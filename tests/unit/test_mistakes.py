@@ -17,7 +17,7 @@ from faying.model.assembly import Material
 from faying.study.history import read_history
 from faying.study.load_model import build, build_loaded, load_model
 from faying.study.schema import parse_study, read_study
-from faying.study.solid_constants import doubts
+from faying.study.solid_constants import bolt_doubts, doubts
 from faying.workflow.run import run
 from small_abaqus_deck import DECK as ABAQUS
 
@@ -322,6 +322,34 @@ def test_constants_in_other_units_do():
         "'units'",
     ]
     assert len(list(doubts({1: STEEL}, "m-kg-s"))) == 1  # 7.85e-9 kg/m³
+
+
+def test_what_no_solid_and_no_bolt_bears_is_said(tmp_path):
+    """mm-kg-s in place of mm-t-s: steel of 0.21 GPa, bolts of 0.2 MPa; and 10⁸ N in mm-t-s."""
+    text = STUDY + "[material.steel]\nE = 210e3\nrho = 7.85e-9\n"
+    said = {}
+    for units, force in (("mm-t-s", "10e3"), ("mm-kg-s", "10e3"), ("mm-t-s", "1e8")):
+        study = parse_study(
+            text.replace("mm-t-s", units).replace("preload = 1e3", f"preload = {force}"),
+            tmp_path / "study.toml",
+        )
+        loaded = load_model(study)
+        found = [*doubts(loaded.assembly.materials, units), *bolt_doubts(study, loaded)]
+        said[units, force] = " ".join(found)
+    assert said["mm-t-s", "10e3"] == ""
+    assert "E is 0.21 GPa and rho 7.85 kg/m³ in mm-kg-s" in said["mm-kg-s", "10e3"]
+    assert "a preload of 10000" in said["mm-kg-s", "10e3"]
+    assert "as of no tightened bolt" in said["mm-t-s", "1e8"]
+
+
+def test_a_run_says_what_no_solid_bears(tmp_path):
+    case = '[[load_case]]\nname = "rest"\nkind = "static"\n'
+    case += 'forces = [{ boundary = "tip", component = "Fz", value = 1.0 }]\n'
+    case += "[output]\nreport = false\n"
+    study = parse_study(STUDY.replace("1e3", "1e8") + case, tmp_path / "study.toml")
+    said = run(study, tmp_path / "out").summary["warnings"]
+    assert any("as of no tightened bolt" in text for text in said)
+    assert any("load case 'rest': the largest pressure is" in text for text in said)
 
 
 def test_check_tells_of_doubtful_constants(tmp_path, monkeypatch, capsys):

@@ -38,7 +38,7 @@ def check(
     from faying.study.loads import check_targets
     from faying.study.naming_tables import naming_tables
     from faying.study.requirement_rules import not_judged
-    from faying.study.solid_constants import doubts
+    from faying.study.solid_constants import bolt_doubts, doubts
     from faying.study.understood import understood
     from faying.units import units_of
 
@@ -61,7 +61,8 @@ def check(
         for name, interface in model.interfaces.items()
     ]
     # The units of a bare deck are nowhere said.
-    constants = () if bare else doubts(loaded.assembly.materials, loaded.units)
+    materials = loaded.assembly.materials
+    constants = () if bare else [*doubts(materials, loaded.units), *bolt_doubts(checked, loaded)]
     jumps = [
         jump_sentence(
             case.name,

@@ -88,7 +88,7 @@ def _named(verdicts: Iterable[Verdict]) -> str:
 
 def joint_doubts(results: Results) -> list[str]:
     """Return why the joint itself may not be as computed, whatever method is used."""
-    doubts = [*missing_contacts(results), *barely_held(results)]
+    doubts = [*results.doubts, *missing_contacts(results), *barely_held(results)]
     if results.warnings:
         doubts.append(
             f"{len(results.warnings)} solution(s) did not converge or deserve notice; "

@@ -17,6 +17,7 @@ from faying.study.extras import Extras
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.reference import Reference
 from faying.study.results import BoltRecord, CaseResult, Results, interface_record
+from faying.study.solid_constants import bolt_doubts, doubts, pressure_doubts
 from faying.study.tables import Study
 from faying.study.validation_record import ValidationRecord
 
@@ -65,6 +66,11 @@ def record(
         },
         warnings=tuple(warnings),
         omissions=tuple(extras.failed),
+        doubts=(
+            *doubts(model.assembly.materials, study.units),
+            *bolt_doubts(study, joint.loaded),
+            *pressure_doubts(cases, model.assembly.materials, study.units),
+        ),
         validation=validation,
         reduced=kept,
         reference=reference.kind,

@@ -307,6 +307,8 @@ class Results:
         The joint judged over the load cases; None where that failed.
     mode_choices
         Load case name to the normal modes that were chosen for it.
+    doubts : (n_doubt,)
+        What cannot be right in the units of the study.
     """
 
     title: str
@@ -334,3 +336,4 @@ class Results:
     reference_reason: str = ""
     assessment: Assessment | None = None
     mode_choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
+    doubts: tuple[str, ...] = field(default=())

@@ -158,6 +158,7 @@ Number = Annotated[float, Strict(), AllowInfNan(False), AfterValidator(in_range)
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 PreloadFactor = Annotated[Number, Field(ge=0, le=MOST_PRELOAD_FACTOR)]
+PreloadFactors = Annotated[tuple[PreloadFactor, ...], Field(min_length=1)]
 Count = Annotated[int, Strict(), Field(ge=1), AfterValidator(countable)]
 CountOrNone = Annotated[int, Strict(), Field(ge=0), AfterValidator(countable)]
 Id = Annotated[int, Strict(), AfterValidator(identifying)]

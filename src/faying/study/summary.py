@@ -38,7 +38,12 @@ def summarize(results: Results) -> dict[str, Any]:
         "units": results.units,
         "converged": not results.warnings,
         "not_converged": list(results.warnings),
-        "warnings": [*missing_contacts(results), *barely_held(results), *results.omissions],
+        "warnings": [
+            *results.doubts,
+            *missing_contacts(results),
+            *barely_held(results),
+            *results.omissions,
+        ],
         "model": {
             "nodes": len(results.nodes),
             "elements": sum(len(block.ids) for block in results.blocks),

@@ -1,7 +1,6 @@
 """The tables of a study file, one class each, with every key and default.
 
-What a single value must be is said here; what values must be together is in
-:mod:`faying.study.consistency`.
+What single values must be is said here; what they must be together, in faying.study.consistency.
 """
 
 from collections.abc import Mapping
@@ -36,7 +35,7 @@ from faying.study.section import (
     NotNegative,
     Number,
     Positive,
-    PreloadFactor,
+    PreloadFactors,
     Section,
     StepOrAuto,
     Switch,
@@ -124,7 +123,7 @@ class TrainingSection(Timed):
 
     box: tuple[BoxSide, ...] = ()
     levels: Annotated[Count, Field(ge=2)] = 5
-    preload_factors: Annotated[tuple[PreloadFactor, ...], Field(min_length=1)] = (0.5, 1.0, 1.5)
+    preload_factors: PreloadFactors = (0.5, 1.0, 1.5)
     dynamics: Switch = True
     system: Literal["full", "reduced"] = "full"
     subareas: Count | None = None
@@ -338,7 +337,7 @@ class ValidationSection(Section):
     """
 
     box: tuple[BoxSide, ...] = ()
-    preload_factors: Annotated[tuple[PreloadFactor, ...], Field(min_length=1)] = (1.0,)
+    preload_factors: PreloadFactors = (1.0,)
     unseen_loads: CountOrNone = 100
     penalty_sweep: Switch = True
     half_step: Switch = True
