@@ -1,19 +1,29 @@
 """Surfaces that move together, tied or glued, as equations."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from faying._typing import Indices, SparseMatrix
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.interface.across import declared_area, pairs_across
 from faying.interface.candidate_facets import candidates
+from faying.interface.coupling import by_kind
+from faying.interface.facets import gauss_rule
 from faying.interface.mortar import find_couplings
 from faying.interface.projection import nearest_places
+from faying.interface.relative import tangents_of
+from faying.interface.segment_points import on_side
+from faying.interface.segments import Segments
 from faying.interface.selection import select_facets
-from faying.model.assembly import Assembly, Equation
+from faying.model.assembly import Assembly, Bush, Equation
+from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
+from faying.model.surface import LINEAR, N_NODES
 
 MOST_OF_IT = 0.99
 """Share of the smaller surface from which on all of it is tied."""
@@ -69,6 +79,100 @@ def following(
     ones = np.ones(len(slaves))
     own_part = sp.csr_array((ones, (np.arange(len(slaves)), slaves)), shape=shape)
     return tuple(_equations(slaves, follow - own_part, first)), len(places.rows)
+
+
+def with_elastic_layer(
+    assembly: Assembly, spec: InterfaceSpec, normal: float, tangential: float
+) -> Assembly:
+    """Put springs between two surfaces, at points of where they face each other; gaps do not count.
+
+    At each point a new node takes the relative displacement, which springs resist.
+
+    Parameters
+    ----------
+    spec
+        Non-matching, with named sides and a search distance.
+    normal, tangential : [force/length³]
+        Traction per relative displacement.
+
+    Raises
+    ------
+    ModelError
+        If the two see nothing of each other.
+    """
+    (coupling,) = find_couplings(assembly, spec).values()
+    first = max((equation.id for equation in assembly.equations), default=0) + 1
+    for part in _layer_points(assembly.mesh, coupling.segments):
+        mesh, count = assembly.mesh, len(part.areas)
+        own = len(mesh.nodes) + np.arange(count)
+        minus = sp.csr_array((-np.ones(count), (np.arange(count), own)))
+        motion = part.motion.copy()
+        motion.resize(minus.shape)
+        across = tangents_of(part.normals)
+        axes = np.stack([part.normals, across, np.cross(part.normals, across)], axis=1)
+        stiffness = np.outer(part.areas, [normal, tangential, tangential, 0.0, 0.0, 0.0])
+        table = zip(own, stiffness.tolist(), axes.tolist(), part.places.tolist(), strict=True)
+        bushes = [
+            Bush(id=i, nodes=(int(node),), stiffness=tuple(springs), axes=tuple(map(tuple, rows)),
+                 place=(x, y, z))
+            for i, (node, springs, rows, (x, y, z)) in enumerate(table, assembly.largest_id + 1)
+        ]  # fmt: skip
+        equations = list(_equations(own, motion + minus, first))
+        first += len(equations)
+        assembly = replace(
+            assembly,
+            mesh=replace(
+                mesh,
+                nodes=np.vstack([mesh.nodes, part.places]),
+                node_ids=np.append(mesh.node_ids, mesh.node_ids.max() + 1 + np.arange(count)),
+            ),
+            equations=(*assembly.equations, *equations),
+            bushes=(*assembly.bushes, *bushes),
+        )
+    return assembly
+
+
+class _LayerPoints(NamedTuple):
+    """Points: relative displacement by nodes (n, n_node), places and normals (n, 3), areas (n,)."""
+
+    motion: SparseMatrix
+    places: Matrix
+    normals: Matrix
+    areas: Vector
+
+
+def _layer_points(mesh: Mesh, segments: Segments) -> Iterator[_LayerPoints]:
+    """Yield the Gauss points of the segments between facets of two kinds each."""
+    nodes = mesh.nodes
+    for (minus, own), (plus, others) in product(
+        by_kind(segments.minus).items(), by_kind(segments.plus).items()
+    ):
+        rows = np.flatnonzero(np.isin(segments.minus_of, own) & np.isin(segments.plus_of, others))
+        if not len(rows):
+            continue
+        linear = {minus, plus} <= set(LINEAR.values())
+        rule = gauss_rule("tri3", 2 if linear else 4)
+        seen = on_side("minus", minus, nodes, segments, rows, rule)
+        facing = on_side("plus", plus, nodes, segments, rows, rule)
+        at = segments.minus.nodes[segments.minus_of[rows], : N_NODES[minus]]
+        partner = segments.plus.nodes[segments.plus_of[rows], : N_NODES[plus]]
+        vectors = seen.area_vectors
+        slope = np.linalg.norm(vectors, axis=-1)
+        frames = segments.frames[segments.minus_of[rows]]
+        yield _LayerPoints(
+            motion=_at_points(facing.shape, partner, nodes) - _at_points(seen.shape, at, nodes),
+            places=np.einsum("nqa,nad->nqd", seen.shape, nodes[at]).reshape(-1, 3),
+            normals=np.einsum("nqa,nad->nqd", vectors / slope[..., None], frames).reshape(-1, 3),
+            areas=(2 * segments.areas[rows][:, None] * rule.weights * slope).ravel(),
+        )
+
+
+def _at_points(shape: Matrix, columns: Indices, nodes: Matrix) -> SparseMatrix:
+    """Return shape functions (n, n_q, k) of nodes (n, k) as rows (n n_q, n_node)."""
+    n, n_q, k = shape.shape
+    rows = np.repeat(np.arange(n * n_q), k)
+    every = np.repeat(columns[:, None], n_q, axis=1).ravel()
+    return sp.csr_array((shape.ravel(), (rows, every)), shape=(n * n_q, len(nodes)))
 
 
 def _tied_equations(

@@ -88,9 +88,9 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
         name = head.required("NAME")
-        if _is_tied(members):
-            ignored.append(f"stiffness of {name}, which is TIED: nothing gives way there")
-            found[name.upper()] = Interaction(name=name, tied=True)
+        if tied := [member for member in members if _is_tied(member)]:
+            stick = [member for member in members if member.name == "FRICTION"]
+            found[name.upper()] = _tied(name, tied[0], stick, _half_modulus(deck), ignored)
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, ignored)
@@ -121,12 +121,39 @@ def read_pairs(
     ]
 
 
-def _is_tied(members: list[Keyword]) -> bool:
-    return any(
-        member.choice("PRESSURE-OVERCLOSURE") == "TIED"
-        for member in members
-        if member.name == "SURFACE BEHAVIOR"
+def _is_tied(keyword: Keyword) -> bool:
+    behaviour = keyword.name == "SURFACE BEHAVIOR"
+    return behaviour and keyword.choice("PRESSURE-OVERCLOSURE") == "TIED"
+
+
+def _half_modulus(deck: Deck) -> float:
+    """Return half of the largest E: the stick slope CalculiX 2.20 takes where a deck has none."""
+    rows = [(keyword, keyword.rows()[0]) for keyword in deck.of("ELASTIC") if keyword.data]
+    return max((real(keyword, 0, row[0], "a modulus") for keyword, row in rows), default=0.0) / 2
+
+
+def _tied(
+    name: str, keyword: Keyword, friction: list[Keyword], stick: float, ignored: list[str]
+) -> Interaction:
+    """Return CalculiX's tie, an elastic layer of two slopes; without slopes it is rigid."""
+    rows = keyword.rows()
+    if not rows:
+        return Interaction(name=name, tied=True)
+    if not friction:
+        message = "a tie with a slope needs *FRICTION with a stick slope (so does CalculiX)"
+        raise keyword.error(message)
+    slope = real(keyword, 0, rows[0][0], "the slope")
+    row = next(iter(friction[0].rows()), [])
+    along = optional_real(friction[0], 0, row, 1, stick, "the stick slope")
+    if not (slope > 0 and along > 0):
+        message = f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive"
+        raise keyword.error(message, 0)
+    ignored.append(
+        f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}; "
+        "the coefficient of friction and gaps of the mesh do not count"
     )
+    stiffness = DeckFriction(tangential_penalty=along)
+    return Interaction(name=name, tied=True, penalty=slope, friction=stiffness)
 
 
 def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:

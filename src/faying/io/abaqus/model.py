@@ -290,8 +290,9 @@ def _loads(
     steps = {keyword.step for keyword in deck.of("STEP")} | {deck.n_step}
     found = {}
     for step, (applied, *further) in enumerate(zip(concentrated, *others, strict=True)):
-        forces = np.sum(further, axis=0)
-        forces[: len(applied)] += applied
+        forces = np.zeros_like(max(further, key=len))
+        for part in (applied, *further):
+            forces[: len(part)] += part
         loaded = np.flatnonzero((forces != 0).any(axis=1))
         if loaded.size and step in steps:
             found[step] = NodalLoads(nodes=loaded, forces=forces[loaded])

@@ -10,7 +10,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
-from faying.io.tied_surfaces import following, moving_together
+from faying.io.tied_surfaces import following, moving_together, with_elastic_layer
 from faying.model.assembly import Assembly, Equation
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import N_CORNERS
@@ -28,6 +28,8 @@ class Tie:
     slave: DeckSurface
     master: DeckSurface
     tolerance: float | None
+    stiffness: tuple[float, float] | None = None
+    """Slopes [force/length³] along the normals and across them; None is rigid."""
 
 
 def read_ties(
@@ -47,6 +49,7 @@ def read_ties(
             slave=pair.slave,
             master=pair.master,
             tolerance=None,
+            stiffness=_stiffness(pair),
         )
         for pair in pairs
     ]
@@ -62,7 +65,7 @@ def read_ties(
             found.append(
                 Tie(keyword=keyword, name=name, slave=slave, master=master, tolerance=tolerance)
             )
-    if found:
+    if any(tie.stiffness is None for tie in found):
         ignored.append(
             "*TIE, TIED: slave and master move together where facets see each other within the "
             "position tolerance, node by node where meshes match and else in the mean (mortar), "
@@ -81,11 +84,17 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     """
     of_nodes = [tie for tie in ties if not tie.slave.facets]
     of_facets = [tie for tie in ties if tie.slave.facets]
+    for tie in of_nodes:
+        if tie.stiffness is not None:
+            message = (
+                f"slave surface '{tie.slave.name}' is of nodes; a TIED pair needs element faces"
+            )
+            raise tie.keyword.error(message)
     sides = [side for tie in of_facets for side in (tie.slave, tie.master)]
     sides += [tie.master for tie in of_nodes]
     named = replace(assembly, mesh=with_mixed_sides(assembly.mesh, sides))
-    specs = [
-        InterfaceSpec(
+    specs = {
+        tie: InterfaceSpec(
             name=tie.name,
             minus=tie.slave.name,
             plus=tie.master.name,
@@ -93,8 +102,9 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
             search_distance=_tolerance(assembly, tie),
         )
         for tie in of_facets
-    ]
-    equations, partial = moving_together(named, specs)
+    }
+    rigid = [spec for tie, spec in specs.items() if tie.stiffness is None]
+    equations, partial = moving_together(named, rigid)
     ignored += [
         f"*TIE {name}: {share:.0%} of the smaller surface is tied" for name, share in partial
     ]
@@ -102,7 +112,17 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     for tie in of_nodes:
         first = max((equation.id for equation in found), default=0) + 1
         found += _following(named, tie, first, ignored)
-    return replace(assembly, equations=found)
+    named = replace(named, equations=found)
+    for tie, spec in specs.items():
+        if tie.stiffness is not None:
+            named = with_elastic_layer(named, spec, *tie.stiffness)
+    own = dict(assembly.mesh.node_sets)
+    return replace(named, mesh=replace(named.mesh, node_sets=own))
+
+
+def _stiffness(pair: Pair) -> tuple[float, float] | None:
+    along = pair.friction.tangential_penalty
+    return (float(pair.penalty), along) if pair.penalty != "hard" and along != "auto" else None
 
 
 def _following(
