@@ -35,7 +35,9 @@ components = st.floats(-1, 1).filter(lambda value: abs(value) > 1e-3)
 @given(st.integers(0, 99), st.tuples(*[components] * 3), st.booleans())
 def test_all_of_it_where_everything_slips_along_one_motion(seed, motion, curved):
     places, tangents, bounds = interface(seed, curved=curved)
-    speed = moved(places, tangents, np.array([*motion[:2], 0, 0, 0, 0.1 * motion[2]]))
+    along, across, turn = motion
+    slides = [0, along, 0, 0, 0.1 * turn, 0] if curved else [along, across, 0, 0, 0, 0.1 * turn]
+    speed = moved(places, tangents, np.array(slides))
     shear = bounds * speed / np.linalg.norm(speed, axis=0)
     # The search ends where a pass brings less than 1e-6.
     assert resistance_used(places, tangents, shear, bounds) == pytest.approx(1, abs=1e-4)
@@ -50,10 +52,31 @@ def test_no_motion_meets_more(seed, curved):
     shear = bounds * rng.uniform(-0.7, 0.7, (2, N))
     used = resistance_used(places, tangents, shear, bounds)
     assert 0 <= used <= 1
-    for motion in rng.normal(size=(200, 6)) * [1, 1, 1, 0.05, 0.05, 0.05]:
+    sliding = [0, 1, 0, 0, 0.05, 0] if curved else [1, 1, 0, 0, 0, 0.05]
+    for motion in rng.normal(size=(200, 6)) * sliding:
         speed = moved(places, tangents, motion)
         work, resisted = (shear * speed).sum(), bounds @ np.linalg.norm(speed, axis=0)
         assert work <= used * resisted * (1 + 1e-4) + 1e-12  # as far as the search goes
+
+
+def test_motions_that_press_the_sides_into_each_other_are_no_sliding():
+    """A shaft in a hub: across it nothing slides, though all points slip as by one motion."""
+    angle = np.linspace(0, 2 * np.pi, N, endpoint=False)
+    circle = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(N)])
+    places = np.concatenate([15 * circle - [0, 0, 10], 15 * circle + [0, 0, 10]])
+    around = np.column_stack([-np.sin(angle), np.cos(angle), np.zeros(N)])
+    tangents = np.array([np.tile(around, (2, 1)), np.tile([0, 0, 1.0], (2 * N, 1))])
+    bounds = np.ones(2 * N)
+    for motion, expected in (
+        ([1, 0, 0, 0, 0, 0], 0.0),  # across
+        ([0, 0, 0, 0.1, 0, 0], 0.0),  # tilted
+        ([0, 0, 1, 0, 0, 0.1], 1.0),  # along and around
+    ):
+        speed = moved(places, tangents, np.array(motion, dtype=float))
+        size = np.maximum(np.linalg.norm(speed, axis=0), 1e-12)
+        used = resistance_used(places, tangents, bounds * speed / size, bounds)
+        # The search ends where a pass brings less than 1e-6; what cancels is round-off.
+        assert used == pytest.approx(expected, abs=1e-4)
 
 
 def test_none_of_it_where_slip_here_cancels_slip_there():

@@ -7,8 +7,10 @@ tangential forces t_i carry can therefore grow by no more than 1 / η, and by as
     η = max over v of  Σ t_i · v_i / Σ μ F_i |v_i|,
 
 after D. C. Drucker, "Coulomb friction, plasticity, and limit loads", Journal of Applied Mechanics
-21 (1954) 71-74. η is one where everything slips in the directions of one rigid motion. It is small
-where what slips here cancels what slips there: under a flange that is bent by an axial load.
+21 (1954) 71-74. Motions that press the sides into each other, or lift them apart, are no sliding: v
+goes along the interface everywhere, in three directions of a plane, around and along a cylinder, in
+none of a closed box. η is one where everything slips in the directions of one such motion. It is
+small where what slips here cancels what slips there: under a flange that is bent by an axial load.
 """
 
 import numpy as np
@@ -20,6 +22,12 @@ MOST_PASSES = 200
 
 SETTLED = 1e-6
 """Growth of η in a pass, over it, at which the search ends."""
+
+ASIDE = 0.1
+"""Motion across the interface over all of it, as root mean squares, that counts as none.
+
+Around a circle of 24 flat facets it is 0.075, at a right angle to slopes of 6 degrees 0.1.
+"""
 
 NEAR = 1e-9
 """Motion of a point, over the largest, that counts as none: about this point the side turns."""
@@ -42,14 +50,16 @@ def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vec
     Notes
     -----
     The search is that of a weighted geometric median: least squares whose weights are those of the
-    motion before (E. Weiszfeld, Tohoku Math. J. 43 (1937) 355-386). Curved interfaces have six
-    motions, flat ones three that count.
+    motion before (E. Weiszfeld, Tohoku Math. J. 43 (1937) 355-386).
     """
     if not bounds.sum() > 0:
         return 0.0
     arms = places - places.mean(axis=0)
     arms /= max(float(np.abs(arms).max()), np.finfo(float).tiny)
-    moves = np.concatenate([tangents, np.cross(arms, tangents)], axis=-1)
+    moves = _moves(tangents, arms)
+    moves = moves @ _sliding(moves, _moves(np.cross(*tangents)[None], arms), bounds)
+    if not moves.size:
+        return 0.0
     load = np.einsum("in,inm->m", shear, moves)
     used, speeds = 0.0, np.ones(len(places))
     for _ in range(MOST_PASSES):
@@ -61,3 +71,18 @@ def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vec
         if used <= before * (1 + SETTLED):
             break
     return max(before, used)
+
+
+def _moves(directions: Matrix, arms: Matrix) -> Matrix:
+    """Return what six rigid motions move points by in some directions (n_direction, n, 6)."""
+    return np.concatenate([directions, np.cross(arms, directions)], axis=-1)
+
+
+def _sliding(along: Matrix, across: Matrix, bounds: Vector) -> Matrix:
+    """Return rigid motions (6, n_motion) that go along an interface at points that are pressed."""
+    sums = [np.einsum("n,inm,ink->mk", bounds, one, one) for one in (along, across)]
+    sizes, axes = np.linalg.eigh(sum(sums))
+    moving = sizes > np.finfo(float).eps * len(sizes) * sizes.max()
+    scaled = axes[:, moving] / np.sqrt(sizes[moving])
+    shares, motions = np.linalg.eigh(scaled.T @ sums[1] @ scaled)
+    return np.asarray(scaled @ motions[:, shares <= ASIDE**2])
