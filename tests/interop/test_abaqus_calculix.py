@@ -1,6 +1,7 @@
 """Decks that CalculiX runs and faying reads: the same displacements."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -107,6 +108,28 @@ def test_every_solid_under_pressure_gravity_and_forces(tmp_path, kind):
     # C3D6 has one point in its triangle there and three here, which is stiffer on so coarse a mesh;
     # the tolerance still tells a wrong face (P3 against P4 changes 60 %).
     compare(tmp_path, text, tolerance=0.2 if kind == "C3D6" else 2e-6)
+
+
+def test_a_perturbation_has_its_own_loads_alone(tmp_path):
+    """Forces and temperatures of the step before do not act in it."""
+    text = "\n".join(
+        [
+            block("C3D8").replace("*SOLID", "*EXPANSION\n1.E-5\n*SOLID"), "*INITIAL CONDITIONS,"
+            " TYPE=TEMPERATURE", "NALL, 20.", "*BOUNDARY", "HELD, 1, 3",
+            "*STEP", "*STATIC", "*CLOAD", "END, 2, 3.5", "*TEMPERATURE", "NALL, 90.", "*END STEP",
+            "*STEP, PERTURBATION", "*STATIC", "*CLOAD", "END, 1, 2.",
+            "*NODE PRINT, NSET=NALL", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    theirs = displacements(tmp_path, text)[-1]
+    described = read_joint(tmp_path / "job.inp", step=2)
+    assert described.selected_load == "step 2"
+    alone = replace(described.assembly, loads={"": described.assembly.loads["step 2"]})
+    wanted = np.array(list(theirs.values()))
+    found = solved(alone)[described.assembly.mesh.node_index(np.array(list(theirs))), :3]
+    # Stresses of the step before stiffen the block there by 1e-3.
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=3e-3 * np.abs(wanted).max())
+    assert any("step 2 is a linear perturbation" in note for note in described.assembly.ignored)
 
 
 COUPLED = {

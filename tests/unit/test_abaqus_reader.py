@@ -324,8 +324,19 @@ def test_steps_add_to_and_replace_earlier_ones(read, step, forces, held):
     assert len(loads) == (step or 3)
     (support,) = described.assembly.supports
     assert len(support.components) == held
-    if step in (1, 2):
-        assert described.preloads == {"bolt 3": 400.0}
+    assert described.preloads == {"bolt 3": 400.0}
+
+
+def test_a_perturbation_moves_no_support_and_takes_no_load_of_a_step_before(read):
+    steps = STEPS.replace(
+        "*CLOAD, OP=NEW\n", "*BOUNDARY\n15, 1, 1, .3\n*DLOAD\nLOWER, P2, 4.\n*CLOAD\n"
+    )
+    described = read(DECK[: DECK.index("*STEP")] + steps, step=4)
+    load = described.assembly.loads["step 4"]
+    # 100 and 102 of the deck are the only nodes with forces; the bolt keeps what locked it.
+    assert load.forces.tolist() == [[0, 50, 0, 0, 0, 0]]
+    assert len(described.assembly.loads["step 3"].nodes) > 4
+    assert described.preloads == {"bolt 3": 400.0}
 
 
 def test_steps_that_change_the_structure_are_not_read(read, tmp_path):

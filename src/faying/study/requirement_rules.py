@@ -35,7 +35,7 @@ def check_requirements(study: Study, model: Model) -> None:
         location = ("requirement", key)
         problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
     reject(study.source, problems)
-    surfaces = contact_surfaces(model)
+    surfaces = contact_surfaces(model) if wanted.closed_ring else {}
     for ring in wanted.closed_ring:
         ring_around(surfaces[ring_surface(ring, surfaces)], ring.around)
 

@@ -16,7 +16,7 @@ def step_before_changes(deck: Deck, ignored: list[str]) -> int | None:
     """
     locks = _pretension_nodes(deck)
     first = next((k for k in deck.keywords if k.step > 1 and _changes(k, locks)), None)
-    aside = {k.step for k in deck.of("STEP") if k.has("PERTURBATION")}
+    aside = deck.perturbations
     if first is None or any(k.step == 1 and _changes(k, locks) for k in deck.keywords):
         return None
     earlier = [number for number in range(1, first.step) if number not in aside]

@@ -40,6 +40,11 @@ class Deck:
         """Return the deck without the keywords of these names."""
         return replace(self, keywords=[k for k in self.keywords if k.name not in names])
 
+    @property
+    def perturbations(self) -> frozenset[int]:
+        """The steps that are linear perturbations: loads of other steps do not act in them."""
+        return frozenset(k.step for k in self.of("STEP") if k.has("PERTURBATION"))
+
     def until(self, step: int | None) -> "Deck":
         """Return the deck as it is in one step: model data and steps up to it.
 
@@ -51,7 +56,7 @@ class Deck:
         FormatError
             If there is no such step.
         """
-        aside = {k.step for k in self.of("STEP") if k.has("PERTURBATION")}
+        aside = self.perturbations
         general = [number for number in range(1, self.n_step + 1) if number not in aside]
         chosen = step if step is not None else (general[-1] if general else self.n_step)
         if step is not None and not 1 <= step <= self.n_step:

@@ -31,7 +31,7 @@ def read_distributed(
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
     A later step replaces loads of the same kind on the same set or surface; OP=NEW removes all
-    that earlier steps left.
+    that earlier steps left, none of which acts in a linear perturbation.
 
     Parameters
     ----------
@@ -46,6 +46,7 @@ def read_distributed(
     result: dict[Key, list[tuple[Matrix, Keyword]]] = {}
     for step in range(deck.n_step + 1):
         here: dict[Key, list[tuple[Matrix, Keyword]]] = {}
+        result = {} if step in deck.perturbations else result
         cleared: set[str] = set()
         for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
             keyword.allow("OP", "AMPLITUDE", "CONSTANT RESULTANT")

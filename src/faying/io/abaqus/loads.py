@@ -36,7 +36,7 @@ def read_concentrated(
     """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
     A later step replaces what it names again; within a step values add up. OP=NEW removes what
-    earlier steps left.
+    earlier steps left, and none of it acts in a linear perturbation.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int],
     """Yield for each step whether it removes earlier forces, and those it names."""
     for step in range(deck.n_step + 1):
         here: dict[tuple[int, int], list[_Given]] = {}
-        new = False
+        new = step in deck.perturbations
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
             keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "LOAD CASE", "OMEGA0")
             new |= operation(keyword)

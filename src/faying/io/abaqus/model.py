@@ -91,6 +91,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     surfaces = read_surfaces(deck, mesh, by_element, by_node)
     amplitudes = read_amplitudes(deck)
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
+    general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
     temperatures = read_temperatures(deck, dofs, amplitudes)
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     shells = read_shells(deck, elements, by_element, named, ignored)
@@ -138,6 +139,12 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     if held.moved:
         count = len(assembly.springs) - standing
         ignored.append(moved_note(count, "*BOUNDARY", "the loads of the steps"))
+    if len(general) < len(forces):
+        thermal[-1] = thermal[-1] - thermal[-2]
+        ignored.append(
+            f"step {deck.n_step} is a linear perturbation: its load is its own alone; contact "
+            "opens and closes here as loads of a study say, not as the steps before left it"
+        )
     loads = _loads(deck, concentrated, distributed, thermal, moving)
     assembly = replace(
         assembly,
@@ -147,9 +154,9 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         loads=loads,
     )
     senses = pretension.beam_senses(sections, elements, nodes.coordinates)
-    pretension.note_displaced(sections, forces, held.pretension, nodes.ids, ignored)
+    pretension.note_displaced(sections, general, held.pretension, nodes.ids, ignored)
     senses |= {cut.name: cut.sense for cut in cuts}
-    preloads = pretension.preloads(sections, forces, held, senses)
+    preloads = pretension.preloads(sections, general, held, senses)
     unlocked = pretension.unlocked(sections, held, preloads, loads, deck.n_step, ignored)
     specs = contact.specs(assembly, pairs, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)

@@ -77,8 +77,10 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
         since = {place: since.get(place, step) for place in held}
         for place, (value, keyword, _) in held.items():
             course = courses.setdefault(place, [0.0] * (deck.n_step + 1))
-            course[step] = value * amplitudes.factor(keyword, step) if value else 0.0
+            acts = value and (keyword.step == step or step not in deck.perturbations)
+            course[step] = value * amplitudes.factor(keyword, step) if acts else 0.0
     bolts = [node for node, c in held if node in apart and c == 0]
+    last = deck.n_step - (deck.n_step in deck.perturbations)
     held = {place: one for place, one in held.items() if place[0] not in apart}
     moved = {}
     for place in [place for place in held if any(courses[place])]:
@@ -94,7 +96,7 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     return Held(
         supports=supports,
         moved=moved,
-        pretension={node: courses[node, 0][-1] for node in bolts},
+        pretension={node: courses[node, 0][last] for node in bolts},
         since={node: since[node, 0] for node in bolts},
     )
 
