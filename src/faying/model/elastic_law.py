@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 
 Law = tuple[tuple[float, ...], ...]
 
@@ -36,6 +36,19 @@ def turned(law: Law | Matrix, axes: Matrix) -> Law:
     basic = np.einsum("pi,qj,rk,sl,pqrs->ijkl", axes, axes, axes, axes, tensor(law), optimize=True)
     rows, columns = np.array(_PAIRS).T
     return as_law(basic[rows[:, None], columns[:, None], rows, columns])
+
+
+def prevented(law: Law | Matrix, strain: Vector) -> Matrix:
+    """Return the stress (3, 3) of a strain (6,) in the order of the law."""
+    return np.asarray((np.asarray(law) @ strain)[_PLACE])
+
+
+def turned_strain(strain: Vector, axes: Matrix) -> Vector:
+    """Return the strain (6,) in the basic frame of one given along axes (rows)."""
+    halves = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+    rows, columns = np.array(_PAIRS).T
+    basic = axes.T @ (strain * halves)[_PLACE] @ axes
+    return np.asarray(basic[rows, columns] / halves)
 
 
 def as_law(values: Matrix | Sequence[Sequence[float]]) -> Law:

@@ -1,5 +1,7 @@
 """Mass and stiffness of the shells of an assembly."""
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix
@@ -37,19 +39,44 @@ def shell_matrices(assembly: Assembly, block: ShellBlock) -> tuple[SparseMatrix,
     -----
     About 60 µs a shell.
     """
-    known = (*FLAT_SHELLS, *CURVED_SHELLS, PANEL)
-    if block.kind not in known:
-        message = f"there is no shell '{block.kind}'; known kinds are {', '.join(known)}"
-        raise ModelError(message)
-    integrate = _curved if block.kind in CURVED_SHELLS else _flat
+    _check_kind(block)
+    integrate = _integrator(block)
     pattern = NodePairs.of(block.nodes, len(assembly.mesh.nodes))
     M, K = np.zeros((pattern.n_pairs, 36)), np.zeros((pattern.n_pairs, 36))
-    for start in range(0, len(block.ids), _BATCH):
-        part = slice(start, min(start + _BATCH, len(block.ids)))
+    for part in _batches(block):
         mass, stiffness = integrate(assembly, block, part)
         pattern.add(M, part, mass.reshape(-1, 36))
         pattern.add(K, part, stiffness.reshape(-1, 36))
     return pattern.expanded_six(M), pattern.expanded_six(K)
+
+
+def shell_stiffness(
+    assembly: Assembly, block: ShellBlock
+) -> Iterator[tuple[slice, Matrix, Matrix]]:
+    """Yield shells, places (n, n_node, 3) of their surface and stiffness (n, node, node, 6, 6)."""
+    for part in _batches(block):
+        places = assembly.mesh.nodes[block.nodes[part]]
+        if block.kind in CURVED_SHELLS:
+            places = places + block.offsets[part, None, None] * directors(block.kind, places)
+        yield part, places, _integrator(block)(assembly, block, part)[1]
+
+
+def _batches(block: ShellBlock) -> Iterator[slice]:
+    for start in range(0, len(block.ids), _BATCH):
+        yield slice(start, min(start + _BATCH, len(block.ids)))
+
+
+def _integrator(
+    block: ShellBlock,
+) -> Callable[[Assembly, ShellBlock, slice], tuple[Matrix, Matrix]]:
+    return _curved if block.kind in CURVED_SHELLS else _flat
+
+
+def _check_kind(block: ShellBlock) -> None:
+    known = (*FLAT_SHELLS, *CURVED_SHELLS, PANEL)
+    if block.kind not in known:
+        message = f"there is no shell '{block.kind}'; known kinds are {', '.join(known)}"
+        raise ModelError(message)
 
 
 def _flat(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix, Matrix]:

@@ -1,7 +1,7 @@
 """Forces of free strain: what a temperature does to bodies that expand, as loads on nodes.
 
-A body strained freely by ε in all directions meets K u = ∫ Bᵀ D ε 1 dV. For an isotropic solid
-D 1 = E / (1 - 2 ν) 1, so the force of node i is E / (1 - 2 ν) ∫ ε ∇N_i dV.
+A body strained freely by ε a meets K u = ∫ ε Bᵀ D a dV, with a = 1 in all directions unless given.
+For an isotropic solid D 1 = E / (1 - 2 ν) 1.
 """
 
 from collections.abc import Callable, Mapping
@@ -10,26 +10,40 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.model.assembly import Assembly
+from faying.model.elastic_law import isotropic_law, prevented
 from faying.model.elements import block_element
 from faying.model.elements.stiffness import free_strain_forces, temperature_shapes
+from faying.model.shell_matrices import shell_stiffness
 
 FreeStrain = Callable[[Matrix], Matrix]
 
+UNSEEN = (
+    "forces of bolts are those of elongation and would not tell what expands in the beam that is "
+    "tightened; divide the shank in three beams or more, of which the middle one does not expand"
+)
+_ALL_DIRECTIONS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 _AT_ONCE = 20_000
 """Elements in memory at a time."""
 
 
 def expansion_forces(
-    assembly: Assembly, strains: Mapping[int, FreeStrain], initial: Vector, final: Vector
+    assembly: Assembly,
+    strains: Mapping[int, FreeStrain],
+    initial: Vector,
+    final: Vector,
+    directions: Mapping[int, Vector] | None = None,
 ) -> Matrix:
-    """Return forces (n_node, 6) of a change of temperature.
+    """Return forces (n_node, 6) that a change of temperature of solids exerts.
 
     Parameters
     ----------
     strains
-        Property of solids and beams to the free strain at a temperature, from any that has none.
+        Property of solids to the free strain at a temperature, from any that has none.
     initial, final : (n_node,)
         Temperatures of the nodes.
+    directions
+        Property to the strains (6,), in the order of :mod:`faying.model.elastic_law`, that make
+        up a free strain of one; the same in all directions unless given.
 
     Notes
     -----
@@ -41,25 +55,53 @@ def expansion_forces(
         shapes = temperature_shapes(element)
         for number in np.unique(block.properties).tolist():
             if number in strains:
-                material = assembly.materials[number]
-                modulus = material.youngs_modulus / (1 - 2 * material.poissons_ratio)
+                one = assembly.materials[number]
+                law = one.law or isotropic_law(one.youngs_modulus, one.poissons_ratio)
+                stress = prevented(law, (directions or {}).get(number, _ALL_DIRECTIONS))
                 rows = np.flatnonzero(block.properties == number)
                 for part in np.array_split(rows, len(rows) // _AT_ONCE + 1):
                     cells = block.nodes[part]
                     before, after = (one[cells] @ shapes.T for one in (initial, final))
                     strain = strains[number](after) - strains[number](before)
                     of_cells = free_strain_forces(
-                        element, assembly.mesh.nodes[cells], modulus, strain
+                        element, assembly.mesh.nodes[cells], stress, strain
                     )
                     np.add.at(forces[:, :3], cells, of_cells)
-    for beam in assembly.beams:
-        if beam.property in strains:
-            start, end = (assembly.mesh.nodes[node] for node in beam.nodes)
-            axis = (end - start) / np.linalg.norm(end - start)
-            before, after = (one[list(beam.nodes)].mean(keepdims=True) for one in (initial, final))
-            strain = strains[beam.property](after) - strains[beam.property](before)
-            modulus = beam.section.axial_factor * beam.material.youngs_modulus
-            pull = modulus * beam.section.area * float(strain[0]) * axis
-            forces[beam.nodes[0], :3] -= pull
-            forces[beam.nodes[1], :3] += pull
+    return forces
+
+
+def stretching_forces(assembly: Assembly, strains: Vector) -> Matrix:
+    """Return forces (n_node, 6) of free strains (n_beam,) along beams."""
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    stretched = np.flatnonzero(strains)
+    beams = [assembly.beams[i] for i in stretched.tolist()]
+    ends = np.array([beam.nodes for beam in beams], dtype=np.int64).reshape(-1, 2)
+    along = assembly.mesh.nodes[ends[:, 1]] - assembly.mesh.nodes[ends[:, 0]]
+    stiffness = np.array(
+        [one.section.axial_factor * one.section.area * one.material.youngs_modulus for one in beams]
+    )
+    pull = (stiffness * strains[stretched] / np.linalg.norm(along, axis=1))[:, None] * along
+    np.add.at(forces[:, :3], ends[:, 0], -pull)
+    np.add.at(forces[:, :3], ends[:, 1], pull)
+    return forces
+
+
+def shell_expansion_forces(assembly: Assembly, strains: Mapping[int, Matrix]) -> Matrix:
+    """Return forces (n_node, 6) of free strains of shells in their planes.
+
+    An element follows a uniform strain exactly, so that K u of the motion it makes is ∫ Bᵀ D ε dA.
+
+    Parameters
+    ----------
+    strains
+        Index of a block to the strains (n_shell, 3, 3) of its shells along basic axes. Those of
+        curved shells must be the same in all directions.
+    """
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    for position, strain in strains.items():
+        block = assembly.shells[position]
+        for part, places, stiffness in shell_stiffness(assembly, block):
+            motion = np.einsum("eij,enj->eni", strain[part], places)
+            of_shells = np.einsum("emnij,enj->emi", stiffness[..., :3], motion)
+            np.add.at(forces, block.nodes[part], of_shells)
     return forces

@@ -128,7 +128,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     expansions = materials.read_expansions(deck, ignored)
     free = [one for one in sections if one.element is not None and one.node not in held.since]
     heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
-    thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), ignored)
+    locked = [one.element for one in sections if one.node in held.since]
+    thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), locked, ignored)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
     assembly = with_ties(assembly, ties, ignored)
     assembly = close_cuts(assembly, cuts)

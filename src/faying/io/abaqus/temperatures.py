@@ -1,6 +1,6 @@
 """``*INITIAL CONDITIONS, TYPE=TEMPERATURE``, ``*TEMPERATURE`` and ``*EXPANSION``: free strains."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import operation
 from faying.io.left_out import IGNORABLE, request
 from faying.model.assembly import Assembly
-from faying.model.thermal import expansion_forces
+from faying.model.thermal import UNSEEN, expansion_forces, stretching_forces
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -163,6 +163,7 @@ def thermal_forces(
     temperatures: Temperatures,
     expansions: Mapping[str, Expansion],
     origin: Indices,
+    bolts: Collection[int | None],
     ignored: list[str],
 ) -> list[Matrix]:
     """Return the forces (n_node, 6) of the free strains at the end of each step.
@@ -173,6 +174,13 @@ def thermal_forces(
         Upper-case material name to its expansion.
     origin : (n_node,)
         Node of the deck that each node of the assembly has the temperature of.
+    bolts
+        Ids of the beams that are tightened.
+
+    Raises
+    ------
+    FormatError
+        If shells expand, or a beam that is tightened.
     """
     shape = (len(assembly.mesh.nodes), 6)
     of_property = {number: one.name for number, one in assembly.materials.items()}
@@ -195,15 +203,26 @@ def thermal_forces(
     ignored.append(
         "*TEMPERATURE: free strains are part of the loads of the steps; apply them by deck_load"
     )
-    forces = []
-    for step in temperatures.steps:
-        changed = not np.array_equal(step, temperatures.initial)
-        forces.append(
-            expansion_forces(assembly, used, temperatures.initial[origin], step[origin])
-            if changed
-            else np.zeros(shape)
-        )
-    return forces
+    ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64).reshape(-1, 2)
+
+    def forces(step: Vector) -> Matrix:
+        before, after = temperatures.initial[origin], step[origin]
+        stretch = np.zeros(len(ends))
+        for i, beam in enumerate(assembly.beams):
+            if beam.property in used:
+                if beam.id in bolts and temperatures.first is not None:
+                    message = f"element {beam.id} is a bolt: {UNSEEN}, or {request('temperature')}"
+                    raise temperatures.first.error(message)
+                strain = used[beam.property]
+                change = strain(after[ends[i]].mean()) - strain(before[ends[i]].mean())
+                stretch[i] = float(change)
+        of_solids = expansion_forces(assembly, used, before, after)
+        return of_solids + stretching_forces(assembly, stretch)
+
+    return [
+        np.zeros(shape) if np.array_equal(step, temperatures.initial) else forces(step)
+        for step in temperatures.steps
+    ]
 
 
 def check_constant(keyword: Keyword, deck: Deck, temperature: float | None) -> float:

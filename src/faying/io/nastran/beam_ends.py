@@ -29,12 +29,15 @@ class BeamEnds:
     ----------
     first
         Index of the first one.
+    grids
+        Node of the deck that each of them belongs to.
     """
 
     first: int
     places: list[Vector] = field(default_factory=list)
     couplings: list[RigidCoupling] = field(default_factory=list)
     equations: list[Equation] = field(default_factory=list)
+    grids: list[int] = field(default_factory=list)
 
     @property
     def nodes(self) -> Matrix:
@@ -66,7 +69,7 @@ class BeamEnds:
         if not np.isfinite(place).all():
             text = "the offset is too large for a number"
             raise card.error(text, OFFSETS[end])
-        new = self._added(place)
+        new = self._added(place, node)
         coupling = RigidCoupling(
             id=card.integer(0), reference=node, nodes=np.array([new]), components=tuple(range(6))
         )
@@ -95,7 +98,7 @@ class BeamEnds:
     ) -> int:
         if not released:
             return node
-        new = self._added(place)
+        new = self._added(place, node)
         for first in (0, 3):
             rows = np.eye(3)
             if any(first <= c < first + 3 for c in released):
@@ -109,8 +112,9 @@ class BeamEnds:
                 self.equations.append(Equation(id=card.integer(0), terms=tuple(terms)))
         return new
 
-    def _added(self, place: Vector) -> int:
+    def _added(self, place: Vector, node: int) -> int:
         self.places.append(place)
+        self.grids.append(node if node < self.first else self.grids[node - self.first])
         return self.first + len(self.places) - 1
 
     def ids_behind(self, ids: Indices) -> Indices:

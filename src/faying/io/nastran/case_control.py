@@ -1,7 +1,7 @@
 """Case control: which sets of constraints, loads, contact and bolt forces the deck selects."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from faying.exceptions import FormatError
@@ -11,7 +11,15 @@ from faying.io.line_texts import joined
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
 _HEAT = re.compile(rb"^\s*(SOL\s+(HEAT|53|61|74|89|153|159)\b|APP\s+HEAT)")
-_SETS = frozenset(("SPC", "MPC", "LOAD", "BCSET", "BGSET", "BOLTLD"))
+_SETS = frozenset(("SPC", "MPC", "LOAD", "DEFORM", "BCSET", "BGSET", "BOLTLD"))
+_ABBREVIATED = ("SUBCASE", "TEMPERATURE", "DEFORM", "BCONTACT", "BOLTLD", "ANALYSIS")
+_TEMPERATURES = {
+    **{"": ("load", "material"), "BOTH": ("load", "material"), "LOAD": ("load",)},
+    **{"INIT": ("initial",), "MATE": ("material",)},
+}
+"""What a set of temperatures is selected for, by the first letters of the option."""
+_ENOUGH = 4
+"""Letters that are enough for a command."""
 _BCONTACT = frozenset(("ALLBODY", "NONE", "AUTO"))
 _COMBINATIONS = frozenset(("SUBCOM", "SYM", "SYMCOM", "REPCASE"))
 _SILENT = frozenset(
@@ -34,6 +42,10 @@ class CaseControl:
         BCONTACT (MSC): the id of a table, or ``"ALLBODY"``, ``"AUTO"``, ``"NONE"``.
     bolts
         BOLTLD.
+    temperatures
+        Sets of temperatures by what for: ``"load"``, ``"initial"``, ``"material"``.
+    deform
+        Set of DEFORM.
     present
         Whether the deck has a case control section, so that what is not selected is not active.
     heat
@@ -47,6 +59,8 @@ class CaseControl:
     bcontact: int | str | None = None
     bolts: int | None = None
     glue: int | None = None
+    temperatures: Mapping[str, int] = field(default_factory=dict)
+    deform: int | None = None
     present: bool = False
     heat: bool = False
 
@@ -98,7 +112,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     others: set[str] = set()
     heat = any(_HEAT.match(line) for line in lines.text[: start + 1])
     level, own, steps = common, common, 0
-    for i, name, value in _statements(lines, start + 1):
+    for i, name, option, value in _statements(lines, start + 1):
         if name in _MATRICES and start >= 0:
             message = (
                 f"{lines.where(i)}: {name} adds matrices to the structure, which is not supported; "
@@ -134,6 +148,9 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
         elif name == "ANALYSIS":
             heat = heat or value == "HEAT"
             others.add(name)
+        elif name == "TEMPERATURE":
+            for use in _TEMPERATURES.get(option[:4], ()):
+                level.chosen[f"temperature {use}"] = _number(lines, i, name, value, "a set")
         elif name in _SETS:
             level.chosen[name] = _number(lines, i, name, value, "the number of a set")
         elif name not in _SILENT and start >= 0:
@@ -154,21 +171,28 @@ def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:
         bcontact=chosen.get("BCONTACT"),
         bolts=numbers.get("BOLTLD"),
         glue=numbers.get("BGSET"),
+        temperatures={
+            use: numbers[f"temperature {use}"]
+            for use in ("load", "initial", "material")
+            if f"temperature {use}" in numbers
+        },
+        deform=numbers.get("DEFORM"),
         present=present,
     )
 
 
-def _statements(lines: Lines, first: int) -> Iterator[tuple[int, str, str]]:
-    """Yield line, name and value of each statement."""
+def _statements(lines: Lines, first: int) -> Iterator[tuple[int, str, str, str]]:
+    """Yield line, name, first option and value of each statement."""
     for i in range(first, len(lines.text)):
         text = lines.text[i].partition(b"$")[0].decode("latin-1").strip()
         match = _STATEMENT.match(text)
         if not match or match.group(1) == "PARAM":
             continue
         name = match.group(1)
-        # Four letters are enough for a command.
-        name = "SUBCASE" if len(name) >= 4 and "SUBCASE".startswith(name) else name
-        yield i, name, (match.group(3) or match.group(4) or "").strip()
+        if len(name) >= _ENOUGH:
+            name = next((whole for whole in _ABBREVIATED if whole.startswith(name)), name)
+        option = (match.group(2) or "").partition(",")[0].strip()
+        yield i, name, option, (match.group(3) or match.group(4) or "").strip()
 
 
 def _number(lines: Lines, i: int, name: str, value: str, expected: str) -> int:

@@ -14,11 +14,11 @@ from faying.io.nastran.bolts import cut_bolts, read_bolts
 from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
+from faying.io.nastran.free_strains import with_free_strains
 from faying.io.nastran.glue import with_glue
-from faying.io.nastran.moved_supports import ALWAYS
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
-from faying.io.solid_cuts import close_cuts
+from faying.io.solid_cuts import close_cuts, origins
 from faying.model.assembly import Assembly
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.description import JointDescription
@@ -67,7 +67,8 @@ def _described(deck: Deck) -> JointDescription:
     regions = read_regions(deck.cards, deck.grids, deck.solids)
     cut = cut_bolts(deck.cards, deck.grids, deck.assembly, deck.control, deck.moved, deck.ignored)
     cuts = [*cut.cuts.values()]
-    deck = replace(deck, assembly=cut.assembly)
+    parents = deck.parents[origins(cut.assembly.mesh, cuts)]
+    deck = replace(deck, assembly=cut.assembly, parents=parents)
     regions = {number: one.on_sides_of(cut.assembly.mesh, cuts) for number, one in regions.items()}
     notes: dict[str, None] = {}
     pairs = [
@@ -88,6 +89,8 @@ def _described(deck: Deck) -> JointDescription:
     closing = {number: one.id for number, one in zip(cut.cuts, springs, strict=True)}
     bolts, preloads = read_bolts(deck.cards, assembly.beams, closing, deck.control, deck.ignored)
     preloads |= {f"bolt-{number}": force for number, force in cut.preloads.items()}
+    assembly = with_free_strains(replace(deck, assembly=assembly), bolts)
+    deck = replace(deck, assembly=assembly)
     assembly = with_glue(assembly, [pair for pair in pairs if pair.glued], notes)
     has_joined_faces = bool(cuts) or any(pair.glued for pair in pairs)
     pairs = [pair for pair in pairs if not pair.glued]
@@ -119,10 +122,9 @@ def _described(deck: Deck) -> JointDescription:
 
 def _selected_load(deck: Deck) -> str | None:
     """Return what case control applies, as far as it could be read."""
-    for name in (str(deck.control.load), ALWAYS):
-        if name in deck.assembly.loads:
-            return name
-    return None
+    chosen = str(deck.control.load)
+    others = (name for name in deck.assembly.loads if not name.isdigit())
+    return chosen if chosen in deck.assembly.loads else next(others, None)
 
 
 def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:

@@ -22,7 +22,6 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CDAMP5", "CVISC"),
         *("PDAMP", "PDAMP5", "PDAMPT", "PVISC"),
     ),
-    "temperatures, which no thermal load puts to use": ("TEMP", "TEMPD", "TEMPBC"),
     "materials have the constants of the reference temperature": (
         *("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11"),
         *("TABLEM1", "TABLEM2", "TABLEM3", "TABLEM4", "TABLEM5"),

@@ -17,10 +17,7 @@ from faying.model.body_forces import body_forces
 from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock
 
-UNSUPPORTED = (
-    *("ACCEL", "ACCEL1", "DEFORM", "GMLOAD", "LSEQ", "QVOL", "SPCR"),
-    "TEMPRB",
-)
+UNSUPPORTED = (*("ACCEL", "ACCEL1", "GMLOAD", "LSEQ", "QVOL", "SPCR"),)
 """Static loads that are not read; sets that use them are left out."""
 
 _Part = tuple[Indices, Matrix]

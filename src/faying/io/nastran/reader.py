@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beam_ends import BeamEnds
@@ -36,7 +37,7 @@ from faying.io.nastran.materials import (
 from faying.io.nastran.moved_supports import Moved, with_moving
 from faying.io.nastran.panel_sides import read_panel_sides
 from faying.io.nastran.parameters import LUMPED, is_heat, lumps_masses, mass_factor
-from faying.io.nastran.plane_materials import read_plane_materials
+from faying.io.nastran.plane_materials import PlaneMaterial, read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
 from faying.io.nastran.rods import read_rods
 from faying.io.nastran.sections import read_sections
@@ -68,6 +69,11 @@ ELEMENTS = (
     *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
 )
 RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT")
+TEMPERATURES = ("TEMP", "TEMPD", "TEMPP1", "TEMPRB")
+UNREAD_TEMPERATURES = (
+    *("TEMPG", "TEMPN1", "TEMPP3", "TEMPF", "TEMPBC", "TEMPADD", "TEMPT", "TEMPB3", "TEMPEX"),
+)
+"""Temperatures that are not read; nothing is loaded by a set with one of them."""
 _READ = frozenset(
     (
         *ELEMENTS,
@@ -75,6 +81,7 @@ _READ = frozenset(
         *UNSUPPORTED,
         *DIRECTED,
         *BODY_LOADS,
+        *(*TEMPERATURES, *UNREAD_TEMPERATURES, "DEFORM"),
         *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
         *(*SHELL_PROPERTIES, *ANISOTROPIC, "MAT2", "MAT8"),
         *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PBEND", "PMASS", "SPOINT"),
@@ -115,6 +122,10 @@ class Deck:
         What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
     moved
         What SPC and SPCD displace, control grids of bolts too.
+    parents : (n_node, 2)
+        Nodes of the deck whose mean each node stands for: one twice, or both ends of a side.
+    plane
+        Materials of shells.
     """
 
     cards: Mapping[str, Cards]
@@ -122,6 +133,8 @@ class Deck:
     grids: Grids
     solids: Solids
     assembly: Assembly
+    parents: Indices
+    plane: Mapping[int, PlaneMaterial]
     ignored: list[str]
     ignore: frozenset[str] = frozenset()
     moved: Moved = field(default_factory=Moved)
@@ -225,10 +238,19 @@ def read_parts(
         grids=grids,
         solids=solids,
         assembly=assembly,
+        parents=_parents(grids, straight, ends),
+        plane=plane,
         ignored=ignored,
         ignore=ignore,
         moved=moved,
     )
+
+
+def _parents(grids: Grids, straight: StraightSides, ends: BeamEnds) -> Indices:
+    whole = np.concatenate([np.arange(len(grids.ids)), np.array(ends.grids, dtype=np.int64)])
+    sides = np.array(list(straight.ends), dtype=np.int64).reshape(-1, 2)
+    alone = np.column_stack([whole, whole])
+    return np.vstack([alone[: len(grids.ids)], sides, alone[len(grids.ids) :]])
 
 
 def _refuse_by_names(path: Path, subcase: int | None, ignore: frozenset[str]) -> None:

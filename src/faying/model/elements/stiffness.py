@@ -63,17 +63,17 @@ def stiffness_blocks(
 
 
 def free_strain_forces(
-    element: SolidElement, coordinates: Matrix, modulus: float, strain: Matrix
+    element: SolidElement, coordinates: Matrix, stress: Matrix, strain: Matrix
 ) -> Matrix:
-    """Integrate the forces E / (1 - 2 ν) ∫ ε ∇N_i dV of a strain ε that nothing resists.
+    """Integrate the forces ∫ ε S ∇N_i dV of a strain that nothing resists.
 
     Parameters
     ----------
     coordinates : (n_cell, n_node, 3) [length]
-    modulus : [force/length²]
-        E / (1 - 2 ν).
+    stress : (3, 3) [force/length²]
+        S, what it would take to prevent ε = 1: E / (1 - 2 ν) 1 where nothing depends on direction.
     strain : (n_cell, n_quad)
-        At the points of the stiffness, see :func:`temperature_shapes`.
+        ε at the points of the stiffness, see :func:`temperature_shapes`.
 
     Returns
     -------
@@ -88,7 +88,7 @@ def free_strain_forces(
     determinant = determinants(*_mapping(table, coordinates))
     at_points = strain * np.sqrt(rule.weights * determinant)
     gradients = _weighted_gradients(element, coordinates)[..., : element.n_nodes]
-    return np.asarray(modulus * np.einsum("eq,eqan->ena", at_points, gradients))
+    return np.asarray(np.einsum("eq,eqan->ena", at_points, gradients) @ stress)
 
 
 @cache

@@ -1,0 +1,110 @@
+"""Coefficients of expansion of materials and of shells."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Vector
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.case_control import CaseControl
+from faying.io.nastran.layers import layers
+from faying.io.nastran.plane_materials import PlaneMaterial
+from faying.model.shells import strain_rotation
+
+_COEFFICIENTS = {
+    **{"MAT1": ((5, 5, 5), 6), "MAT2": ((8, 9, 10), 11), "MAT8": ((8, 9), 10)},
+    **{"MAT9": (tuple(range(23, 29)), 29), "MAT11": ((11, 12, 13), 14)},
+}
+"""Fields of the coefficients of expansion, and of TREF."""
+_DEPENDING = {"MATT1": "MAT1", "MATT2": "MAT2", "MATT8": "MAT8", "MATT9": "MAT9", "MATT11": "MAT11"}
+# Curvature over half a thickness, in parts of the strain: rounding of a symmetric laminate.
+_FLAT = 1e-9
+
+
+class UnreadError(Exception):
+    """What of a set of temperatures is not read."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Expansion:
+    """Strains of a degree, (6,) of MAT1, MAT9, MAT11, (3,) in the plane of MAT2, MAT8."""
+
+    strains: Vector
+    zero: float
+
+
+NOTHING = Expansion(strains=np.zeros(6), zero=0.0)
+
+
+def check_constant(cards: Mapping[str, Cards], control: CaseControl) -> None:
+    """Refuse constants that depend on temperature, where case control asks for them."""
+    if "material" not in control.temperatures:
+        return
+    for name, base in _DEPENDING.items():
+        known = {card.integer(0) for card in cards.get(base, ())}
+        for card in cards.get(name, ()):
+            if card.integer(0) in known:
+                message = f"{card.where()} at temperatures of TEMPERATURE(BOTH) or (MATERIAL)"
+                raise UnreadError(message)
+
+
+def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
+    """Return the coefficients of all materials that expand."""
+    found = {}
+    for name, (fields, zero) in _COEFFICIENTS.items():
+        for card in cards.get(name, ()):
+            plane = name in ("MAT2", "MAT8")
+            strains = np.zeros(3 if plane else 6)
+            strains[: len(fields)] = [card.real(field, 0.0) for field in fields]
+            if strains.any():
+                found[card.integer(0)] = Expansion(strains=strains, zero=card.real(zero, 0.0))
+    return found
+
+
+def expansion_of_plate(
+    card: Card, expansions: Mapping[int, Expansion], laws: Mapping[int, PlaneMaterial]
+) -> Expansion | None:
+    """Return the strains of a degree in the plane of a shell; None where there are none.
+
+    Raises
+    ------
+    UnreadError
+        If it bends when it expands.
+    """
+    if card.cards.name == "PSHELL":
+        if card.integer(10, 0) in expansions:
+            message = f"{card.where()} with MID4 of a material that expands"
+            raise UnreadError(message)
+        one = expansions.get(card.integer(1))
+        return None if one is None else replace(one, strains=_in_plane(one))
+    plies = layers(card)
+    if not any(ply.material in expansions for ply in plies):
+        return None
+    forces, moments = np.zeros(3), np.zeros(3)
+    stiffness = np.zeros((6, 6))
+    bottom = -sum(ply.thickness for ply in plies) / 2
+    for ply in plies:
+        turn = strain_rotation(np.array(np.radians(ply.angle)))
+        law = turn.T @ laws[ply.material].law @ turn
+        expansion = expansions.get(ply.material)
+        strain = np.zeros(3) if expansion is None else np.linalg.solve(turn, _in_plane(expansion))
+        t, middle = ply.thickness, bottom + ply.thickness / 2
+        forces, moments = forces + t * law @ strain, moments + t * middle * law @ strain
+        stiffness[:3, :3] += t * law
+        stiffness[:3, 3:] += t * middle * law
+        stiffness[3:, 3:] += (t * middle**2 + t**3 / 12) * law
+        bottom += t
+    if card.text(7) in ("MEM", "SMEAR"):
+        strains = np.linalg.solve(stiffness[:3, :3], forces)
+    else:
+        stiffness[3:, :3] = stiffness[:3, 3:]
+        strains = np.linalg.solve(stiffness, np.concatenate([forces, moments]))
+        if np.abs(strains[3:]).max() * bottom > _FLAT * np.abs(strains[:3]).max():
+            message = f"{card.where()} of layers that bend when they expand"
+            raise UnreadError(message)
+    return Expansion(strains=np.asarray(strains[:3]), zero=card.real(5, 0.0))
+
+
+def _in_plane(one: Expansion) -> Vector:
+    return one.strains if len(one.strains) == 3 else one.strains[[0, 1, 3]]

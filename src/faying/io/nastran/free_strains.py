@@ -1,0 +1,343 @@
+"""TEMP, TEMPD, TEMPP1, TEMPRB, DEFORM: what strains elements without a force, as loads.
+
+MSC Nastran Quick Reference Guide, TEMPERATURE (case control): TEMPERATURE(LOAD) selects the
+temperatures, TEMPERATURE(INITIAL) those without strain, which are TREF of the materials otherwise.
+Temperatures of elements (TEMPP1, TEMPRB) stand before the mean of those of their grids.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.io.left_out import IGNORABLE
+from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.contact_parameters import by_id
+from faying.io.nastran.expansions import (
+    NOTHING,
+    Expansion,
+    UnreadError,
+    check_constant,
+    expansion_of_plate,
+    read_expansions,
+)
+from faying.io.nastran.grids import Grids
+from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.moved_supports import ALWAYS
+from faying.io.nastran.plane_materials import PlaneMaterial
+from faying.io.nastran.reader import TEMPERATURES, UNREAD_TEMPERATURES, Deck
+from faying.model.assembly import Assembly, NodalLoads
+from faying.model.deck_bolt import bolt_axis_element
+from faying.model.elastic_law import turned_strain
+from faying.model.elements.curved_shell import CURVED_SHELLS
+from faying.model.elements.shell_frames import flat_frames
+from faying.model.shell_matrices import PANEL
+from faying.model.shells import ShellBlock
+from faying.model.specs import BoltSpec
+from faying.model.thermal import (
+    UNSEEN,
+    expansion_forces,
+    shell_expansion_forces,
+    stretching_forces,
+)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Field:
+    """Temperatures of nodes (n_node,), NaN where none is given, and of elements by their ids."""
+
+    number: int
+    nodes: Vector
+    elements: Mapping[int, float]
+
+    def of_elements(self, ids: Indices, nodes: Indices) -> Vector:
+        """Return the temperature (n,) of elements of nodes (n, n_node)."""
+        mean = self.nodes[nodes].mean(axis=1)
+        known = np.array(sorted(self.elements), dtype=np.int64)
+        given = np.isin(ids, known)
+        own = np.array([self.elements[number] for number in known.tolist()])
+        mean[given] = own[np.searchsorted(known, ids[given])]
+        return np.asarray(mean)
+
+
+def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
+    """Return the assembly with what temperatures and DEFORM exert added to the selected load.
+
+    Where no load set is selected they are loads ``temperature`` and ``deform`` of their own. What
+    is not read spoils the load they belong to, which is left out with a note.
+
+    Raises
+    ------
+    FormatError
+        With file and line of what is malformed.
+    """
+    control, assembly = deck.control, deck.assembly
+    note = _not_applied(deck)
+    if note:
+        deck.ignored.append(note)
+    tightened = {bolt_axis_element(assembly, bolt).id for bolt in bolts}
+    thermal = None if note else control.temperatures.get("load")
+    for name, number, read in (
+        ("temperature", thermal, _thermal),
+        ("deform", control.deform, _deformed),
+    ):
+        if number is None:
+            continue
+        loads = dict(assembly.loads)
+        load = next((key for key in (str(control.load), *_WITHOUT_LOAD) if key in loads), name)
+        before = loads.pop(load, None)
+        try:
+            forces = read(deck, tightened)
+        except UnreadError as error:
+            deck.ignored.append(f"load set {load} ({error} is not supported)")
+        else:
+            merged = f"{load}+{name}" if load in _WITHOUT_LOAD and before else load
+            loads = {merged: _sum(before, forces), **loads}
+            deck.ignored.append(
+                f"{name} of set {number}: free strains are part of load '{merged}', which case "
+                "control selects; apply them by deck_load"
+            )
+        assembly = replace(assembly, loads=loads)
+    return assembly
+
+
+_WITHOUT_LOAD = (ALWAYS, f"{ALWAYS}+temperature", "temperature")
+"""Names of what acts where case control selects no load set."""
+
+
+def _not_applied(deck: Deck) -> str:
+    """Say why temperatures load nothing; nothing where they do, or there are none."""
+    chosen = deck.control.temperatures.get("load")
+    cards = [deck.cards[n] for n in (*TEMPERATURES, *UNREAD_TEMPERATURES) if n in deck.cards]
+    if not cards and chosen is None:
+        return ""
+    what = ", ".join(f"{len(one)} {one.name}" for one in cards)
+    if chosen is None:
+        return f"{what}: case control selects none by TEMPERATURE(LOAD), so that nothing expands"
+    if deck.control.heat:
+        return f"{what}: the analysis is one of heat transfer, so that nothing expands"
+    if "temperature" in deck.ignore:
+        return f"TEMPERATURE(LOAD) = {chosen}: {IGNORABLE['temperature']} (ignore = temperature)"
+    return ""
+
+
+def _sum(before: NodalLoads | None, forces: Matrix) -> NodalLoads:
+    total = forces.copy()
+    if before is not None:
+        np.add.at(total, before.nodes, before.forces)
+    loaded = np.flatnonzero(total.any(axis=1))
+    return NodalLoads(nodes=loaded, forces=total[loaded])
+
+
+def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
+    """Return the forces of DEFORM: pairs of a line element and how much longer it is."""
+    control, assembly = deck.control, deck.assembly
+    place = {beam.id: i for i, beam in enumerate(assembly.beams)}
+    nodes = assembly.mesh.nodes
+    strains = np.zeros(len(place))
+    chosen = False
+    for card in deck.cards.get("DEFORM", ()):
+        if card.integer(0) != control.deform:
+            continue
+        chosen = True
+        for at in (1, 3, 5):
+            if not card.text(at):
+                continue
+            if card.integer(at) not in place:
+                text = f"element {card.integer(at)} is no CBAR, CBEAM, CROD, CONROD or CTUBE"
+                raise card.error(text, at)
+            i = place[card.integer(at)]
+            first, second = assembly.beams[i].nodes
+            strains[i] += card.real(at + 1) / np.linalg.norm(nodes[second] - nodes[first])
+    if not chosen:
+        message = f"DEFORM = {control.deform}, a set the deck does not have,"
+        raise UnreadError(message)
+    return _stretched(assembly, strains, tightened)
+
+
+def _stretched(assembly: Assembly, strains: Vector, tightened: Collection[int]) -> Matrix:
+    for i in np.flatnonzero(strains).tolist():
+        if assembly.beams[i].id in tightened:
+            message = f"what expands in element {assembly.beams[i].id}, a bolt ({UNSEEN}),"
+            raise UnreadError(message)
+    return stretching_forces(assembly, strains)
+
+
+def _thermal(deck: Deck, tightened: Collection[int]) -> Matrix:
+    """Return the forces (n_node, 6) of the selected temperatures."""
+    cards, grids, assembly = deck.cards, deck.grids, deck.assembly
+    control, parents = deck.control, deck.parents
+    check_constant(cards, control)
+    final = _field(cards, grids, control.temperatures["load"], parents)
+    start = control.temperatures.get("initial")
+    initial = None if start is None else _field(cards, grids, start, parents)
+    expansions = read_expansions(cards)
+    _check_others(cards, expansions)
+    forces = _of_solids(cards, grids, assembly, expansions, initial, final)
+    of_beams = [expansions.get(int(beam.material.name), NOTHING) for beam in assembly.beams]
+    ids = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
+    ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64).reshape(-1, 2)
+    zero = np.array([one.zero for one in of_beams])
+    change = final.of_elements(ids, ends) - (
+        zero if initial is None else initial.of_elements(ids, ends)
+    )
+    coefficients = np.array([one.strains[0] for one in of_beams])
+    strains = np.where(coefficients == 0, 0.0, coefficients * change)
+    forces += _stretched(assembly, strains, tightened)
+    forces += shell_expansion_forces(
+        assembly, _of_shells(cards, assembly, expansions, deck.plane, initial, final)
+    )
+    if not np.isfinite(forces).all():
+        sets = [final.number, *([] if initial is None else [initial.number])]
+        without = np.isnan(final.nodes) | (False if initial is None else np.isnan(initial.nodes))
+        without &= np.isnan(forces).any(axis=1)
+        if not without.any():
+            message = f"temperature set {final.number} with numbers too large"
+            raise UnreadError(message)
+        grid = grids.ids[parents[int(without.argmax()), 0]]
+        message = f"GRID {grid} without a temperature in set {' or '.join(map(str, sets))}"
+        raise UnreadError(message)
+    return forces
+
+
+def _check_others(cards: Mapping[str, Cards], expansions: Mapping[int, Expansion]) -> None:
+    """Refuse expansion of elements whose forces are not known."""
+    for user, name in (("CBEND", "PBEND"), ("CSHEAR", "PSHEAR")):
+        used = {card.integer(1, card.integer(0)) for card in cards.get(user, ())}
+        for card in cards.get(name, ()):
+            if card.integer(0) in used and card.integer(1) in expansions:
+                message = f"{card.where()} of a material that expands"
+                raise UnreadError(message)
+
+
+def _field(cards: Mapping[str, Cards], grids: Grids, number: int, parents: Indices) -> _Field:
+    """Read a set of temperatures."""
+    for name in UNREAD_TEMPERATURES:
+        for card in cards.get(name, ()):
+            if card.integer(0) == number:
+                raise UnreadError(card.where())
+    found = np.full(len(grids.ids), np.nan)
+    known = False
+    for card in cards.get("TEMPD", ()):
+        for at in (0, 2, 4, 6):
+            if card.text(at) and card.integer(at) == number:
+                found[:], known = card.real(at + 1), True
+    if "TEMP" in cards:
+        of_set = cards["TEMP"].take(cards["TEMP"].integers(0) == number)
+        for at in (1, 3, 5):
+            these = of_set.take(of_set.given(at))
+            found[grids.of_column(these, at)] = these.reals(at + 1)
+        known |= bool(len(of_set))
+    elements: dict[int, float] = {}
+    for name in ("TEMPP1", "TEMPRB"):
+        for card in cards.get(name, ()):
+            if card.integer(0) == number:
+                elements.update(_of_elements(card))
+    if not known and not elements:
+        message = f"temperature set {number}, which the deck does not have,"
+        raise UnreadError(message)
+    return _Field(number=number, nodes=found[parents].mean(axis=1), elements=elements)
+
+
+def _of_elements(card: Card) -> Iterator[tuple[int, float]]:
+    """Yield elements and their temperatures; gradients across them are not read."""
+    rods = card.cards.name == "TEMPRB"
+    gradients = range(4, 8) if rods else (3,)
+    if any(card.real(at, 0.0) for at in gradients):
+        message = f"{card.where()} with a gradient across the element"
+        raise UnreadError(message)
+    mean = (card.real(2) + card.real(3)) / 2 if rods else card.real(2)
+    # Fields up to the end of the row, and another row of TEMPRB, serve stresses.
+    others = [text for text in card.texts[16 if rods else 8 :] if text]
+    for number in (card.integer(1), *id_list(card, others)):
+        yield number, mean
+
+
+def _of_solids(
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    assembly: Assembly,
+    expansions: Mapping[int, Expansion],
+    initial: _Field | None,
+    final: _Field,
+) -> Matrix:
+    properties = by_id(cards, "PSOLID")
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    for number, material in assembly.materials.items():
+        one = expansions.get(int(material.name))
+        if one is None:
+            continue
+        if number not in properties:
+            message = f"property {number} (PCOMPS) of a material that expands"
+            raise UnreadError(message)
+        system = properties[number].integer(2, 0)
+        along = np.eye(3) if system == 0 else np.asarray(grids.systems.frames[system].axes)
+        at_zero = np.full(len(final.nodes), one.zero)
+        # What other materials have no temperature for does not matter here.
+        used = np.zeros(len(final.nodes), dtype=bool)
+        for block in assembly.mesh.blocks:
+            used[block.nodes[block.properties == number]] = True
+        fields = (at_zero if initial is None else initial.nodes, final.nodes)
+        before, after = (np.where(used, values, 0.0) for values in fields)
+        direction = turned_strain(one.strains, along)
+        forces += expansion_forces(
+            assembly, {number: lambda T: T}, before, after, {number: direction}
+        )
+    return forces
+
+
+def _of_shells(
+    cards: Mapping[str, Cards],
+    assembly: Assembly,
+    expansions: Mapping[int, Expansion],
+    laws: Mapping[int, PlaneMaterial],
+    initial: _Field | None,
+    final: _Field,
+) -> dict[int, Matrix]:
+    """Return the free strains of shells, by the index of their block."""
+    plates = {n: card for name in _PLATES for n, card in by_id(cards, name).items()}
+    found: dict[int, Matrix] = {}
+    for position, block in enumerate(assembly.shells):
+        if block.kind == PANEL:
+            continue
+        strains = np.zeros((len(block.ids), 3, 3))
+        change = final.of_elements(block.ids, block.nodes)
+        if initial is not None:
+            change = change - initial.of_elements(block.ids, block.nodes)
+        for number in np.unique(block.properties).tolist():
+            one = expansion_of_plate(plates[number], expansions, laws)
+            if one is None:
+                continue
+            here: Mask = np.asarray(block.properties == number)
+            degrees = change[here] - (one.zero if initial is None else 0.0)
+            same = np.isclose(one.strains[0], one.strains[1], rtol=1e-12) and not one.strains[2]
+            if same:
+                axes = np.broadcast_to(np.eye(3), (int(here.sum()), 3, 3))
+            elif block.kind in CURVED_SHELLS:
+                message = f"{plates[number].where()} of six- or eight-node shells that expand "
+                message += "more in one direction"
+                raise UnreadError(message)
+            else:
+                axes = _material_axes(assembly, block, here)
+            a, b, shear = one.strains
+            own = np.array([[a, shear / 2, 0.0], [shear / 2, b, 0.0], [0.0, 0.0, a if same else 0]])
+            turned = np.einsum("eki,kl,elj->eij", axes, own, axes)
+            strains[here] = degrees[:, None, None] * turned
+        if strains.any():
+            found[position] = strains
+    return found
+
+
+_PLATES = ("PSHELL", "PCOMP", "PCOMPG")
+
+
+def _material_axes(assembly: Assembly, block: ShellBlock, which: Mask) -> Matrix:
+    """Directions (n, 3, 3) of the materials of flat shells: x, y and the normal."""
+    frames, _ = flat_frames(assembly.mesh.nodes[block.nodes[which]], block.ids[which])
+    x, normal = frames[:, 0], frames[:, 2]
+    given = block.directions[which]
+    given = np.where(np.asarray(given.any(axis=1))[:, None], given, x)
+    across = np.cross(normal, given)
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    return np.stack([np.cross(across, normal), across, normal], axis=1)
