@@ -268,6 +268,25 @@ def test_formulation_follows_the_element_type(read):
     assert any("2 C3D8R: uniform strain with the hourglass" in note for note in reduced.ignored)
 
 
+@pytest.mark.parametrize(
+    ("kind", "parameter", "said"),
+    [
+        (
+            "C3D8R",
+            ", HOURGLASS=ENHANCED",
+            "ENHANCED is not taken: it lets C3D8R bend nearly as C3D8I",
+        ),
+        ("C3D8R", "", "hourglass control STIFFNESS and its factors are not taken"),
+        ("C3D8I", ", HOURGLASS=ENHANCED", "no solid of the deck has hourglass modes"),
+    ],
+)
+def test_hourglass_control_is_told_where_it_matters(read, kind, parameter, said):
+    controls = f"*SECTION CONTROLS, NAME=EC{parameter}\n1., 1., 1.\n*STEP"
+    text = DECK.replace("TYPE=C3D8,", f"TYPE={kind},").replace("*STEP", controls, 1)
+    (note,) = (n for n in read(text).assembly.ignored if n.startswith("*SECTION CONTROLS EC"))
+    assert said in note
+
+
 STEPS = """\
 *STEP
 *STATIC

@@ -43,6 +43,30 @@ def check(monkeypatch, capsys, tmp_path):
     return call
 
 
+@pytest.mark.parametrize("command", ["check", "init"])
+@pytest.mark.parametrize(
+    ("name", "text", "held"),
+    [
+        (
+            "beam.inp",
+            "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n*ELEMENT, TYPE=B31, ELSET=B\n1, 1, 2\n"
+            "*MATERIAL, NAME=M\n*ELASTIC\n209000., 0.3\n"
+            "*BEAM SECTION, ELSET=B, MATERIAL=M, SECTION=RECT\n1., 1.\n",
+            "1 beams, 2 nodes",
+        ),
+        ("grid.bdf", "BEGIN BULK\nGRID,1,,0.,0.,0.\nENDDATA\n", "0 beams, 1 nodes"),
+    ],
+)
+def test_decks_in_which_nothing_can_touch(monkeypatch, capsys, tmp_path, command, name, text, held):
+    (tmp_path / name).write_text(text)
+    monkeypatch.setattr(sys, "argv", ["faying", command, str(tmp_path / name)])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert ended.value.code
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"no solids, no shells and no matrices ({held})" in line
+
+
 def cells(lines, first):
     return next(line for line in lines if line[:1] == [first])
 

@@ -10,7 +10,7 @@ from faying.exceptions import FormatError, StudyError
 from faying.io.mesh_files import ANY_GROUP, read_mesh_file
 from faying.model.assembly import Material
 from faying.model.bodies import bodies
-from faying.model.description import JointDescription
+from faying.model.description import JointDescription, check_surfaces
 from faying.model.mesh import Mesh
 from faying.model.separate import separated
 from faying.sources import SOURCES, SourceKeys
@@ -78,6 +78,7 @@ def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
         if path.suffix.lower() in source.suffixes:
             keys = SourceKeys(file=path, ignore=tuple(ignore))
             described = source.read(keys)
+            check_surfaces(described, path)
             materials = described.assembly.materials
             units = next((one for one in UNITS if not [*doubts(materials, one)]), UNITS[0])
             return Look(

@@ -61,7 +61,7 @@ def body_names(mesh: Mesh) -> list[str]:
     ids = mesh.element_ids
     order = np.argsort(ids, kind="stable")
     owner = np.concatenate([labels[:0], *(labels[block.nodes[:, 0]] for block in mesh.blocks)])
-    for name, members in mesh.element_sets.items():
+    for name, members in mesh.element_sets.items() if len(ids) else ():
         place = order[np.minimum(np.searchsorted(ids, members, sorter=order), len(ids) - 1)]
         inside = owner[place[ids[place] == members]]
         if not len(inside) or inside.min() != inside.max():

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from faying.exceptions import FormatError
 from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
@@ -43,3 +45,20 @@ class JointDescription:
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     selected_load: str | None = None
     has_joined_faces: bool = False
+
+
+def check_surfaces(described: JointDescription, path: Path) -> None:
+    """Refuse a deck in which nothing has a surface that could touch another.
+
+    Raises
+    ------
+    FormatError
+    """
+    assembly = described.assembly
+    if not assembly.mesh.n_elements and not assembly.shells and assembly.matrices is None:
+        message = (
+            f"{path}: the deck has no solids, no shells and no matrices ({len(assembly.beams)} "
+            f"beams, {len(assembly.mesh.nodes)} nodes), so nothing in it can touch; give the deck "
+            "of the parts of the joint"
+        )
+        raise FormatError(message)

@@ -17,7 +17,7 @@ from faying.joint.model import Model
 from faying.joint.weak_springs import with_weak_springs
 from faying.model.assembly import Assembly, Material
 from faying.model.deck_bolt import with_unlocked_bolts
-from faying.model.description import JointDescription
+from faying.model.description import JointDescription, check_surfaces
 from faying.model.gap_rule import GapRule
 from faying.model.parts import part_of
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
@@ -211,6 +211,8 @@ def _described(study: Study) -> JointDescription:
             materials=study.materials,
         )
     )
+    if source.is_deck:
+        check_surfaces(described, model.file or Path())
     described = part_of(described, model.parts, model.without)
     return _as_wished(described, study) if source.is_deck else described
 

@@ -16,6 +16,7 @@ READ = frozenset(
         *("CONTACT", "CONTACT INCLUSIONS", "CONTACT PROPERTY ASSIGNMENT"),
         *("CONTACT PAIR", "SURFACE INTERACTION", "SURFACE BEHAVIOR", "FRICTION", "CLEARANCE"),
         *("GAP CONDUCTANCE", "AMPLITUDE", "TEMPERATURE", "TIE", "ORIENTATION"),
+        "SECTION CONTROLS",
     )
 )
 """Keywords whose data are read, or refused for what they say."""

@@ -40,7 +40,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "base motion: give the load cases of the study forces": ("BASE MOTION",),
     "without effect on isotropic solids at small displacements": (
         *("NODAL THICKNESS", "DISTRIBUTION", "DISTRIBUTION TABLE"),
-        *("PHYSICAL CONSTANTS", "VALUES AT INFINITY", "SECTION CONTROLS"),
+        *("PHYSICAL CONSTANTS", "VALUES AT INFINITY"),
     ),
     "start of transients: those of a study start from the preloaded state at rest": (
         *("INITIAL CONDITIONS, TYPE=VELOCITY", "INITIAL CONDITIONS, TYPE=DISPLACEMENT"),

@@ -38,7 +38,7 @@ from faying.io.abaqus.pretension import step_name
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.shells import read_shells
-from faying.io.abaqus.solid_sections import formulation, read_solid_sections
+from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
 from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
@@ -77,6 +77,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     elements, by_element = without_removed(deck, elements, by_element, ignored)
     named = materials.read_materials(deck, ignored)
     solids, used = read_solid_sections(deck, elements, by_element, named)
+    note_controls(deck, elements.solids, ignored)
     note_masses(deck, elements.solids, ignored)
     mesh = Mesh(
         nodes=nodes.coordinates,
