@@ -167,7 +167,7 @@ BOTH = pytest.mark.parametrize("command", ["check", "run"])
             "lower = 7",
             ["'lower' in [model.sets]", "property 7", "properties are 1, 2"],
         ),
-        (f"node = {TIP}", 'set = "tipp"', ["boundary 'tip'", "no node set 'tipp'", "give a node"]),
+        (f"node = {TIP}", 'set = "tipp"', ["boundary 'tip'", "no node set 'tipp'", "known are"]),
         (
             f"node = {TIP}",
             "node = 9999",

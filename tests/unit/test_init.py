@@ -248,6 +248,27 @@ def test_sets_are_taken_by_their_names(tmp_path):
     assert tables["boundary"][0]["set"].upper() == "LOADED"
 
 
+def test_the_placeholder_load_enters_where_something_moves(tmp_path):
+    """Not at a set that is called loaded and held by the deck."""
+    path = tmp_path / "bricks.inp"
+    held = "*BOUNDARY\n102, 1, 6\n"
+    text = DECK[: DECK.index("*CLOAD\n")] + "*CLOAD\n104, 1, 400.\n*END STEP\n"
+    text = text.replace("\nBOTTOM, TOP", "\nBOTTOM, LOADED").replace("NSET=TOP", "NSET=LOADED")
+    path.write_text(text)
+    study, tables = said(path)
+    assert tables["boundary"][0]["set"].upper() == "LOADED"
+    assert study.problem == ""
+    assert tables["load_case"][0]["forces"][0]["component"] == "Fz"
+    path.write_text(text.replace(held, f"{held}LOADED, 3, 3\n"))
+    study, tables = said(path)
+    assert tables["load_case"][0]["forces"][0]["component"] == "Fx"
+    assert study.problem == ""
+    path.write_text(text.replace(held, f"{held}LOADED, 1, 3\n"))
+    study, tables = said(path)
+    assert "boundary" not in tables  # all others touch, or are held
+    assert study.problem == ""
+
+
 def test_a_single_body_is_said_to_have_no_interface(tmp_path, monkeypatch):
     builds = []
     monkeypatch.setattr(first, "build", lambda study: builds.append(study) or build(study))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices, Mask, Vector
 from faying.draft.bolts import Hole, clamping_lines, holes_in_line, pattern
 from faying.draft.cylinders import cylinders
 from faying.draft.held import HELD, LOADED, far_node, loose_groups, named, pins
@@ -26,10 +26,13 @@ from faying.interface.interface import Interface
 from faying.joint.diagnosis import REMEDY
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt_axis import bolt_direction
-from faying.model.boundary import FORCE_NAMES
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
+from faying.model.constraints import movable_components
 from faying.model.deck_bolt import bolt_axis_element
+from faying.model.matrices import used_components
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
+from faying.model.supports import nodes_of_set, with_held_nodes
 from faying.study.load_model import build
 from faying.study.schema import parse_study
 
@@ -199,13 +202,24 @@ def _loaded(found: Findings, contact: Indices, along: Direction) -> Findings:
     extent = float(np.ptp(mesh.nodes, axis=0).max())
     force = SHARE * sum(given) or SOFT * _modulus(assembly) * extent**2
     by_name = [one for one in named(mesh, LOADED) if one not in found.held and _is_face(mesh, one)]
-    sets = [*by_name, *loose_groups(assembly, [*found.held], contact)]
-    held = _held_nodes(found)
+    free = _movable(found)
+    # The surface of a cut through a bolt has the bolt's name.
+    taken = [*found.held, *(one.name for one in look.described.bolts)]
+    sets = [
+        one
+        for one in (*by_name, *loose_groups(assembly, taken, contact))
+        if free[nodes_of_set(assembly, one)].any()
+    ]
+    fixed = np.union1d(_held_nodes(found), np.flatnonzero(~free.any(axis=1)))
+    node = None if sets else far_node(assembly, fixed, contact)
+    nodes = nodes_of_set(assembly, sets[0]) if sets else np.empty(0, dtype=np.int64)
+    nodes = mesh.node_index(np.array([node])) if node is not None else nodes
+    reach = np.abs(along) + 2.0 * free[nodes].any(axis=0)
     return replace(
         found,
         loaded_set=sets[0] if sets else None,
-        loaded_node=None if sets else far_node(assembly, held, contact),
-        component=FORCE_NAMES[int(np.abs(along).argmax())],
+        loaded_node=node,
+        component=FORCE_NAMES[int(reach.argmax())],
         force=force,
     )
 
@@ -213,6 +227,21 @@ def _loaded(found: Findings, contact: Indices, along: Direction) -> Findings:
 def _is_face(mesh: Mesh, name: str) -> bool:
     """Say whether a node set may be that of a face: one or two nodes do not determine a motion."""
     return len(mesh.node_sets[name]) > 2
+
+
+def _movable(found: Findings) -> Mask:
+    """Mark the translations (n_node, 3) that can take a load; all where constraints contradict."""
+    assembly, mesh = found.look.described.assembly, found.look.mesh
+    held = [(nodes_of_set(assembly, name), [*range(6)]) for name in found.held]
+    for pin in found.pins:
+        components = [DISPLACEMENT_NAMES.index(name) for name in pin.components]
+        held.append((mesh.node_index(np.array([pin.node])), components))
+    assembly = with_held_nodes(assembly, held)
+    try:
+        movable = movable_components(assembly, used_components(assembly))
+    except FayingError:
+        return np.ones((len(mesh.nodes), 3), dtype=bool)
+    return movable.reshape(-1, 6)[:, :3]
 
 
 def _held_nodes(found: Findings) -> Indices:

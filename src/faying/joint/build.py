@@ -41,6 +41,7 @@ from faying.model.matrices import used_components
 from faying.model.shank import shank
 from faying.model.solid_cells import check_cells
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.model.supports import nodes_of_set
 
 
 def build_model(
@@ -251,14 +252,8 @@ def _boundary_nodes(assembly: Assembly, spec: BoundarySpec) -> Indices:
     if spec.node is not None:
         with naming(f"boundary '{spec.name}'"):
             return assembly.mesh.node_index(np.array([spec.node]))
-    sets: Mapping[str, Indices] = assembly.mesh.node_sets
-    if spec.set is None or spec.set not in sets:
-        message = (
-            f"boundary '{spec.name}': there is no node set '{spec.set}'; "
-            f"known are {', '.join(sets) or 'none, so give a node'}"
-        )
-        raise ModelError(message)
-    return sets[spec.set]
+    with naming(f"boundary '{spec.name}'"):
+        return nodes_of_set(assembly, spec.set or "")
 
 
 def _check_disjoint(

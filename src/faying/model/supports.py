@@ -68,6 +68,6 @@ def nodes_of_set(assembly: Assembly, name: str) -> Indices:
     if name in parts:
         return np.flatnonzero(bodies(mesh) == parts.index(name))
     sets = [*mesh.node_sets, *assembly.face_sets, *mesh.element_sets, *parts]
-    known = ", ".join(dict.fromkeys(sets)) or "none"
+    known = ", ".join(dict.fromkeys(sets)) or "none, so give a node"
     message = f"there is no node set '{name}', nor another set or body; known are {known}"
     raise ModelError(message)
