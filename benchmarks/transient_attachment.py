@@ -19,7 +19,7 @@ from faying.reduction.projection import projected
 SCHEMES = {
     "implicit Euler": fy.ImplicitEuler(),
     "generalized-α 0.8": fy.GeneralizedAlpha(0.8),
-    "energy-decaying": fy.EnergyDecaying(),
+    "energy-decaying 0.8": fy.EnergyDecaying(0.8),
 }
 LOADS = {"jump": 0.0, "rise over T/10": 0.1, "rise over T/4": 0.25}
 """Part of the period within which the load rises."""

@@ -20,6 +20,7 @@ from faying.simulation.integrators import Integrator
 
 SCHEMES: dict[str, Integrator] = {
     "implicit-euler": fy.ImplicitEuler(),
+    "energy-decaying, 0": fy.EnergyDecaying(0.0),
     "energy-decaying, 0.8": fy.EnergyDecaying(0.8),
     "energy-decaying, 1": fy.EnergyDecaying(1.0),
     "generalized-alpha, 0.8": fy.GeneralizedAlpha(0.8),

@@ -19,7 +19,7 @@ MODES = (20, 80)
 SCHEMES = {
     "implicit Euler": fy.ImplicitEuler(),
     "generalized-α 0.8": fy.GeneralizedAlpha(0.8),
-    "energy-decaying": fy.EnergyDecaying(),
+    "energy-decaying 0.8": fy.EnergyDecaying(0.8),
 }
 
 

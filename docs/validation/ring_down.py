@@ -90,7 +90,7 @@ def decay(joint: Joint, mode: int, amplitude: float, still: Sequence[int] = ()) 
         initial=start,
         step=period / STEPS,
         duration=PERIODS * period,
-        integrator=fy.EnergyDecaying(),
+        integrator=fy.EnergyDecaying(0.8),
     )
     return fy.free_decay(motion.times, joint.modal(mode, motion.states))
 

@@ -1,6 +1,6 @@
 """What the time step does: observed order, and the peak pressure of the LC2 step response.
 
-``python docs/validation/time_step.py`` prints both tables (three minutes).
+``python docs/validation/time_step.py`` prints both tables (two minutes).
 """
 
 import sys
@@ -12,10 +12,9 @@ from faying.simulation.integrators import Integrator
 
 SCHEMES: dict[str, Integrator] = {
     "implicit-euler": fy.ImplicitEuler(),
+    "energy-decaying, 0": fy.EnergyDecaying(0.0),
     "energy-decaying, 0.8": fy.EnergyDecaying(0.8),
-    "energy-decaying, 1": fy.EnergyDecaying(1.0),
     "generalized-alpha, 0.8": fy.GeneralizedAlpha(0.8),
-    "generalized-alpha, 1": fy.GeneralizedAlpha(1.0),
 }
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 

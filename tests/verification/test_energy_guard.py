@@ -12,7 +12,9 @@ import faying as fy
 from faying.cli import app
 from faying.exceptions import ConvergenceError
 from faying.model.bolt import Bolt
-from faying.simulation.energy_guard import EVERY, MOST_GAIN
+from faying.simulation.energy_guard import MOST_GAIN, audited, opened
+from faying.simulation.instants import Instants
+from faying.simulation.integrators import Motion
 from faying.simulation.stepping import transient_solver
 from pieces_of_one import pieces_of_one
 from small_system import small_system
@@ -96,14 +98,37 @@ def test_gain_is_what_the_balance_has_lost():
     for damping in (0.0, 0.5):
         motion = run(two_masses(1e3, damping))
         balance = fy.energy_balance(motion)
-        looks = slice(EVERY, None, EVERY)
-        work = np.maximum.accumulate(np.abs(balance.work + balance.bolt_work))[looks]
-        moved = work + np.maximum.accumulate(balance.kinetic[looks])
-        shares = -balance.numerical_dissipation[looks] / moved
+        moving = np.abs(balance.work + balance.bolt_work) + balance.kinetic
+        shares = -balance.numerical_dissipation[1:] / np.maximum.accumulate(moving)[1:]
         if damping == 0.0:
             # The balance takes the first step's force at its end; the same here.
             assert motion.energy_gain == pytest.approx(shares.max(), rel=1e-2)
         assert motion.energy_gain <= 1.01 * max(shares.max(), 0.0)
+
+
+@pytest.mark.parametrize("scheme", [fy.EnergyDecaying, fy.GeneralizedAlpha])
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
+def test_no_energy_is_made_by_a_jump(joint, scheme, rho):
+    """The first steps after it, of a twentieth of the period; 17 times the work was made once.
+
+    Energy-decaying steps make none in exact arithmetic. Generalized-alpha is bounded by the guard
+    alone, and at 1 makes 1e-3 here by contact that opens.
+    """
+    step = 1 / fy.preloaded_frequencies(joint, 1)[0] / 20
+    load = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3})
+    motion = fy.solve_transient(joint, load, step=step, duration=10 * step, integrator=scheme(rho))
+    assert motion.energy_gain < (1e-12 if scheme is fy.EnergyDecaying else 5e-3)
+
+
+def test_every_step_is_looked_at():
+    """A motion that is given more than its load can do for one step, and loses it in the next."""
+    system = two_masses(8.0)
+    start = Motion(*np.zeros((5, 2)), contact=np.zeros(1))
+    history = Instants.empty(1, 30, system)
+    history.velocities[0, 7] = 1.0
+    begun = opened(system, start)
+    found = audited(begun, system, start, np.zeros((31, 2)), history, step=0.1, force_weight=1.0)
+    assert found.gain == pytest.approx(1.0, rel=0.01)  # of what was stored at rest a share counts
 
 
 def test_side_by_side_each_has_its_own():
@@ -120,8 +145,7 @@ def test_pieces_and_restarts_keep_the_ledger(caplog):
     whole = run(system, late).energy_gain
     caplog.clear()
     solver = transient_solver(system, step=0.1, integrator=WILD)
-    # Of whole numbers of looks, so that both look at the same instants.
-    pieces = list(pieces_of_one(solver, late, duration=40.0, length=4 * EVERY))
+    pieces = list(pieces_of_one(solver, late, duration=40.0, length=90))
     gains = [piece.energy_gain for piece, _ in pieces]
     assert gains[0] < MOST_GAIN < gains[-1] == pytest.approx(whole, rel=1e-12)
     assert gains == sorted(gains)
@@ -143,7 +167,7 @@ def test_compiled_steps_are_watched():
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     stiff = two_masses(1e3)
     assert transient_solver(stiff, step=0.1, integrator=WILD)._compiled is not None
-    assert run(stiff, compiled=True).energy_gain > 10 * MOST_GAIN
+    assert run(stiff, compiled=True).energy_gain > 5 * MOST_GAIN
 
 
 def test_numbers_that_overflow_are_explained():

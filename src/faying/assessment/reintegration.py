@@ -39,8 +39,8 @@ def reintegrate(
     Raises
     ------
     ModelError
-        If the solution is no transient, has unequal steps or friction, or the scheme needs an
-        acceleration at the start (it is not known under a jump).
+        If the solution is no transient, has unequal steps or friction, or the scheme takes forces
+        from within a step.
 
     Notes
     -----
@@ -48,10 +48,10 @@ def reintegrate(
     """
     scheme = ImplicitEuler() if integrator is None else integrator
     step = _equal_step(solution)
-    if scheme.needs_acceleration:
+    if scheme.force_weight != 1:
         message = (
-            f"reintegration starts at rest without an acceleration; {scheme.name} needs one: "
-            "simulate with a compliance model instead"
+            f"reintegration takes the forces at the end of each step, {scheme.name} those of its "
+            "whole length: simulate with a compliance model instead"
         )
         raise ModelError(message)
     system = solution.system

@@ -94,7 +94,7 @@ def ring_down(
     periods, steps_per_period
         Of small vibrations: how long, and how fine the steps are.
     integrator
-        By default :class:`faying.EnergyDecaying`, whose own damping is next to nothing; hard
+        By default :class:`faying.EnergyDecaying` at 0.8, whose own damping is next to nothing; hard
         contact with friction takes another.
     compiled
         As in :func:`faying.solve_transient`.
@@ -140,7 +140,7 @@ def ring_down(
         initial=displaced,
         step=1 / found.frequency / steps_per_period,
         duration=periods / found.frequency,
-        integrator=EnergyDecaying() if integrator is None else integrator,
+        integrator=EnergyDecaying(0.8) if integrator is None else integrator,
         compiled=compiled,
     )
     motion = measure.unit * ((solution.states - rest.states[-1]) @ inertia.forces)

@@ -22,8 +22,8 @@ bases 158 gained less than 0.03 of the largest work and 45 more than 0.9; scheme
 energy have 0.02 at most, from the way it is summed (``benchmarks/transient_energy.py``).
 """
 
-EVERY = 25
-"""Steps between two looks, so that the products with M, K and C are not felt."""
+AT_ONCE = 25
+"""Instants whose energies are computed together; more gain nothing more and take more memory."""
 
 FELT = 1e-3
 """Motion with less than this share of the energy of the preload moves pressures by 3 % at most."""
@@ -42,7 +42,7 @@ class EnergyLedger:
     work, spent
         Work of all loads since; what damping took at least, and friction.
     moved
-        Largest kinetic energy and largest magnitude of the work so far, added up.
+        Largest sum so far of kinetic energy and the magnitude of the work.
     gain
         Largest share of ``moved`` that the energy exceeds what was supplied by.
     """
@@ -72,7 +72,9 @@ def audited(
     start: Motion,
     inputs: Matrix,
     history: Instants,
+    *,
     step: float,
+    force_weight: float,
 ) -> EnergyLedger:
     """Go on with the ledger of one transient over a piece of it.
 
@@ -84,45 +86,42 @@ def audited(
         At that instant and those of the piece.
     history
         Of this case and of the piece alone.
+    step : [time]
+    force_weight
+        Weight of the forces at the end of a step in its balance, with which they do its work.
 
     Notes
     -----
     In exact time integration kinetic, strain and contact energy change by the work of the loads
-    less what damping and friction take. Work and what friction takes are summed over all steps, by
-    the trapezoidal rule. Energies are taken every :data:`EVERY` steps, and damping at least
-    ∑ ΔuᵀC Δu / Δt between them, a lower bound whatever happened on the way: the gain may be more
-    than what is found, but not less.
+    less what damping and friction take. Damping takes ΔuᵀC Δu/h in a step, the least that it can.
     """
-    n_time = len(inputs) - 1
-    at = np.unique(np.append(np.arange(EVERY - 1, n_time, EVERY), n_time - 1))
-    states, first = history.states[0], start.u[None]
+    u = start.u
     with np.errstate(over="ignore", invalid="ignore"):
-        path = [input_displacements(system, u) for u in (first, states)]
-        means = 0.5 * (inputs[1:] + inputs[:-1])
-        steps = (means * np.diff(np.vstack(path), axis=0)).sum(axis=1)
-        work = ledger.work + np.cumsum(steps)
-        most = np.maximum.accumulate(np.abs(work))[at]
-        work = work[at]
-        moves = np.diff(np.vstack([first, states[at]]), axis=0)
-        lengths = step * np.diff(np.append(-1, at))
-        spent = ledger.spent + np.cumsum(2 * half_form(system.C, moves) / lengths)
-        spent = spent + np.cumsum(history.dissipation[0])[at]
-        shear = None if system.contact.components == 1 else history.shear[0, at]
-        kinetic, energy = _stored(
-            system, states[at], history.velocities[0, at], history.forces[0, at], shear
-        )
-        moved = most + np.maximum.accumulate(kinetic)
-        moved = np.maximum(moved, ledger.moved)
-        gain = energy - ledger.stored - (work - spent)
-        shares = gain / (moved + FELT * ledger.stored + np.finfo(float).tiny)
-    worst = float(np.max(np.nan_to_num(shares, nan=np.inf), initial=0.0))
-    return EnergyLedger(
-        stored=ledger.stored,
-        work=float(work[-1]),
-        spent=float(spent[-1]),
-        moved=float(moved[-1]),
-        gain=max(ledger.gain, worst),
-    )
+        for first in range(0, len(inputs) - 1, AT_ONCE):
+            some = slice(first, first + AT_ONCE)
+            states, velocities = history.states[0, some], history.velocities[0, some]
+            moves = np.diff(np.vstack([u, states]), axis=0)
+            before, after = inputs[:-1][some], inputs[1:][some]
+            means = force_weight * after + (1 - force_weight) * before
+            done = (means * input_displacements(system, moves)).sum(axis=1)
+            work = ledger.work + np.cumsum(done)
+            lost = 2 * half_form(system.C, moves) / step + history.dissipation[0, some]
+            spent = ledger.spent + np.cumsum(lost)
+            shear = None if system.contact.components == 1 else history.shear[0, some]
+            forces = history.forces[0, some]
+            kinetic, energy = _stored(system, states, velocities, forces, shear)
+            moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
+            gain = energy - ledger.stored - (work - spent)
+            shares = gain / (moved + FELT * ledger.stored + np.finfo(float).tiny)
+            ledger = EnergyLedger(
+                stored=ledger.stored,
+                work=float(work[-1]),
+                spent=float(spent[-1]),
+                moved=float(moved[-1]),
+                gain=float(np.max(np.nan_to_num(shares, nan=np.inf), initial=ledger.gain)),
+            )
+            u = states[-1]
+    return ledger
 
 
 ABSURD = 1e100
@@ -136,6 +135,8 @@ class EnergyGuard:
     Attributes
     ----------
     system, step
+    force_weight
+        Of the integrator.
     loads
         Names.
     starts, ledgers
@@ -150,6 +151,7 @@ class EnergyGuard:
 
     system: System
     step: float
+    force_weight: float
     loads: Sequence[str]
     starts: Sequence[Motion]
     ledgers: Sequence[EnergyLedger | None]
@@ -198,7 +200,8 @@ class EnergyGuard:
             start,
             self.inputs[case, : n_time + 1],
             self.history.of_case(case).instants(0, n_time),
-            self.step,
+            step=self.step,
+            force_weight=self.force_weight,
         )
 
 

@@ -18,13 +18,6 @@ from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
 from faying.simulation.static import AT_REST, relative_forces, solve_static
 
-INITIAL_FRACTION = 1e-3
-"""Part of a step over which the initial acceleration is averaged.
-
-It bounds the acceleration of massless degrees of freedom; modes the step resolves see a relative
-error of its square.
-"""
-
 
 def at_rest(system: System) -> Solution:
     """Solve the joint under its bolts alone; with friction they are tightened in one increment."""
@@ -108,7 +101,12 @@ def begun(
     loads: Sequence[Load],
     starts: Sequence[Solution],
 ) -> list[Restart]:
-    """Return the states at rest, with the accelerations the suddenly applied loads cause."""
+    """Return the states at rest, with the accelerations the suddenly applied loads cause.
+
+    These are averaged over the first step, M + h² K in place of M: what the step resolves sees an
+    error of (ω h)², and what it does not, massless degrees of freedom among it, does not begin
+    with more energy than the loads can give.
+    """
     now = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, now) for load in loads])
     forces = np.array([start.contact_forces for start in starts])
@@ -119,8 +117,7 @@ def begun(
     contact = relative_forces(system, forces, shear).T
     a = np.zeros_like(u)
     if scheme.needs_acceleration:
-        averaging = system.M + (INITIAL_FRACTION * step) ** 2 * system.K
-        a = factorize(averaging).solve(applied + contact - system.K @ u)
+        a = factorize(system.M + step**2 * system.K).solve(applied + contact - system.K @ u)
     kept = scheme.kept_force(applied, contact)
     every = stacked_forces(forces, shear)
     motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), every.T)

@@ -199,6 +199,7 @@ class TransientSolver:
         guard = EnergyGuard(
             system=system,
             step=self.step,
+            force_weight=self.scheme.force_weight,
             loads=[load.name for load in loads],
             starts=[one.motion for one in here],
             ledgers=[one.ledger for one in here],

@@ -11,7 +11,7 @@ from faying.execution.groups import even_parts, grouped
 from faying.joint.model import Model
 from faying.linalg.memory import require_room
 from faying.simulation.divided_steps import divided_steps
-from faying.simulation.energy_guard import EVERY
+from faying.simulation.energy_guard import AT_ONCE
 from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.solution import Solution
@@ -26,7 +26,7 @@ from faying.study.results import Response
 from faying.study.tables import LoadCaseSection
 from faying.study.timing import instants, time_span, time_step
 
-PIECE = EVERY
+PIECE = AT_ONCE
 """Instants computed at a time: as many as the energy guard looks at together."""
 
 

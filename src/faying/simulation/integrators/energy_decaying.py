@@ -32,7 +32,10 @@ class EnergyDecaying(SpectralRadius):
     ----------
     rho_infinity
         Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the midpoint rule).
+        Above 0 what the step cannot resolve rings on in pressures.
     """
+
+    rho_infinity: float = 0.0
 
     @property
     def name(self) -> str:
@@ -56,8 +59,8 @@ class EnergyDecaying(SpectralRadius):
 
     @property
     def needs_acceleration(self) -> bool:
-        """The acceleration at the start enters."""
-        return True
+        """What lags behind starts at rest, with no energy of its own."""
+        return False
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the law of the mean contact force of a step."""

@@ -1,7 +1,5 @@
 /* Where a motion starts: parameters that make sense, and the joint at rest under its loads. */
 
-/* Part of a step over which the initial acceleration is averaged. */
-#define INITIAL_FRACTION 1e-3
 /* Least part of the way from rest under the bolts to the loads that is tried as one increment. */
 #define LEAST_INCREMENT (1.0 / 64.0)
 /* Coefficients of friction above this are taken for a slip of the pen. */
@@ -53,13 +51,13 @@ static enum outcome check_parameters(struct motion *m)
     return OUTCOME_ERROR;
 }
 
-/* Acceleration that the forces at the start cause, averaged over a fraction of a step. */
+/* Acceleration that the forces at the start cause, averaged over the first step. */
 static enum outcome find_acceleration(struct motion *m)
 {
     const struct joint *j = &m->joint;
     const size_t n = j->n_mode;
-    const double span = INITIAL_FRACTION * m->state[AT_STEP_SIZE];
-    if (m->state[AT_INTEGRATOR] == IMPLICIT_EULER)
+    const double span = m->state[AT_STEP_SIZE];
+    if (m->state[AT_INTEGRATOR] != GENERALIZED_ALPHA)
         return OUTCOME_OK;
     for (size_t i = 0; i < n * n; i++)
         m->A[i] = j->M[i] + span * span * j->K[i];
