@@ -655,6 +655,9 @@ REFUSED = [
     (edited(("104, 1, 400.\n", "")), r"\*PRE-TENSION SECTION: .*has no force"),
     (edited(("104, 1, 400.", "104, 1, -400.")), r"compressive force -400"),
     (edited(("*CLOAD", "*BOUNDARY\n104, 1, 1, -.1\n*CLOAD")), r"pressed apart by .* -0.1 of its"),
+    (edited(("210000., 0.3", "210000., 0.3\n*EXPANSION\n1.2E-5"))
+     + "*STEP\n*STATIC\n*BOUNDARY, FIXED\n104, 1\n*TEMPERATURE\nNALL, 20.\n*END STEP\n",
+     r"element 3 is a bolt: .* not expand, or remove"),
     (
         DECK + "*STEP\n*STATIC\n*CLOAD, OP=NEW\n100, 3, 1.\n*END STEP\n",
         r"section 'bolt 3' has no force at the end of step 2, where it is read",

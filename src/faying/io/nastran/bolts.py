@@ -136,6 +136,9 @@ def read_bolts(
     }
     for name in ("BOLTFRC", "BOLTSEQ"):
         for card in cards.get(name, ()):
+            if control.present and card.integer(0) != control.bolts:
+                ignored.append(f"{name} {card.integer(0)} (case control does not select it)")
+                continue
             text = "it is not supported; give the final force of the bolts by BOLTFOR"
             raise card.error(text)
     names = {number: f"bolt-{number}" for number in bolts}

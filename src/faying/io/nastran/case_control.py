@@ -47,7 +47,8 @@ class CaseControl:
     deform
         Set of DEFORM.
     present
-        Whether the deck has a case control section, so that what is not selected is not active.
+        Whether the deck has a case control section (CEND, or selections), so that what is not
+        selected is not active.
     heat
         Whether the analysis is one of heat transfer, whose constraints are temperatures.
     """
@@ -158,7 +159,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     if others:
         ignored.append(f"case control requests {', '.join(sorted(others))}")
     chosen = {**common.chosen, **_subcase(subcases, combinations, subcase, ignored)}
-    return replace(_control(chosen, present=start >= 0), heat=heat)
+    return replace(_control(chosen, present=start >= 0 or bool(chosen)), heat=heat)
 
 
 def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.selection import selected_sets
 from faying.model.assembly import Equation
@@ -13,7 +14,9 @@ from faying.model.assembly import Equation
 _NEGLIGIBLE = 1e-14
 
 
-def read_equations(cards: Mapping[str, Cards], grids: Grids, chosen: int | None) -> list[Equation]:
+def read_equations(
+    cards: Mapping[str, Cards], grids: Grids, control: CaseControl, ignored: list[str]
+) -> list[Equation]:
     """Read the selected MPC sets.
 
     A component in a displacement coordinate system becomes up to three basic ones. The dependent
@@ -26,9 +29,9 @@ def read_equations(cards: Mapping[str, Cards], grids: Grids, chosen: int | None)
     """
     mpc = cards.get("MPC")
     if mpc is None:
-        selected_sets(cards, "MPCADD", set(), chosen)
+        selected_sets(cards, "MPC", set(), control, ignored)
         return []
-    sets = selected_sets(cards, "MPCADD", set(mpc.integers(0).tolist()), chosen)
+    sets = selected_sets(cards, "MPC", set(mpc.integers(0).tolist()), control, ignored)
     dependent: set[tuple[int, int]] = set()
     return [_equation(card, grids, dependent) for card in mpc if card.integer(0) in sets]
 

@@ -136,9 +136,9 @@ def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assem
     LOAD, CELAS1, CELAS2, PELAS, CONM2, SET1, BSURF, BSURFS, BCPROP, BCPROPS and PARAM,WTMASS, and
     what the page on decks lists besides; contact and bolts by :func:`read_joint`.
 
-    Case control selects SPC, MPC and LOAD (global level and one subcase). Without a selection all
-    SPC and all MPC sets of the deck apply. All load sets are returned, the selected one first;
-    loads that are not read are named in ``ignored``.
+    Case control selects SPC, MPC and LOAD (global level and one subcase). Sets that it does not
+    select constrain nothing; in a deck without case control all SPC and MPC sets apply. All load
+    sets are returned, the selected one first; loads that are not read are named in ``ignored``.
 
     PSOLID decides the formulation of eight-node CHEXA: ``"incompatible"`` when IN and ISOP are
     left at their defaults (bubble functions), ``"standard"`` for ISOP = FULL with IN = TWO or

@@ -7,11 +7,14 @@ from faying.io.left_out import Handling
 _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "analysis, solver and output control: faying has its own": (
         *("ASET", "ASET1", "BSET", "BSET1", "CSET", "CSET1", "QSET", "QSET1", "OMIT", "OMIT1"),
-        *("USET", "USET1", "SESET", "SUPORT", "SUPORT1", "EIGR", "EIGRL", "EIGB"),
+        *("USET", "USET1", "SESET", "EIGR", "EIGRL", "EIGB"),
         *("EIGC", "EIGP", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "TSTEP", "TSTEP1"),
         *("TSTEPNL", "NLPARM", "NLPCI", "NLSTEP", "NLCNTL2", "NLCNTLG", "MDLPRM", "NLMOPTS"),
         *("DTI", "ECHOON", "ECHOOFF", "DISPLAY", "PLOTEL", "PLOTEL3", "PLOTEL4", "MONPNT1"),
         *("MONPNT2", "CBARAO", "GROUP", "OUTRCV", "DEBUG", "PANEL"),
+    ),
+    "statics of Nastran hold what it names, vibrations do not: write SPC1 where it is a support": (
+        *("SUPORT", "SUPORT1"),
     ),
     "dynamic loads and tables of damping: the study has its own": (
         *("DLOAD", "RLOAD1", "RLOAD2", "TLOAD1", "TLOAD2", "DAREA", "DELAY", "DPHASE"),

@@ -191,7 +191,7 @@ def read_parts(
         ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
         beams = read_beams(cards, grids, sections, ends)
         springs, turned = read_springs(cards, grids, ignored)
-        supports, moved = read_supports(cards, grids, control)
+        supports, moved = read_supports(cards, grids, control, ignored)
         ids = np.concatenate([grids.ids, straight.node_ids])
         mesh = Mesh(
             nodes=np.vstack([grids.nodes, straight.nodes, ends.nodes]),
@@ -221,7 +221,7 @@ def read_parts(
                 *straight.equations(),
                 *rigid_equations,
                 *ends.equations,
-                *read_equations(cards, grids, control.mpc),
+                *read_equations(cards, grids, control, ignored),
             ),
             supports=tuple(supports),
             name=path.stem,

@@ -4,22 +4,25 @@ from collections.abc import Mapping
 
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.id_lists import id_list
 
 
 def selected_sets(
-    cards: Mapping[str, Cards], combination: str, members: set[int], chosen: int | None
+    cards: Mapping[str, Cards],
+    kind: str,
+    members: set[int],
+    control: CaseControl,
+    ignored: list[str],
 ) -> set[int]:
-    """Return the ids of the constraint sets that apply.
+    """Return the ids of the constraint sets that apply: in a deck without case control all.
 
     Parameters
     ----------
-    combination
-        ``"SPCADD"`` or ``"MPCADD"``.
+    kind
+        ``"SPC"`` or ``"MPC"``.
     members
         Ids of the sets that hold constraints.
-    chosen
-        What case control selects; without a selection (None) all sets apply.
 
     Raises
     ------
@@ -27,7 +30,7 @@ def selected_sets(
         If the selected set, or one a combination refers to, does not exist.
     """
     combined: dict[int, list[int]] = {}
-    for card in cards.get(combination, ()):
+    for card in cards.get(f"{kind}ADD", ()):
         number = card.integer(0)
         parts = id_list(card, [text for text in card.texts[1:] if text])
         unknown = [part for part in parts if part not in members]
@@ -35,9 +38,17 @@ def selected_sets(
             text = f"set {unknown[0]} is not in the deck; define it or take it out"
             raise card.error(text)
         combined.setdefault(number, []).extend(parts)
+    chosen = control.spc if kind == "SPC" else control.mpc
     if chosen is None:
-        return set(members)
-    kind = combination.removesuffix("ADD")
+        if members:
+            shown = ", ".join(map(str, sorted(members)))
+            said = (
+                f"case control selects none by {kind}, so that they constrain nothing"
+                if control.present
+                else "the deck has no case control that would select, so that all apply"
+            )
+            ignored.append(f"{kind} sets {shown}: {said}")
+        return set() if control.present else set(members)
     if chosen not in members and chosen not in combined:
         message = (
             f"case control selects {kind} = {chosen}, but the bulk data have no such set; "

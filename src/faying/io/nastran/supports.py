@@ -20,9 +20,9 @@ _Held = dict[tuple[int, tuple[int, ...]], list[Indices]]
 
 
 def read_supports(
-    cards: Mapping[str, Cards], grids: Grids, control: CaseControl
+    cards: Mapping[str, Cards], grids: Grids, control: CaseControl, ignored: list[str]
 ) -> tuple[list[Support], Moved]:
-    """Read the selected SPC sets; without a selection in case control, all of them.
+    """Read the SPC sets that case control selects; without case control all of them.
 
     Supports of one set with the same components are joined. Where a displacement coordinate system
     makes their directions differ from the basic ones, nodes with equal directions are joined.
@@ -45,7 +45,7 @@ def read_supports(
     for name in ("SPC", "SPC1"):
         if name in cards:
             members |= set(cards[name].integers(0).tolist())
-    sets = selected_sets(cards, "SPCADD", members, control.spc)
+    sets = selected_sets(cards, "SPC", members, control, ignored)
     for digits, nodes in grids.permanent.items():
         held.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
     single = cards.get("SPC")
