@@ -74,6 +74,11 @@ increments = 4
 amplitudes = [1.5, 0.5]
 forces = [{ boundary = "tip", component = "Fx", value = 600.0 }]
 
+[requirement]
+min_opening_factor = 1.0
+min_slip_safety = 1.0
+min_sliding_factor = 1.0
+
 [output]
 report = false
 """
@@ -102,6 +107,24 @@ def finished(study, tmp_path_factory):
 @pytest.fixture(scope="module")
 def results(finished):
     return read_results(finished / "results.h5")
+
+
+def test_two_safeties_against_slip_are_told_apart(results):
+    """By sums friction carries all of the load; followed, the bolt carries its share of it."""
+    found = results.assessment
+    opening, sums, sliding = found.verdicts
+    clamp = found.interfaces["joint"].slip.clamp_force["pull"]
+    # The pull's line of action goes through the centre of pressure, by symmetry.
+    assert sums.value == pytest.approx(0.2 * clamp / 600.0, rel=1e-6)
+    assert (sums.requirement, sums.place, sums.case) == ("min_slip_safety", "joint", "pull")
+    reserves = {name: results.cases[name].reserve for name in ("pull", "shake")}
+    assert {one.slides for one in reserves.values()} == {"joint"}
+    assert (sliding.requirement, sliding.place) == ("min_sliding_factor", "joint")
+    assert sliding.value == min(one.gross_slip for one in reserves.values())
+    # All slips along one motion by nine tenths: without much of a bolt that is nearly the same.
+    assert sliding.value > 0.89 * sums.value
+    assert opening.requirement == "min_opening_factor"
+    assert found.interfaces["joint"].opening == {"pull": reserves["pull"].openings[0]}
 
 
 @pytest.mark.parametrize("name", ["pull", "way", "shake"])

@@ -16,11 +16,17 @@ from faying.assessment.joint_record import (
     CaseState,
     InterfaceAssessment,
 )
-from faying.assessment.load_path import Openings, load_path
+from faying.assessment.opening import (
+    Openings,
+    area_name,
+    areas_that_open,
+    opening_factors,
+)
 from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
 from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
+from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.thread import Thread, thread_stress
 from faying.assessment.verdicts import verdicts
 from faying.exceptions import ModelError
@@ -59,7 +65,8 @@ def assess(
     requirements
         What must hold.
     paths
-        Whether each load is followed to its openings, (:func:`faying.load_path`).
+        Whether each load is followed to its openings
+        (:func:`~faying.assessment.opening.opening_factors`).
     threads
         Bolt to its thread, whose stress is then compared with the grade.
     scatter
@@ -72,7 +79,7 @@ def assess(
 
     Notes
     -----
-    Some milliseconds a load; its path as :func:`faying.load_path`. Clamp forces of the full model
+    Some milliseconds a load, besides its path. Clamp forces of the full model
     are certified: those of a reduced model whose basis gives contact its forces from a static
     solution at the ports of the full one, another some milliseconds a load.
     """
@@ -107,7 +114,13 @@ def assess(
         bolt_forces={name: np.atleast_1d(rest.bolt_force(name)) for name in system.bolts},
         bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
     )
-    followed = {load.name: load_path(full, load).openings() for load in loads} if paths else {}
+    areas, start = areas_that_open(surfaces, system.contact.slices, system.bolts), np.zeros(1)
+    followed = {
+        load.name: opening_factors(
+            full, load.inputs(full, start)[0], areas, open_below=wanted.open_share
+        )
+        for load in (loads if paths else ())
+    }
     demands = slip_demands(
         system,
         surfaces,
@@ -182,7 +195,7 @@ def judged(
     cases: Mapping[str, CaseState],
     requirements: Requirements | None = None,
     paths: Mapping[str, Openings] | None = None,
-    slip: Mapping[str, float] | None = None,
+    reserves: Mapping[str, SlipReserve] | None = None,
     demands: Mapping[tuple[str, str], SlipDemand] | None = None,
 ) -> Assessment:
     """Judge a joint whose load cases are solved already, static ones and those over time.
@@ -195,8 +208,8 @@ def judged(
         The preloaded state.
     paths
         Load case to its openings, of static ones that were followed.
-    slip
-        Load case to the factor at which an interface slips as a whole; infinite if it does not.
+    reserves
+        Load case to its slip reserve, of joints with friction.
     demands
         Interface and bolt, or no bolt, to the friction that static load cases need.
     """
@@ -230,11 +243,18 @@ def judged(
                     clamps[name],
                 ),
                 slip_around={place: one for (place, bolt), one in needed.items() if bolt == name},
+                opening_around={
+                    place: factors
+                    for place in surfaces
+                    if (factors := _openings(known, area_name(place, name)))
+                },
             )
             for number, name in enumerate(bolts)
         },
         interfaces=interfaces,
-        verdicts=tuple(verdicts(wanted, surfaces, bolts, rest, cases, interfaces, slip or {})),
+        verdicts=tuple(
+            verdicts(wanted, surfaces, bolts, rest, cases, interfaces, known, reserves or {})
+        ),
     )
 
 
@@ -278,9 +298,15 @@ def _interface(
         max_nodal_pressure_case=crushed,
         closed_area=float(areas[smallest]),
         closed_area_case=smallest,
-        first_opening={case: path.first[name] for case, path in paths.items()},
-        loss_of_clamp={case: path.last[name] for case, path in paths.items()},
+        first_opening={c: path.first[name] for c, path in paths.items() if name in path.first},
+        loss_of_clamp={c: path.last[name] for c, path in paths.items() if name in path.last},
+        opening=_openings(paths, name),
     )
+
+
+def _openings(paths: Mapping[str, Openings], area: str) -> dict[str, float]:
+    """Return the load cases that were followed, with the factor at which they open an area."""
+    return {case: path.opened[area] for case, path in paths.items() if area in path.opened}
 
 
 def _clamp(

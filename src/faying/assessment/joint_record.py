@@ -68,7 +68,10 @@ class BoltAssessment:
     thread
         Stress in the thread, where that is known.
     slip_around
-        Interface to the friction that its points nearest to this bolt need, of joints without.
+        Interface to the friction that its points nearest to this bolt need.
+    opening_around : [1]
+        Interface to load case to the factor from which its part nearest to this bolt is open, of
+        several bolts.
     """
 
     preload: float
@@ -82,6 +85,7 @@ class BoltAssessment:
     bending: BoltBending | None = None
     thread: ThreadStress | None = None
     slip_around: Mapping[str, SlipDemand] = field(default_factory=dict)
+    opening_around: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
 @final
@@ -126,8 +130,10 @@ class InterfaceAssessment:
     loss_of_clamp : [1]
         Load case to the factor from which nothing is pressed any more; infinite if never.
     slip
-        Friction that static load cases need of it; None where it has friction of its own, or no
-        load case is static.
+        Friction that static load cases need of it; None where no load case is static.
+    opening : [1]
+        Load case to the factor from which less than a share (``open_below``) of the area that the
+        preload presses is pressed; infinite if it never is.
     """
 
     preload: float
@@ -148,6 +154,7 @@ class InterfaceAssessment:
     first_opening: Mapping[str, float]
     loss_of_clamp: Mapping[str, float]
     slip: SlipDemand | None = None
+    opening: Mapping[str, float] = field(default_factory=dict)
 
 
 @final

@@ -10,7 +10,6 @@ together from there solve the same problem for the rates λ', s'. ``docs/theory/
 derives it.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -43,23 +42,6 @@ STANDING = 1e-13
 
 Followed = tuple[list[float], list[Vector], list[Mask], Vector, bool]
 """Kinks, forces and closed points there, the last rate, and whether all ended."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True)
-class Openings:
-    """Factors at which interfaces open, infinite where they do not.
-
-    Attributes
-    ----------
-    first
-        Interface to the factor at which the first point closed at rest opens.
-    last
-        Interface to the factor from which it carries no force.
-    """
-
-    first: Mapping[str, float]
-    last: Mapping[str, float]
 
 
 @final
@@ -126,23 +108,16 @@ class LoadPath:
             Points that count, for instance those near a bolt; all unless given.
         """
         wanted = self.closed[0] if points is None else self.closed[0] & points
-        opened = (~self.closed & wanted).any(axis=1)
-        return float(self.factors[opened.argmax()]) if opened.any() else np.inf
+        return self.factor_of(np.asarray((~self.closed & wanted).any(axis=1)))
 
     def loss_of_clamp(self, interface: str) -> float:
         """Return the factor from which an interface carries no force; infinite if always some."""
         own = self.system.contact.slices[interface]
-        lost = ~self.closed[:, own].any(axis=1)
-        return float(self.factors[lost.argmax()]) if lost.any() else np.inf
+        return self.factor_of(np.asarray(~self.closed[:, own].any(axis=1)))
 
-    def openings(self) -> Openings:
-        """Return when each interface begins to open and is open, without the forces in between."""
-        first, last = {}, {}
-        for name, own in self.system.contact.slices.items():
-            points = np.zeros(self.forces.shape[1], dtype=bool)
-            points[own] = True
-            first[name], last[name] = self.first_opening(points), self.loss_of_clamp(name)
-        return Openings(first=first, last=last)
+    def factor_of(self, kinks: Mask) -> float:
+        """Return the factor of the first kink of a choice (n_kink,); infinite if it has none."""
+        return float(self.factors[kinks.argmax()]) if kinks.any() else np.inf
 
     def clamp_force(self, interface: str) -> Vector:
         """Return the total normal force of an interface at the kinks (n_kink,) [force]."""
@@ -182,14 +157,8 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
 
 def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPath:
     """Follow the contact as :func:`load_path`, of a load given by its inputs (n_input,)."""
-    ports, condensed = system.port_compliance, system.static_contact
-    start, growing = inputs.copy(), inputs.copy()
-    start[: ports.n_boundary] = 0.0
-    start[ports.bolts.stop :] = 0.0
-    growing[ports.bolts] = 0.0
-    a = condensed.free_gap(_moved(ports, start))
-    b = np.asarray(system.contact.interpolation @ _moved(ports, growing))
-    factors, forces, closed, rate, ended = _followed(condensed, a, b, most)
+    a, b = growing_gap(system, inputs)
+    factors, forces, closed, rate, ended = _followed(system.static_contact, a, b, most)
     return LoadPath(
         system=system,
         factors=np.array(factors),
@@ -198,6 +167,17 @@ def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPa
         rate=rate,
         ended=ended,
     )
+
+
+def growing_gap(system: Joint, inputs: Vector) -> tuple[Vector, Vector]:
+    """Return the free gap at rest and its growth per load factor (n_point,), bolts locked."""
+    ports = system.port_compliance
+    start, growing = inputs.copy(), inputs.copy()
+    start[: ports.n_boundary] = 0.0
+    start[ports.bolts.stop :] = 0.0
+    growing[ports.bolts] = 0.0
+    a = system.static_contact.free_gap(_moved(ports, start))
+    return a, np.asarray(system.contact.interpolation @ _moved(ports, growing))
 
 
 def _followed(condensed: ContactSolver, a: Vector, b: Vector, most: float) -> Followed:

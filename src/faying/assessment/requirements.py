@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from faying.exceptions import ModelError
 
+OPEN_BELOW = 0.5
+"""Share of the area pressed at rest below which an area is open, unless another is named."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedRing:
@@ -41,10 +44,14 @@ class Requirements:
     no_opening_within : [length]
         Distance from the axis of a bolt within which all that the preload presses stays pressed.
     min_opening_factor
-        Least factor of a static load at which an interface carries no force any more.
+        Least factor of a static load at which an interface, or its part nearest to a bolt, opens.
+    open_below
+        Share of the area that the preload presses below which it is open; half unless given.
     min_slip_safety
-        Least factor of a static load or cycle at which an interface with friction slips as a whole;
-        of one without, least S_G = μ / μ_needed under static loads.
+        Least S_G = μ / μ_needed under static loads, bolts carrying nothing across their axes.
+    min_sliding_factor
+        Least factor of a static load or cycle with friction at which an interface slides as a
+        whole, bolts carrying what they do.
     slip_friction
         μ that interfaces without friction are judged with; or one for each interface named.
     closed_ring
@@ -56,9 +63,16 @@ class Requirements:
     max_nodal_pressure: float | None = None
     no_opening_within: float | None = None
     min_opening_factor: float | None = None
+    open_below: float | None = None
     min_slip_safety: float | None = None
+    min_sliding_factor: float | None = None
     slip_friction: float | Mapping[str, float] | None = None
     closed_ring: tuple[ClosedRing, ...] = ()
+
+    @property
+    def open_share(self) -> float:
+        """Share of the area pressed at rest below which an area is open."""
+        return OPEN_BELOW if self.open_below is None else self.open_below
 
 
 def misnamed(

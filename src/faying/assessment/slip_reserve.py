@@ -7,9 +7,11 @@ from typing import Self
 import numpy as np
 
 from faying._typing import Mask, Vector
+from faying.assessment.growth import LARGEST, first_events
+from faying.assessment.opening import areas_that_open, opening_events, pressed_shares
 from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import SLIP, SlipStates, all_slip, on_the_bound, point_states
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.load import Load
 from faying.simulation.path import (
@@ -21,12 +23,6 @@ from faying.simulation.path import (
     solve_path,
 )
 from faying.simulation.solution import Solution
-
-PRECISION = 1e-3
-"""Width of the interval in which a factor is found, over the factor."""
-
-MOST_BISECTIONS = 20
-"""Bisections of an increment: what slips below a millionth of it slips at once."""
 
 ONSET = 0.05
 """Share of the area in contact whose slip is called the onset of slip.
@@ -41,9 +37,6 @@ WHOLE = 0.9
 When everything first slips it is 0.9 to 1 where sides slide over each other, and 0 to 0.01 where a
 load bends a joint and slip here cancels slip there (``docs/how-to/follow_friction.md``).
 """
-
-LARGEST = 10.0
-"""Load factor at which the search is given up."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -73,6 +66,12 @@ class SlipReserve:
         Load factor up to which the path was followed.
     stopped
         Whether it ended there because the next increment had no solution.
+    slides
+        Interface that slips as a whole; empty where none does.
+    areas
+        Interfaces, and parts of them nearest to bolts, whose opening was followed.
+    openings : (n_area,) [1]
+        Load factor from which each is open; infinite where it is not.
     """
 
     first_slip: float | None
@@ -84,6 +83,14 @@ class SlipReserve:
     gross_slip: float | None
     largest: float
     stopped: bool
+    slides: str = ""
+    areas: tuple[str, ...] = ()
+    openings: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        # Arrays, where a run that was interrupted kept them.
+        object.__setattr__(self, "areas", tuple(map(str, self.areas)))
+        object.__setattr__(self, "openings", tuple(map(float, self.openings)))
 
 
 def slip_reserve(
@@ -94,6 +101,7 @@ def slip_reserve(
     share: float = 0.5,
     increments: int = 10,
     largest: float = LARGEST,
+    open_below: float | None = None,
 ) -> SlipReserve:
     """Find the load factors at which a joint begins to slip, slips by a share, and as a whole.
 
@@ -116,6 +124,9 @@ def slip_reserve(
         Increments up to the nominal load.
     largest
         Load factor at which the search ends.
+    open_below
+        Share of the area pressed at rest below which an interface, or its part nearest to a bolt,
+        is open; by default openings are not followed.
 
     Raises
     ------
@@ -134,40 +145,35 @@ def slip_reserve(
     rest = solve_path(system, [Load()]) if initial is None else initial
     search = _Search.of(system, load, rest)
     stuck = search.stuck()
+    opens = {} if open_below is None else search.opening(open_below)
     events: dict[str, _Event] = {
-        "first": lambda states, _: bool(states.slip_share[-1] > 0),
-        "onset": lambda states, _: search.share(states, stuck) >= ONSET,
-        "share": lambda states, _: bool(states.slip_of_closed[-1] >= share),
-        "gross": search.whole,
+        **{f"{AREA}{name}": happens for name, happens in opens.items()},
+        "first": lambda after, here: bool(search.states(after, here).slip_share[-1] > 0),
+        "onset": lambda after, here: search.share(search.states(after, here), stuck) >= ONSET,
+        "share": lambda after, here: bool(search.states(after, here).slip_of_closed[-1] >= share),
+        "gross": lambda after, here: bool(search.sliding(after, here)),
     }
-    found: dict[str, float] = {}
-    interface, point = "", -1
-    here, factor, stopped = search.start, 0.0, False
-    while factor < largest and len(found) < len(events):
-        target = min(_next(factor, increments), largest)
-        try:
-            after = search.at(target, here)
-        except ConvergenceError:
-            stopped = True
-            break
-        states = search.states(after, here)
-        for name, happens in events.items():
-            if name not in found and happens(states, after):
-                found[name], begun = search.bisected(here, after, (factor, target), happens)
-                if name == "first":
-                    interface, point = search.farthest(begun, here)
-        here, factor = after, target
+    found = first_events(search.at, search.start, events, increments=increments, largest=largest)
+    factors, states = found.factors, found.states
+    interface, point = search.farthest(*states["first"]) if "first" in states else ("", -1)
     return SlipReserve(
-        first_slip=found.get("first"),
+        first_slip=factors.get("first"),
         interface=interface,
         point=point,
-        onset=found.get("onset"),
+        onset=factors.get("onset"),
         share=share,
-        share_slip=found.get("share"),
-        gross_slip=found.get("gross"),
-        largest=factor,
-        stopped=stopped,
+        share_slip=factors.get("share"),
+        gross_slip=factors.get("gross"),
+        largest=found.largest,
+        stopped=found.stopped,
+        slides=search.sliding(*states["gross"]) if "gross" in states else "",
+        areas=tuple(opens),
+        openings=tuple(factors.get(f"{AREA}{name}", np.inf) for name in opens),
     )
+
+
+AREA = "area "
+"""Prefix of the events that are openings."""
 
 
 def _check(system: System, load: Load, share: float, increments: int, largest: float) -> None:
@@ -186,15 +192,8 @@ def _check(system: System, load: Load, share: float, increments: int, largest: f
     load.scaled(1.0)
 
 
-def _next(factor: float, increments: int) -> float:
-    """Return the load factor of the next increment."""
-    if factor < 1 - 0.5 / increments:
-        return (round(factor * increments) + 1) / increments
-    return factor * (1 + 1 / increments)
-
-
-_Event = Callable[[SlipStates, PathStep], bool]
-"""Whether something happens in the increment that ends at a step."""
+_Event = Callable[[PathStep, PathStep], bool]
+"""Whether something happens in the increment to the first step from the second."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -246,11 +245,12 @@ class _Search:
         slipping = float(area[(status == SLIP) & points[contact.rubbing]].sum())
         return slipping / touching if touching > 0 else 0.0
 
-    def whole(self, states: SlipStates, after: PathStep) -> bool:
-        """Say whether all that is closed slips, and along one motion, on some interface."""
+    def sliding(self, after: PathStep, here: PathStep) -> str:
+        """Return the interface on which all that is closed slips along one motion; none if ''."""
         contact, forces = self.system.contact, after.increment.forces
+        states = self.states(after, here)
         if contact.tangents is None:
-            return False
+            return ""
         for name, points in contact.slices.items():
             if not contact.laws[name].friction > 0 or not all_slip(states.status[-1:, points])[0]:
                 continue
@@ -263,28 +263,19 @@ class _Search:
                 contact.laws[name].friction * forces[0, own],
             )
             if used >= WHOLE:
-                return True
-        return False
+                return name
+        return ""
 
-    def bisected(
-        self,
-        here: PathStep,
-        after: PathStep,
-        between: tuple[float, float],
-        happens: _Event,
-    ) -> tuple[float, PathStep]:
-        """Find where between two factors something begins to happen, by single increments."""
-        low, high = between
-        for _ in range(MOST_BISECTIONS):
-            if high - low <= PRECISION * high:
-                break
-            middle = (low + high) / 2
-            trial = self.at(middle, here)
-            if happens(self.states(trial, here), trial):
-                high, after = middle, trial
-            else:
-                low = middle
-        return high, after
+    def opening(self, open_below: float) -> dict[str, _Event]:
+        """Return what says that an area is open, by its name."""
+        contact = self.system.contact
+        areas = areas_that_open(self.system.interfaces, contact.slices, self.system.bolts)
+
+        def closed(step: PathStep) -> Mask:
+            return np.asarray(step.increment.forces[0] > 0)
+
+        shares = pressed_shares(areas, closed(self.start), contact.weights)
+        return opening_events(closed, shares, open_below)
 
     def farthest(self, after: PathStep, here: PathStep) -> tuple[str, int]:
         """Return the interface, and the point of it, that slips farthest in an increment."""

@@ -2,9 +2,13 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
+import numpy as np
+
 from faying.assessment.joint_record import CaseState, InterfaceAssessment
+from faying.assessment.opening import Openings
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import ring_around, ring_pressure
+from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import pressed_near
 from faying.model.bolt import Bolt
@@ -17,14 +21,17 @@ def verdicts(
     rest: CaseState,
     cases: Mapping[str, CaseState],
     interfaces: Mapping[str, InterfaceAssessment],
-    slip: Mapping[str, float],
+    paths: Mapping[str, Openings],
+    reserves: Mapping[str, SlipReserve],
 ) -> Iterator[Verdict]:
     """Yield the verdicts on what is required.
 
     Parameters
     ----------
-    slip
-        Load case to the factor at which an interface slips as a whole.
+    paths
+        Static load case to its openings.
+    reserves
+        Load case to its slip reserve, of joints with friction.
     """
     yield from _clamp_verdict(wanted.min_clamp_force, interfaces)
     peaks = {name: (one.max_pressure_case, one.max_pressure) for name, one in interfaces.items()}
@@ -35,8 +42,12 @@ def verdicts(
     }
     yield from pressure_verdict("max_nodal_pressure", wanted.max_nodal_pressure, means)
     yield from _opening_verdict(wanted.no_opening_within, surfaces, bolts, rest, cases)
-    yield from _factor_verdict(wanted.min_opening_factor, interfaces)
-    yield from _slip_verdict(wanted.min_slip_safety, slip, interfaces)
+    yield from opening_verdicts(wanted.min_opening_factor, paths)
+    if bolts or not reserves:
+        yield from _slip_verdict(wanted.min_slip_safety, interfaces)
+    else:
+        yield from _sliding_verdict("min_slip_safety", wanted.min_slip_safety, reserves)
+    yield from _sliding_verdict("min_sliding_factor", wanted.min_sliding_factor, reserves)
     for ring in wanted.closed_ring:
         yield _ring_verdict(ring, surfaces, cases)
 
@@ -115,56 +126,89 @@ def no_opening(bolt: str, radius: float, lows: Sequence[tuple[str, float]]) -> V
     )
 
 
-def _factor_verdict(
-    limit: float | None, interfaces: Mapping[str, InterfaceAssessment]
-) -> Iterator[Verdict]:
-    factors = {
-        (name, case): factor
-        for name, one in interfaces.items()
-        for case, factor in one.loss_of_clamp.items()
-    }
+def opening_verdicts(limit: float | None, paths: Mapping[str, Openings]) -> Iterator[Verdict]:
+    """Judge the factors at which static load cases open an area."""
     if limit is None:
         return
-    if not factors:
-        reason = (
-            "it is judged by following static loads without friction, and none was followed; add "
-            "one, take a coarser interface, or leave the requirement out"
-        )
-        yield Verdict.unknown("min_opening_factor", limit, reason)
-        return
-    name, case = min(factors, key=factors.__getitem__)
-    value = factors[name, case]
-    yield Verdict.at_least("min_opening_factor", name, case, value, limit)
+    factors = {
+        (area, case): factor for case, one in paths.items() for area, factor in one.opened.items()
+    }
+    short = [name for name, one in paths.items() if one.followed < limit and np.isinf(_least(one))]
+    if factors:
+        place, case = min(factors, key=factors.__getitem__)
+        value = factors[place, case]
+        if value < limit or not short:
+            yield Verdict.at_least("min_opening_factor", place, case, value, limit)
+            return
+    reason = "no static load was followed to its opening"
+    if short:
+        reason = f"{short[0]} was followed up to {paths[short[0]].followed:g} times the load"
+    yield Verdict.unknown("min_opening_factor", limit, reason)
+
+
+def _least(openings: Openings) -> float:
+    return min(openings.opened.values(), default=np.inf)
 
 
 def _slip_verdict(
-    limit: float | None, slip: Mapping[str, float], interfaces: Mapping[str, InterfaceAssessment]
+    limit: float | None, interfaces: Mapping[str, InterfaceAssessment]
 ) -> Iterator[Verdict]:
-    """Judge the factors of gross slip, and S_G of interfaces that a coefficient is given for."""
+    """Judge S_G of interfaces with a coefficient, all that acts along them carried by friction."""
     if limit is None:
         return
-    found = {("", case): factor for case, factor in slip.items()}
-    for name, one in interfaces.items():
-        if one.slip is None or one.slip.coefficient is None:
-            continue
-        if one.slip.unknown:
-            reason = (
-                f"what is carried along it is not known: {one.slip.unknown}; give it friction or a "
-                "sticking area, or leave it out of slip_friction"
-            )
-            yield Verdict.unknown("min_slip_safety", limit, reason, name)
-            continue
-        found |= {(name, case): safety for case, safety in one.slip.safety.items()}
+    found: dict[tuple[str, str], float] = {}
+    asked = {
+        name: one.slip
+        for name, one in interfaces.items()
+        if one.slip is not None and one.slip.coefficient is not None
+    }
+    for name, slip in asked.items():
+        if slip.unknown:
+            reason = f"what is carried along it is not known: {slip.unknown}"
+            yield Verdict.unknown("min_slip_safety", limit, f"{reason}; {NO_SUMS}", name)
+        found |= {(name, case): safety for case, safety in slip.safety.items()}
     if found:
         place, case = min(found, key=found.__getitem__)
         yield Verdict.at_least("min_slip_safety", place, case, found[place, case], limit)
-    elif not any(one.slip and one.slip.unknown for one in interfaces.values()):
+    elif not asked:
         yield Verdict.unknown("min_slip_safety", limit, NO_SLIP)
+    elif all(not slip.unknown for slip in asked.values()):
+        yield Verdict.at_least("min_slip_safety", "", "no load acts along it", np.inf, limit)
 
+
+def _sliding_verdict(
+    requirement: str, limit: float | None, reserves: Mapping[str, SlipReserve]
+) -> Iterator[Verdict]:
+    """Judge the factors at which interfaces with friction slide as a whole."""
+    if limit is None:
+        return
+    factors = {
+        name: np.inf if one.gross_slip is None else one.gross_slip for name, one in reserves.items()
+    }
+    short = [n for n, one in reserves.items() if np.isinf(factors[n]) and one.largest < limit]
+    case = min(factors, key=factors.__getitem__, default="")
+    if case and (factors[case] < limit or not short):
+        yield Verdict.at_least(requirement, reserves[case].slides, case, factors[case], limit)
+        return
+    reason = NO_FRICTION
+    if short:
+        reached = f"{reserves[short[0]].largest:.3g} times {short[0]}"
+        reason = f"it holds up to {reached}, where the next increment had no solution"
+    yield Verdict.unknown(requirement, limit, reason)
+
+
+NO_SUMS = (
+    "leave it out of slip_friction, add a sticking area, or demand min_sliding_factor of a joint "
+    "with friction"
+)
+"""What to do where sums of forces tell nothing."""
+
+NO_FRICTION = "it is judged by static loads and cycles of joints with friction, and there is none"
+"""Why nothing is known of sliding where no load is followed with friction."""
 
 NO_SLIP = (
-    "it is judged by static loads and cycles with friction, or by static loads and slip_friction, "
-    "the coefficient to judge interfaces without friction with, and there is neither"
+    "it is judged by static loads and a coefficient, that of the interface or slip_friction, and "
+    "one of both is missing"
 )
 """Why nothing is known of slip where no load and coefficient tells of it."""
 

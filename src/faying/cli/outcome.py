@@ -90,7 +90,7 @@ def _verdict_line(verdict: Mapping[str, Any]) -> str:
         place = f" ({verdict['place']})" if verdict["place"] else ""
         return f"Requirement {verdict['requirement']}: UNKNOWN{place}, {verdict['reason']}"
     mark = "met" if verdict["met"] else "NOT MET"
-    value = "never" if verdict["value"] is None else f"{verdict['value']:.5g}"
+    value = "not reached" if verdict["value"] is None else f"{verdict['value']:.5g}"
     place = f"{verdict['place']}, " if verdict["place"] else ""
     limit = f"{verdict['limit']:g}"
     where = f"{place}{verdict['case']}"

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying.assessment.slip_reserve import PRECISION
+from faying.assessment.growth import PRECISION
 from faying.report.quantities import number, percent, place, quantity
 from faying.report.slip import most_slip
 from faying.report.tables import Table, table
@@ -64,4 +64,5 @@ def _reserve(results: Results, case: CaseResult) -> tuple[str, ...]:
         size = float(np.ptp(record.points, axis=0).max())
         point = place(record.points[reserve.point], units_of(results.units).length, size)
         where = f"{reserve.interface} {point}"
-    return first, where, onset, f"{percent(reserve.share)}: {share}", gross
+    slides = f" ({reserve.slides})" if reserve.slides else ""
+    return first, where, onset, f"{percent(reserve.share)}: {share}", gross + slides

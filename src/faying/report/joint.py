@@ -22,8 +22,9 @@ MEANINGS = {
     "max_pressure": ("largest pressure", "at most", "force/length²"),
     "max_nodal_pressure": ("largest average around a node", "at most", "force/length²"),
     "no_opening_within": ("smallest pressure around the bolt", "nothing open within", "length"),
-    "min_opening_factor": ("nothing is pressed any more at", "at least", "1"),
-    "min_slip_safety": ("safety against slip", "at least", ""),
+    "min_opening_factor": ("opens at", "at least", "1"),
+    "min_slip_safety": ("safety against slip S_G, bolts without shear", "at least", ""),
+    "min_sliding_factor": ("slides as a whole at", "at least", "1"),
     "closed_ring": ("smallest pressure on the ring", "at least", "force/length²"),
 }
 """Requirement to what is judged, how it is limited, and the dimension of the limit."""
@@ -114,7 +115,7 @@ def interface_judgement(results: Results) -> Table:
     units = units_of(results.units)
     found = {} if results.assessment is None else results.assessment.interfaces
     columns = (
-        "interface", "largest pressure", "smallest area under pressure", "first opening at",
+        "interface", "largest pressure", "smallest area under pressure", "opens at",
         "nothing pressed from",
     )  # fmt: skip
     rows = [(name, *_interface(name, one, results, units)) for name, one in found.items()]
@@ -224,7 +225,7 @@ def _verdict(one: Verdict, units: Units) -> tuple[str | Cell, ...]:
 
 def _measured(value: float, dimension: str, units: Units) -> str:
     if not np.isfinite(value):
-        return "no factor"
+        return "not reached"
     if not dimension:
         return number(value)
     if dimension == "1":
@@ -276,7 +277,7 @@ def _interface(
     where = place(one.max_pressure_point, units.length, size)
     yield f"{quantity(one.max_pressure, units.pressure, 4)} at {where} ({one.max_pressure_case})"
     yield f"{quantity(one.closed_area, units.of('length²'), 4)} ({one.closed_area_case})"
-    yield _least(one.first_opening)
+    yield _least(one.opening)
     yield _least(one.loss_of_clamp)
 
 
@@ -286,5 +287,5 @@ def _least(factors: Mapping[str, float]) -> str:
         return "—"
     case = min(factors, key=factors.__getitem__)
     if not np.isfinite(factors[case]):
-        return "no factor"
+        return "not reached"
     return f"{number(factors[case])} times {case}"

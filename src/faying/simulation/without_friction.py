@@ -7,6 +7,7 @@ from typing import final
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Law
@@ -58,6 +59,21 @@ def smooth_joint(joint: Joint) -> SmoothJoint:
 
 def _normal(law: Law) -> Law:
     return law.normal if isinstance(law, Coulomb) else law
+
+
+def pressures_without_friction(joint: Joint, inputs: Matrix) -> Matrix:
+    """Return contact pressures (n_case, n_point) of static loads as if nothing rubbed.
+
+    Parameters
+    ----------
+    inputs : (n_case, n_input)
+    """
+    ports, condensed = joint.port_compliance, smooth_joint(joint).static_contact
+    state, found = None, []
+    for relative in port_forces(ports, inputs) @ ports.contact_columns:
+        solved, state = condensed.solve(condensed.free_gap(relative), state)
+        found.append(solved.forces / joint.contact.weights)
+    return np.array(found)
 
 
 def released_state(system: System, load: Load = AT_REST) -> Solution:

@@ -10,17 +10,18 @@ from faying.assessment.certificate import certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
 from faying.assessment.joint_assessment import judged, with_threads
 from faying.assessment.joint_record import Assessment, CaseState
-from faying.assessment.load_path import Openings, load_path
+from faying.assessment.opening import Openings, areas_that_open, opening_factors
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
+from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.thread import Thread
-from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
 from faying.joint.tangential import tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.without_friction import pressures_without_friction
 from faying.study.comparison import increments
 from faying.study.extras import Extras
 from faying.study.loads import case_load
@@ -30,9 +31,6 @@ from faying.study.progress import Stages
 from faying.study.requirement_rules import requirements_of
 from faying.study.results import CaseResult
 from faying.study.tables import LoadCaseSection, Study
-
-MOST_PAIRS = 2000
-"""Node pairs, or points of hard contact, up to which loads are followed: ten seconds each."""
 
 
 def assess_run(
@@ -58,11 +56,7 @@ def assess_run(
         static = [case for case in study.load_cases if case.kind == "static"]
         smooth = [] if has_friction(model) else static
         intervals = _intervals(joint, smooth, cases, extras)
-        slip = {
-            name: np.inf if case.reserve.gross_slip is None else case.reserve.gross_slip
-            for name, case in cases.items()
-            if case.reserve is not None
-        }
+        reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
         found = judged(
             contact_surfaces(model),
@@ -78,9 +72,9 @@ def assess_run(
             ),
             states,
             wanted,
-            _paths(joint, smooth, extras),
-            slip,
-            _demands(joint, static, cases, wanted),
+            {**_paths(joint, smooth, wanted, extras), **_rubbed_paths(static, reserves)},
+            reserves,
+            _demands(joint, static, wanted),
         )
         threads = {
             bolt.name: Thread(**bolt.thread.model_dump())
@@ -159,41 +153,44 @@ def _intervals(
 
 
 def _demands(
-    joint: PreparedJoint,
-    static: list[LoadCaseSection],
-    cases: Mapping[str, CaseResult],
-    wanted: Requirements,
+    joint: PreparedJoint, static: list[LoadCaseSection], wanted: Requirements
 ) -> dict[tuple[str, str], SlipDemand]:
-    """Return the friction that static load cases need of interfaces without any."""
+    """Return the friction that static load cases need, as if there were none."""
     model = joint.model
-    smooth = [name for name, one in model.interfaces.items() if not one.law.friction > 0]
-    coefficients = slip_coefficients(wanted.slip_friction, smooth)
-    if not static or not smooth:
+    if not static:
         return {}
+    known = {name: one.law.friction for name, one in model.interfaces.items()}
+    smooth = [name for name, friction in known.items() if not friction > 0]
+    coefficients = {name: friction for name, friction in known.items() if friction > 0}
+    coefficients |= slip_coefficients(wanted.slip_friction, smooth)
     names, start = [case.name for case in static], np.zeros(1)
-    if has_friction(model):
-        unknown = "other interfaces of the joint have friction, and share what acts along it"
-        return {
-            (name, ""): SlipDemand(coefficient=coefficients.get(name), unknown=unknown)
-            for name in smooth
-        }
     inputs = np.concatenate([case_load(case).inputs(model, start) for case in static])
-    pressure = np.array([cases[name].reference.pressure for name in names])
+    pressure = pressures_without_friction(model, inputs)
     rows, surfaces = tangential_rows(model), contact_surfaces(model)
     return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)
 
 
 def _paths(
-    joint: PreparedJoint, static: list[LoadCaseSection], extras: Extras
+    joint: PreparedJoint, static: list[LoadCaseSection], wanted: Requirements, extras: Extras
 ) -> dict[str, Openings]:
-    """Follow static load cases to their openings; none where that failed or takes too long."""
-    with extras.attempt("load factors of opening"):
-        if static and (order := joint.model.static_contact.order) > MOST_PAIRS:
-            message = (
-                f"left out, for loads are followed with up to {MOST_PAIRS} node pairs, or points "
-                f"of hard contact, and there are {order}; take a coarser interface, or follow one "
-                "load by fy.load_path"
-            )
-            raise ModelError(message)
-        return {case.name: load_path(joint.model, case_load(case)).openings() for case in static}
-    return {}
+    """Follow static load cases without friction to their openings; not those where that failed."""
+    model, found, start = joint.model, dict[str, Openings](), np.zeros(1)
+    areas = areas_that_open(model.interfaces, model.contact.slices, model.bolts)
+    for case in static:
+        with extras.attempt(f"{case.name}, load factors of opening"):
+            inputs = case_load(case).inputs(model, start)[0]
+            found[case.name] = opening_factors(model, inputs, areas, open_below=wanted.open_share)
+    return found
+
+
+def _rubbed_paths(
+    static: list[LoadCaseSection], reserves: Mapping[str, SlipReserve]
+) -> dict[str, Openings]:
+    """Return the openings of static load cases that were followed with friction."""
+    return {
+        case.name: Openings(
+            opened=dict(zip(one.areas, one.openings, strict=True)), followed=one.largest
+        )
+        for case in static
+        if (one := reserves.get(case.name)) is not None and one.areas
+    }

@@ -69,6 +69,7 @@ class CaseRunner:
     inertia: InertiaWhenNeeded
     tolerance: float
     half_step: bool = True
+    open_below: float | None = None
 
     def solve(
         self, case: LoadCaseSection, *, confirmed: bool = False
@@ -243,7 +244,8 @@ class CaseRunner:
 
         def compute() -> dict[str, Matrix]:
             with self.stages.stage("slip reserve"):
-                return packed_members(reserve_of(self.joint.model, case, self.joint.rest))
+                found = reserve_of(self.joint.model, case, self.joint.rest, self.open_below)
+                return packed_members(found)
 
         with self.stages.timed("checkpoint"):
             kept = self.checkpoint.bundle(f"{case.name} slip reserve", compute)

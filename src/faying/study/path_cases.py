@@ -182,14 +182,23 @@ def _motion(model: Model, path: Solution) -> NodalMotion | None:
     return nodal_motion(model, path) if path.system is model else None
 
 
-def reserve_of(model: Model, case: LoadCaseSection, rest: Solution) -> SlipReserve:
-    """Return the slip reserve of a load case of the full model, from its preloaded state."""
+def reserve_of(
+    model: Model, case: LoadCaseSection, rest: Solution, open_below: float | None = None
+) -> SlipReserve:
+    """Return the slip reserve of a load case of the full model, from its preloaded state.
+
+    Parameters
+    ----------
+    open_below
+        Share of the area pressed at rest below which an area is open; None follows no opening.
+    """
     return slip_reserve(
         model,
         case_load(case),
         rest,
         share=case.slip_share or DEFAULT_SHARE,
         increments=case.increments or DEFAULT_INCREMENTS,
+        open_below=open_below,
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from faying.assessment.requirements import ClosedRing, Requirements, misnamed
 from faying.assessment.sealing import ring_around
-from faying.assessment.verdicts import NO_SLIP, ring_surface
+from faying.assessment.verdicts import NO_FRICTION, NO_SLIP, ring_surface
 from faying.joint.model import Model
 from faying.reduction.projection import contact_surfaces
 from faying.study.errors import Problem, reject
@@ -42,13 +42,16 @@ def check_requirements(study: Study, model: Model) -> None:
 
 def not_judged(study: Study, model: Model) -> Iterator[str]:
     """Say which requirements a run will not be able to judge, and why."""
-    wanted, static = study.requirement, [c for c in study.load_cases if c.kind == "static"]
+    wanted, kinds = study.requirement, {case.kind for case in study.load_cases}
     smooth = _smooth(model)
-    if wanted.min_slip_safety is not None and wanted.slip_friction is None:
-        rubbing = len(smooth) < len(model.interfaces)
-        if not rubbing or not any(c.kind in ("static", "cycle") for c in study.load_cases):
-            yield f"min_slip_safety cannot be judged: {NO_SLIP}"
-    if wanted.min_opening_factor is not None and not static:
+    rubbing = len(smooth) < len(model.interfaces)
+    followed = rubbing and kinds & {"static", "cycle"}
+    known = rubbing or wanted.slip_friction is not None
+    if wanted.min_slip_safety is not None and not (known and "static" in kinds):
+        yield f"min_slip_safety cannot be judged: {NO_SLIP}"
+    if wanted.min_sliding_factor is not None and not followed:
+        yield f"min_sliding_factor cannot be judged: {NO_FRICTION}"
+    if wanted.min_opening_factor is not None and "static" not in kinds:
         yield "min_opening_factor cannot be judged: it is about static loads, and there is none"
 
 

@@ -44,10 +44,14 @@ class RequirementSection(Section):
     no_opening_within : [length]
         Distance from a bolt's axis within which what the preload presses stays pressed.
     min_opening_factor
-        Factor of a static load case at which an interface carries nothing any more.
+        Factor of a static load case at which an interface, or its part nearest to a bolt, opens.
+    open_below
+        Share of the area that the preload presses below which it is open; half unless given.
     min_slip_safety
-        Factor of a static load case or cycle with friction at which an interface slips as a whole;
-        of interfaces without friction, S_G of static load cases.
+        S_G of static load cases, by sums: bolts carry nothing across their axes.
+    min_sliding_factor
+        Factor of a static load case or cycle with friction at which an interface slides as a
+        whole, bolts carrying what they do.
     slip_friction
         Coefficient that interfaces without friction, or those named, are judged with.
     closed_ring
@@ -59,6 +63,8 @@ class RequirementSection(Section):
     max_nodal_pressure: Positive | None = None
     no_opening_within: Positive | None = None
     min_opening_factor: Positive | None = None
+    open_below: Annotated[Number, Field(ge=0, le=1)] | None = None
     min_slip_safety: Positive | None = None
+    min_sliding_factor: Positive | None = None
     slip_friction: Positive | Mapping[Name, Positive] | None = None
     closed_ring: tuple[RingSection, ...] = ()

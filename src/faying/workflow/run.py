@@ -24,6 +24,7 @@ from faying.study.offline import build_bases, choose_counts, prepare_joint, redu
 from faying.study.progress import ProgressBar, Stages
 from faying.study.record import record
 from faying.study.reference import reference_of
+from faying.study.requirement_rules import requirements_of
 from faying.study.results import CaseResult, Results
 from faying.study.store import write_results
 from faying.study.summary import summarize
@@ -121,6 +122,9 @@ def _computed(
         ),
         tolerance=study.reduction.transient_tolerance,
         half_step=study.validation.half_step,
+        open_below=None
+        if study.requirement.min_opening_factor is None
+        else requirements_of(study.requirement).open_share,
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     if reference.kind == "worst":

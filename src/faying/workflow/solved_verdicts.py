@@ -4,12 +4,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying.assessment.load_path import input_path
+from faying.assessment.opening import areas_that_open, opening_factors
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.verdicts import (
     no_opening,
+    opening_verdicts,
     pressure_verdict,
     ring_surface,
     ring_verdict,
@@ -93,9 +94,12 @@ def solved_verdicts(
     for name, ring in _named(wanted, rom).items():
         case, value = _extreme(sets, f"ring_pressure.{name}", largest=False)
         yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
-    yield from _factors(wanted.min_opening_factor, rom, loads)
+    yield from _factors(wanted, rom, loads)
     if wanted.min_slip_safety is not None:
         yield from _slip(wanted.min_slip_safety, wanted, rom, static)
+    if wanted.min_sliding_factor is not None:
+        reason = "sliding is followed with friction by faying run alone"
+        yield Verdict.unknown("min_sliding_factor", wanted.min_sliding_factor, reason)
 
 
 def _slip(
@@ -106,8 +110,8 @@ def _slip(
     if static is None or not coefficients:
         missing = "no slip_friction is given" if not coefficients else "there is no static case"
         reason = (
-            f"it is judged by sums over static cases, with slip_friction, and {missing}; friction "
-            "itself is followed by faying run alone"
+            f"it is judged by sums over static cases, with slip_friction, and {missing}; of joints "
+            "with friction by faying run alone"
         )
         yield Verdict.unknown("min_slip_safety", limit, reason)
         return
@@ -166,12 +170,13 @@ def _openings(
         yield no_opening(bolt_name, radius, lows)
 
 
-def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
+def _factors(wanted: Requirements, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
+    limit = wanted.min_opening_factor
     if limit is None:
         return
     reason = ""
     if len(rom.contact.rubbing):
-        reason = "it follows static cases without friction, and the joint has some"
+        reason = "it is followed with friction by faying run alone"
     elif not 0 < len(loads.names) <= MOST_PATHS:
         reason = (
             f"it follows each static case to its opening, and there are {len(loads.names)}; give "
@@ -180,11 +185,9 @@ def _factors(limit: float | None, rom: ReducedModel, loads: LoadSet) -> Iterator
     if reason:
         yield Verdict.unknown("min_opening_factor", limit, reason)
         return
-    found = [input_path(rom.joint, row).openings() for row in loads.inputs]
-    lost = {
-        (place, case): openings.last[place]
-        for case, openings in zip(loads.names, found, strict=True)
-        for place in rom.interfaces
+    areas = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts)
+    paths = {
+        name: opening_factors(rom.joint, row, areas, open_below=wanted.open_share)
+        for name, row in zip(loads.names, loads.inputs, strict=True)
     }
-    place, case = min(lost, key=lost.__getitem__)
-    yield Verdict.at_least("min_opening_factor", place, case, lost[place, case], limit)
+    yield from opening_verdicts(limit, paths)
