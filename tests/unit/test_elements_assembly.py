@@ -2,12 +2,15 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 from faying.exceptions import ModelError
+from faying.io import abaqus, nastran
+from faying.joint.build import model_without_contact
 from faying.model.assembly import (
     Assembly,
     Beam,
@@ -25,6 +28,7 @@ from faying.model.matrices import (
     used_components,
 )
 from faying.model.mesh import CellBlock, Mesh
+from faying.model.solid_cells import check_cells
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.3, density=8e-9)
 
@@ -276,3 +280,32 @@ def test_results_are_read_only():
 def test_registry_is_imported_without_scikit_fem():
     code = "import sys, faying.model.matrices; sys.exit('skfem' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_cells_listed_twice_are_refused(tmp_path):
+    """In another block, with other nodes in front, in decks of every kind."""
+    mesh = one_cell("hex8")
+    (block,) = mesh.blocks
+    # Turned by 180° about its axis, which leaves it right side out.
+    again = replace(block, nodes=block.nodes[:, [2, 3, 0, 1, 6, 7, 4, 5]], ids=np.array([99]))
+    check_cells(assembly_of(mesh))
+    text = r"elements 77 and 99 have the same corners: .* twice there; remove one \(1 such"
+    with pytest.raises(ModelError, match=text):
+        check_cells(assembly_of(replace(mesh, blocks=(block, again))))
+    places = list(enumerate(mesh.nodes.tolist(), 1))
+    (tmp_path / "a.bdf").write_text(
+        "".join(f"GRID,{i},,{x},{y},{z}\n" for i, (x, y, z) in places)
+        + "CHEXA,1,1,1,2,3,4,5,6\n,7,8\nCHEXA,2,1,1,2,3,4,5,6\n,7,8\nPSOLID,1,1\nMAT1,1,1.,,.3\n"
+    )
+    (tmp_path / "a.inp").write_text(
+        "*NODE\n"
+        + "".join(f"{i}, {x}, {y}, {z}\n" for i, (x, y, z) in places)
+        + "*ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8\n2, 1, 2, 3, 4, 5, 6, 7, 8\n"
+        + "*MATERIAL, NAME=M\n*ELASTIC\n1., .3\n*SOLID SECTION, ELSET=E, MATERIAL=M\n"
+    )
+    for described in (
+        nastran.read_joint(tmp_path / "a.bdf"),
+        abaqus.read_joint(tmp_path / "a.inp"),
+    ):
+        with pytest.raises(ModelError, match="elements 1 and 2 have the same corners"):
+            model_without_contact(described.assembly)

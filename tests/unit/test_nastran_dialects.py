@@ -159,7 +159,13 @@ def test_cards_are_made_of_the_card_above(read):
     [
         (("GRID,101,,1.", "=,*X,=="), "'X' is no number to count on"),
         (("GRID,101,,1.", "=2"), "there is none above"),
-        (("GRID,101,,1.", "=,*1,==", "=9999999"), "at most 1000000"),
+        (("GRID,101,,1.", "=,*1,==", "=9999999"), "it may up to 1000000 times"),
+        (
+            ("GRID         101              1.", "=       *1      ==", "=(999999999)"),
+            "1000000 times",
+        ),
+        (("GRID,101,,1.", "=,*(1,=="), "'*(1' is nothing to add"),
+        (("GRID         101              1.", "=       *(1000000)=="), "nothing to add"),
         (("GRID,101,,1.", "=X"), "'=X' is no name of a card"),
         (("GRID,101,,1.", "=,*1,==", ",7"), "a repeated card with a second line"),
         (("CHEXA,7,1,1,2,3,4,5,6\n,7,8", "=,*1,=="), "the card above has several lines"),

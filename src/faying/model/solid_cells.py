@@ -11,6 +11,7 @@ from faying.model.elements import SolidElement, block_element
 from faying.model.elements.geometry import check_shapes, volume_factors
 from faying.model.elements.solid_element import mass_tables
 from faying.model.mesh import CellBlock
+from faying.model.surface import unique_rows
 
 # Cells of a batch whose few numbers at a point fill the processor's cache.
 _CELLS = 2048
@@ -74,6 +75,28 @@ def check_cells(assembly: Assembly) -> None:
         materials_of(assembly, block)
         for part in _batches(len(block.ids)):
             check_shapes(element, assembly.mesh.nodes[block.nodes[part]], block.ids[part])
+    _check_once(assembly)
+
+
+def _check_once(assembly: Assembly) -> None:
+    """Refuse two cells of the same corners, whose stiffness and mass would count twice."""
+    blocks = assembly.mesh.blocks
+    corners = [
+        block.nodes[:, : block_element(block, assembly.element).n_corners] for block in blocks
+    ]
+    for count in sorted({one.shape[1] for one in corners}):
+        same = [i for i, one in enumerate(corners) if one.shape[1] == count]
+        rows = np.sort(np.concatenate([corners[i] for i in same]), axis=1)
+        _, group, sizes = unique_rows(rows)
+        if (sizes > 1).any():
+            ids = np.concatenate([blocks[i].ids for i in same])
+            pair = np.flatnonzero(group == np.argmax(sizes > 1))[:2]
+            message = (
+                f"elements {ids[pair[0]]} and {ids[pair[1]]} have the same corners: stiffness and "
+                f"mass would count twice there; remove one ({int((sizes - 1).sum())} such in all; "
+                "a .msh of version 2 lists cells of two physical groups twice: write version 4)"
+            )
+            raise ModelError(message)
 
 
 def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Matrix]:

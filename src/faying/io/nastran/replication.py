@@ -13,8 +13,8 @@ from faying.io.deck_lines import Lines
 from faying.io.line_texts import LineTexts, joined
 from faying.io.nastran import fields as numbers
 
-_TIMES = re.compile(rb"=\(?(\d+)\)?")
-_STEP = re.compile(rb"\*\(?([^()]+)\)?")
+_TIMES = re.compile(rb"=(?:\((\d+)\)|(\d+))")
+_STEP = re.compile(rb"\*(?:\(([^()]+)\)|([^()]+))")
 _DATA = 8
 _MOST = 1_000_000
 """Cards that one line may make: a slip in the number shall not fill the memory."""
@@ -77,6 +77,9 @@ def _split(line: bytes) -> list[bytes]:
         parts = [part.strip() for part in line.split(b",")]
     else:
         flat = line.expandtabs(8)
+        # A count of repetitions may be longer than its field, as numbers of Nastran are not.
+        if match := _TIMES.fullmatch(flat[:72].strip()):
+            return [match[0], *[b""] * _DATA]
         parts = [flat[k : k + 8].strip() for k in range(0, min(len(flat), 72), 8)]
     return (parts + [b""] * (_DATA + 1))[: _DATA + 1]
 
@@ -111,15 +114,14 @@ def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes],
     if times is None:
         fields, steps = _derived(row, above, where)
         return [b",".join(fields)], _Above(fields=fields, steps=steps)
-    if not above.steps or int(times[1]) > _MOST:
-        message = (
-            f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d), at most "
-            f"{_MOST} times; there is none above"
-        )
+    count = int(times[1] or times[2])
+    if not above.steps or count > _MOST:
+        wrong = f"it may up to {_MOST} times" if above.steps else "there is none above"
+        message = f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d); {wrong}"
         raise FormatError(message)
     made = []
     fields = above.fields
-    for _ in range(int(times[1])):
+    for _ in range(count):
         fields = [
             _sum(field, above.steps[k], where) if k in above.steps else field
             for k, field in enumerate(fields)
@@ -138,8 +140,13 @@ def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], 
         if row[k] == b"=":
             fields.append(above.fields[k])
         elif match := _STEP.fullmatch(row[k]):
-            steps[k] = _decimal(match[1], where)
+            steps[k] = _decimal(match[1] or match[2], where)
             fields.append(_sum(above.fields[k], steps[k], where))
+        elif row[k][:1] == b"*":
+            message = (
+                f"{where}: '{_shown(row[k])}' is nothing to add to a field; write the card out"
+            )
+            raise FormatError(message)
         else:
             fields.append(row[k])
     return fields, steps
