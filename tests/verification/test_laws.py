@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.stuck_stiffness import stuck_springs
 from faying.contact.frictional import FrictionalContact
 from faying.contact.laws import Coulomb, Penalty
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, StudyError
+from faying.export.formats import export
+from faying.simulation.integrators import ImplicitEuler
 
 STIFFNESS = 2e5
 LOADS = [fy.Load({"tip.Fz": -300.0 * f, "tip.Mx": 1e4 * f}) for f in (0.0, 0.5, 1.0, 0.5, -0.5)]
@@ -25,6 +28,10 @@ class Curve:
     components = 1
     friction = 0.0
     proportional = False
+
+    @property
+    def normal(self):
+        return self
 
     @property
     def penalty(self):
@@ -84,9 +91,80 @@ def test_friction_takes_a_curve_for_its_normal_law(smooth):
     assert (size[-1] >= 0.299 * path.pressure[-1])[path.pressure[-1] > 0].any()  # some slip
 
 
-def test_what_knows_proportional_laws_alone_refuses_a_curve(smooth):
+CURVE = Curve(STIFFNESS, 1e10)
+
+
+@pytest.fixture(scope="module")
+def curved(smooth):
+    """A reduced model with friction on the curve, and its path."""
+    rubbing = smooth.with_friction(0.3)
+    model = with_law(rubbing, replace(rubbing.interfaces["joint"].law, normal=CURVE))
+    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
+    return rom, fy.solve_path(rom, LOADS)
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda rom, _: fy.solve_transient(rom, LOADS[0], step=1e-5, duration=2e-5),
+        lambda rom, path: fy.solve_transient(
+            rom,
+            LOADS[0],
+            step=1e-5,
+            duration=2e-5,
+            initial=path,
+            integrator=ImplicitEuler(),
+        ),
+        lambda rom, _: fy.solve_static(rom),
+        lambda rom, path: fy.certify_increments(rom, path),
+    ],
+)
+def test_what_knows_proportional_laws_alone_refuses_a_curve(curved, solve):
+    rom, path = curved
     with pytest.raises(ModelError, match="'joint' has the law 'curve', whose closure is not in"):
-        fy.solve_static(with_law(smooth, Curve(STIFFNESS, 1e10)))
+        solve(rom, path)
+
+
+@pytest.mark.parametrize("to", ["nastran", "mat", "fmu", "npz"])
+def test_no_file_holds_another_law_than_the_model(curved, tmp_path, to):
+    with pytest.raises(StudyError, match=f"'joint' has the law 'curve', which {to} does not ca"):
+        export(curved[0], to, out=tmp_path / "joint")
+    assert not list(tmp_path.iterdir())
+
+
+def test_compiled_increments_leave_curves_to_others(curved):
+    rom, path = curved
+    asked = fy.solve_path(rom, LOADS, compiled=True)
+    np.testing.assert_array_equal(asked.pressure, path.pressure)
+
+
+def test_recovered_paths_have_the_gaps_of_the_law(curved, smooth):
+    rom, path = curved
+    law = rom.contact.laws["joint"]
+    model = with_law(smooth.with_friction(0.3), law)
+    recovered = fy.recover_pressure(model, path)
+    closure = np.maximum(-recovered.gap, 0.0)
+    expected = STIFFNESS * closure + 1e10 * closure**2
+    largest = path.max_pressure.max()
+    np.testing.assert_allclose(recovered.pressure, expected, rtol=0, atol=1e-9 * largest)
+
+
+def test_small_motions_see_the_slope_of_a_curve(smooth):
+    model = with_law(smooth, CURVE)
+    path = fy.solve_path(model, LOADS[:1])
+    closed = path.pressure[-1] > 0
+    _, flexibility = stuck_springs(model, path)
+    slopes = np.sqrt(STIFFNESS**2 + 4e10 * path.pressure[-1, closed])
+    weights = model.contact.weights[closed]
+    np.testing.assert_allclose(1 / (flexibility * weights), slopes, rtol=1e-12)  # round-off
+
+
+def test_friction_on_a_smooth_interface_needs_no_with_friction(smooth):
+    rubbing = smooth.with_friction(0.3)
+    law = rubbing.interfaces["joint"].law
+    path = fy.solve_path(with_law(smooth, law), LOADS)
+    np.testing.assert_array_equal(path.pressure, fy.solve_path(rubbing, LOADS).pressure)
+    assert with_law(rubbing, Penalty(STIFFNESS)).structure is not rubbing.structure
 
 
 @pytest.mark.parametrize("law", [Coulomb(Penalty(1e5), 0.4, 8e4), Penalty(1e5)])

@@ -66,7 +66,7 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
         found, slip = _to(solver, before, relative, slip, forces, MOST_DIVISIONS)
         before, forces = relative, found.forces
         path.forces[row], path.shear_forces[row], path.slip[row] = forces[0], forces[1:], slip
-        path.gap[row] = found.slack[0] - contact.flexibility * forces[0]
+        path.gap[row] = solver.gap(found)
         path.iterations[row] = found.iterations
     return path
 

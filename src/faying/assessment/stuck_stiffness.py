@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.joint.system import System
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
@@ -17,8 +18,9 @@ NEARLY_RIGID = 1e-6
 def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
     """Return K + Pᵀ (B⁻¹ + R)⁻¹ P with the springs B between the pairs of closed points.
 
-    Closed points have the springs of their laws, 1/(c_n w) and with friction 1/(c_t w) along both
-    tangents; open ones have none. R is the residual compliance of a reduced model that has one.
+    Closed points have the springs of their laws at the forces they carry, 1/(c_n w) of a penalty
+    and with friction 1/(c_t w) along both tangents; open ones have none. R is the residual
+    compliance of a reduced model that has one.
 
     Parameters
     ----------
@@ -63,12 +65,15 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
     """
     check_points(system, state)
     contact = system.contact
-    closed = np.atleast_2d(state.contact_forces)[-1] > 0
-    parts, yields = [contact.interpolation[closed]], [contact.flexibility[closed]]
+    forces = np.zeros((3, contact.n_points))
+    forces[0] = np.atleast_2d(state.contact_forces)[-1]
+    closed = forces[0] > 0
+    compliance = LawsAtPoints(contact=contact).closure(forces)[1]
+    parts, yields = [contact.interpolation[closed]], [compliance[0, closed]]
     if contact.shear is not None:
         stuck = np.tile(closed[contact.rubbing], 2)
         parts.append(contact.shear[stuck])
-        yields.append(np.tile(contact.tangential_flexibility, 2)[stuck])
+        yields.append(compliance[1:, contact.rubbing].ravel()[stuck])
     rows, flexibility = sp.vstack(parts).tocsr(), np.concatenate(yields)
     if (flexibility == 0).any():
         flexibility = np.maximum(flexibility, NEARLY_RIGID * _own_compliance(system, rows))

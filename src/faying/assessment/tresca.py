@@ -86,6 +86,7 @@ def certify_increments(
             "points of the model; give a result of solve_path, of the model or one reduced from it"
         )
         raise ModelError(message)
+    contact.check_proportional()
     solver, n = model.static_contact.frictional, contact.n_points
     free = static_displacements(model.port_compliance, np.atleast_2d(path.inputs))
     free = free[:, : model.port_compliance.n_relative]

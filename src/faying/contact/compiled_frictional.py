@@ -118,7 +118,8 @@ class CompiledFrictionalContact:
 
 def compilable(solver: FrictionalContact) -> bool:
     """Say whether there is compiled code for the laws of all interfaces."""
-    return all(isinstance(law, Coulomb | Hard | Penalty) for law in solver.contact.laws.values())
+    laws = solver.contact.laws.values()
+    return all(law.proportional and isinstance(law, Coulomb | Hard | Penalty) for law in laws)
 
 
 def _address(name: str) -> int:

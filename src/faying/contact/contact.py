@@ -69,8 +69,12 @@ class Contact:
     def flexibility(self) -> Vector:
         """Diagonal of D [length/force]: what the laws add; 1 / (c_n w), or zero where hard.
 
-        Of a law whose closure is not in proportion to force, what it adds to the first of it.
+        Raises
+        ------
+        ModelError
+            If some law closes otherwise than in proportion to force.
         """
+        self.check_proportional()
         flexibility: Vector = frozen(self._compliance(0))
         return flexibility
 
@@ -154,13 +158,7 @@ class Contact:
         ModelError
             Naming such an interface.
         """
-        curved = [name for name, law in self.laws.items() if not law.proportional]
-        if curved:
-            message = (
-                f"interface '{curved[0]}' has the law '{self.laws[curved[0]].name}', whose closure "
-                "is not in proportion to its force, which paths alone know (solve_path)"
-            )
-            raise ModelError(message)
+        self.check_proportional()
         rubbing = [name for name, law in self.laws.items() if law.components > 1]
         if rubbing:
             message = (
@@ -169,6 +167,22 @@ class Contact:
                 "the model without friction for single static cases and certificates"
             )
             raise ModelError(message)
+
+    def check_proportional(self) -> None:
+        """Refuse laws whose closure is not in proportion to their force.
+
+        Raises
+        ------
+        ModelError
+            Naming such an interface and its law.
+        """
+        for name, law in self.laws.items():
+            if not law.proportional:
+                message = (
+                    f"interface '{name}' has the law '{law.normal.name}', whose closure is not in "
+                    "proportion to its force, which paths alone know (solve_path)"
+                )
+                raise ModelError(message)
 
     @cached_property
     def tangential_flexibility(self) -> Vector:
@@ -194,7 +208,14 @@ class Contact:
 
     @cached_property
     def penalty(self) -> Vector:
-        """Contact stiffness c_n (n_point,) [force/length³]; infinite where contact is hard."""
+        """Contact stiffness c_n (n_point,) [force/length³]; infinite where contact is hard.
+
+        Raises
+        ------
+        ModelError
+            If some law has no such number.
+        """
+        self.check_proportional()
         penalty: Vector = frozen(self._by_point(lambda law, _: law.penalty))
         return penalty
 

@@ -110,14 +110,16 @@ def export(
     Raises
     ------
     StudyError
-        If there is no such format or model, what the format needs is not installed, or the joint
-        has friction and the format does not carry it.
+        If there is no such format or model, what the format needs is not installed, or the format
+        does not carry the friction or the contact law of the joint.
     FormatError
         If the run cannot be read or the files cannot be written.
     """
     chosen = format_named(to)
     rom, run, folder = _given(source, method, joint_modes)
     _check_friction(rom, to, chosen)
+    if chosen.kind != PICTURES:
+        _check_laws(rom, to)
     if out is None and folder is None:
         message = f"nothing says where to write the {to} file; give out="
         raise StudyError(message)
@@ -195,6 +197,18 @@ def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
             "'friction')"
         )
         raise StudyError(message)
+
+
+def _check_laws(rom: ReducedModel, to: str) -> None:
+    """Refuse laws that formats know no parameters of."""
+    for name, law in rom.contact.laws.items():
+        if not law.proportional:
+            message = (
+                f"interface '{name}' has the law '{law.normal.name}', which {to} does not "
+                "carry; hand over the joint with a penalty (model.with_penalty, or 'penalty' in a "
+                "study)"
+            )
+            raise StudyError(message)
 
 
 def _named(path: Path, chosen: Format) -> Path:

@@ -2,7 +2,7 @@
 
 from typing import Literal, TypeAlias
 
-from faying.contact.laws import Coulomb, Hard, Law, Penalty
+from faying.contact.laws import Coulomb, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
@@ -12,7 +12,7 @@ TangentialPenalty: TypeAlias = float | Literal["auto"]
 
 
 def with_friction(
-    normal: Hard | Penalty,
+    normal: Law,
     friction: float,
     tangential_penalty: TangentialPenalty,
     assembly: Assembly,

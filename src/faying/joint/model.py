@@ -8,7 +8,7 @@ from typing import Any
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.laws import Law, normal_law
+from faying.contact.laws import Law
 from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
 from faying.interface.friction import TangentialPenalty, with_friction
@@ -227,18 +227,12 @@ class Model(Shown):
             interface = self._interface(name)
             law = self._rubbing(interface, coefficient, stiffness.get(name, "auto"))
             changed[name] = interface.with_law(law)
-        rubbing = {**self.interfaces, **changed}
-        stacked, structure = stack(rubbing), self.structure
-        if not _same(stacked.relative_operator, structure.relative_operator):
-            structure = replace(
-                structure, relative_operator=stacked.relative_operator, places=stacked.places
-            )
-        return replace(self, interfaces=rubbing, structure=structure)
+        return self.with_interfaces(changed)
 
     def _rubbing(
         self, interface: Interface, friction: float, tangential_penalty: TangentialPenalty
     ) -> Law:
-        normal = normal_law(interface.penalty)
+        normal = interface.law.normal
         with naming(f"interface '{interface.name}'"):
             return with_friction(normal, friction, tangential_penalty, self.assembly)
 
@@ -247,10 +241,26 @@ class Model(Shown):
         return self.with_interfaces({name: self._interface(name).with_initial_gap(initial_gap)})
 
     def with_interfaces(self, interfaces: Mapping[str, Interface]) -> "Model":
-        """Return a copy with interfaces of the same geometry but another law or gap."""
+        """Return a copy with interfaces of the same geometry but another law or gap.
+
+        Notes
+        -----
+        A law with friction where there was none needs more ports; see :meth:`with_friction`.
+        """
         for name in interfaces:
             self._interface(name)
-        return replace(self, interfaces={**self.interfaces, **interfaces})
+        changed, structure = {**self.interfaces, **interfaces}, self.structure
+        rubbing = [
+            [one.law.components for one in each.values()] for each in (self.interfaces, changed)
+        ]
+        if rubbing[0] == rubbing[1]:
+            return replace(self, interfaces=changed)
+        stacked = stack(changed)
+        if not _same(stacked.relative_operator, structure.relative_operator):
+            structure = replace(
+                structure, relative_operator=stacked.relative_operator, places=stacked.places
+            )
+        return replace(self, interfaces=changed, structure=structure)
 
     def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "Model":
         """Return a copy with bolts locked at other initial forces N₀."""

@@ -140,7 +140,14 @@ class MeanContact:
 
 
 def end_contact(condensed: CondensedContact) -> StepContact:
-    """Return the contact law at the end of a step."""
+    """Return the contact law at the end of a step.
+
+    Raises
+    ------
+    ModelError
+        If some law closes otherwise than in proportion to force.
+    """
+    condensed.contact.check_proportional()
     return EndContact(condensed) if condensed.contact.components == 1 else FrictionalEnd(condensed)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.laws import Coulomb, Law
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.system import Joint, PortCompliance, System, input_forces, static_contact_of
 from faying.model.bolt import Bolt
@@ -47,7 +46,7 @@ class SmoothJoint:
 
 def smooth_joint(joint: Joint) -> SmoothJoint:
     """Return a joint without the friction of its interfaces; nothing is factorized again."""
-    laws = {name: _normal(law) for name, law in joint.contact.laws.items()}
+    laws = {name: law.normal for name, law in joint.contact.laws.items()}
     return SmoothJoint(
         contact=replace(joint.contact, laws=laws),
         boundaries=joint.boundaries,
@@ -55,10 +54,6 @@ def smooth_joint(joint: Joint) -> SmoothJoint:
         load_patterns=joint.load_patterns,
         port_compliance=joint.port_compliance,
     )
-
-
-def _normal(law: Law) -> Law:
-    return law.normal if isinstance(law, Coulomb) else law
 
 
 def pressures_without_friction(joint: Joint, inputs: Matrix) -> Matrix:

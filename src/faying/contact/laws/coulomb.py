@@ -6,8 +6,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.laws.hard import Hard
-from faying.contact.laws.penalty import Penalty
+from faying.contact.laws.law import Law
 from faying.exceptions import ModelError
 
 LARGEST_FRICTION = 10.0
@@ -38,7 +37,7 @@ class Coulomb:
         If a number is not in its range.
     """
 
-    normal: Hard | Penalty
+    normal: Law
     friction: float
     tangential_penalty: float
 

@@ -27,6 +27,11 @@ class Law(Protocol):
         ...
 
     @property
+    def normal(self) -> "Law":
+        """Law of the normal component; itself where there is no other."""
+        ...
+
+    @property
     def components(self) -> int:
         """Components of force and slack at a point: 1 along the normal, 3 with both tangents."""
         ...

@@ -1,5 +1,7 @@
 """What elastic and hard normal contact share: it presses and never pulls, Eq. (15.7)."""
 
+from typing import Self
+
 import numpy as np
 
 from faying._typing import Matrix, Vector
@@ -7,6 +9,11 @@ from faying._typing import Matrix, Vector
 
 class Unilateral:
     """The half of a law that holds for every closure: one component and no friction."""
+
+    @property
+    def normal(self) -> Self:
+        """Itself."""
+        return self
 
     @property
     def components(self) -> int:
