@@ -1,11 +1,44 @@
 """Contact laws: one frozen value each, the same for full and reduced models."""
 
+from collections.abc import Mapping
+
 from faying.contact.laws.coulomb import Coulomb
+from faying.contact.laws.curve import Curve
+from faying.contact.laws.exponential import ExponentialClosure
 from faying.contact.laws.hard import Hard
 from faying.contact.laws.law import Law
 from faying.contact.laws.penalty import Penalty
+from faying.contact.laws.power import PowerClosure
+from faying.contact.laws.table import TableClosure
 
-__all__ = ["Coulomb", "Hard", "Law", "Penalty", "normal_law"]
+__all__ = [
+    "CLOSURES",
+    "LAWS",
+    "Coulomb",
+    "Curve",
+    "ExponentialClosure",
+    "Hard",
+    "Law",
+    "Penalty",
+    "PowerClosure",
+    "TableClosure",
+    "normal_law",
+]
+
+CLOSURES: Mapping[str, type[Curve]] = {
+    "table": TableClosure,
+    "exponential": ExponentialClosure,
+    "power": PowerClosure,
+}
+"""Curves of pressure over closure by the names that studies and files give them."""
+
+LAWS: Mapping[str, type[Law]] = {
+    "hard": Hard,
+    "penalty": Penalty,
+    "coulomb": Coulomb,
+    **CLOSURES,
+}
+"""All laws by the names that files give them."""
 
 
 def normal_law(penalty: float) -> Hard | Penalty:

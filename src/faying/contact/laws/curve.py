@@ -1,0 +1,91 @@
+"""What laws have in common that give pressure over closure by a curve."""
+
+from abc import abstractmethod
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.contact.laws.unilateral import Unilateral
+from faying.exceptions import ModelError
+
+FIRST = 1e-3
+"""Pressure over the named one at which a curve that begins with no slope is taken to begin."""
+
+
+class Curve(Unilateral):
+    """p = p(c) of the closure c = −g; zero up to where contact begins, and rising from there.
+
+    A member is a frozen value with :meth:`pressure_of`, its inverse :meth:`closure_of`, and the
+    pressure it is named by.
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Name in studies and files."""
+
+    @property
+    @abstractmethod
+    def named_pressure(self) -> float:
+        """Pressure [force/length²] that the curve is given by."""
+
+    @abstractmethod
+    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
+        """Return p [force/length²] and dp/dc [force/length³] at closures (n,) [length]."""
+
+    @abstractmethod
+    def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
+        """Return c [length] and dc/dp [length³/force] at pressures (n,) of zero and more."""
+
+    @property
+    def stiffness(self) -> float:
+        """Slope [force/length³] at the named pressure."""
+        return float(1.0 / self.closure_of(np.array([self.named_pressure]))[1][0])
+
+    @property
+    def penalty(self) -> float:
+        """Not a number: no single stiffness stands for a curve."""
+        return float("nan")
+
+    @property
+    def proportional(self) -> bool:
+        """A curve is not."""
+        return False
+
+    def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
+        """Return c(λ/w) and its derivative by λ, (1, n_point) each.
+
+        Where nothing presses the derivative is that at a thousandth of the named pressure: a curve
+        that begins with no slope would never let a force begin.
+        """
+        pressure = np.maximum(forces[0], 0.0) / weights
+        closed = self.closure_of(pressure)[0]
+        slope = self.closure_of(np.where(pressure > 0, pressure, FIRST * self.named_pressure))[1]
+        return closed[None], (slope / weights)[None]
+
+    def respond(
+        self,
+        moved: Matrix,
+        weights: Vector,
+        pressing: Vector | None = None,  # noqa: ARG002
+    ) -> tuple[Matrix, Matrix]:
+        """Return w p(−g) (1, n_point), and w dp/dc (n_point, 1, 1)."""
+        pressure, slope = self.pressure_of(-moved[0])
+        return (weights * pressure)[None], (weights * slope)[:, None, None]
+
+
+def check_positive(law: Any) -> None:
+    """Refuse a law whose parameters are not all positive numbers.
+
+    Raises
+    ------
+    ModelError
+        Naming law and parameter.
+    """
+    for one in fields(law):
+        value = getattr(law, one.name)
+        if not 0 < value < float("inf"):
+            message = f"closure '{law.name}': {one.name} is {value:g}; give a positive number"
+            raise ModelError(message)

@@ -1,0 +1,72 @@
+"""Pressure that rises with a power of closure, as that of machined surfaces."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Vector
+from faying.contact.laws.curve import Curve, check_positive
+from faying.exceptions import ModelError
+
+
+@final
+@dataclass(frozen=True)
+class PowerClosure(Curve):
+    """p = p₀ (c/c₀)^m where c > 0.
+
+    Machined surfaces are measured to close by C pⁿ with n about a half (M. Burdekin, N. Back, A.
+    Cowley, J. Mech. Eng. Sci. 20 (1978) 129), which is m = 1/n about 2, and p₀ = (c₀/C)^m.
+
+    Attributes
+    ----------
+    pressure : [force/length²]
+        p₀.
+    depth : [length]
+        c₀, the closure at which the pressure is p₀.
+    exponent
+        m.
+
+    Raises
+    ------
+    ModelError
+        If one of them is not positive, or the exponent less than one.
+    """
+
+    pressure: float
+    depth: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        check_positive(self)
+        if not 1 <= self.exponent < float("inf"):
+            message = (
+                f"closure 'power': the exponent is {self.exponent:g}; give one or more (of a "
+                "closure that grows with the n-th power of pressure it is 1/n, 2 where n = 0.5)"
+            )
+            raise ModelError(message)
+
+    @property
+    def name(self) -> str:
+        """Name in studies and files."""
+        return "power"
+
+    @property
+    def named_pressure(self) -> float:
+        """p₀."""
+        return self.pressure
+
+    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
+        """Return p and dp/dc."""
+        ratio = np.maximum(closure, 0.0) / self.depth
+        steepness = self.exponent * self.pressure / self.depth
+        slope = steepness * ratio ** (self.exponent - 1.0) * (closure >= 0)
+        return self.pressure * ratio**self.exponent, slope
+
+    def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
+        """Return c and dc/dp."""
+        ratio = pressure / self.pressure
+        flatness = self.depth / (self.exponent * self.pressure)
+        with np.errstate(divide="ignore"):
+            slope = flatness * ratio ** (1.0 / self.exponent - 1.0)
+        return self.depth * ratio ** (1.0 / self.exponent), slope

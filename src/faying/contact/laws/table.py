@@ -1,0 +1,89 @@
+"""Pressure over closure by a table, as gaskets and layers are measured."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Vector
+from faying.contact.laws.curve import Curve
+from faying.exceptions import ModelError
+
+
+@final
+@dataclass(frozen=True)
+class TableClosure(Curve):
+    """p(c) linear between the rows of a table, its last slope going on beyond the last row.
+
+    Attributes
+    ----------
+    closures : (n,) [length]
+        Rising. Pressure begins at the first, negative where it does before the surfaces meet.
+    pressures : (n,) [force/length²]
+        Rising from zero.
+
+    Raises
+    ------
+    ModelError
+        If there are fewer than two rows, or they do not rise.
+    """
+
+    closures: tuple[float, ...]
+    pressures: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for column in ("closures", "pressures"):
+            object.__setattr__(self, column, tuple(map(float, getattr(self, column))))
+        if len(self.closures) != len(self.pressures) or len(self.closures) < 2:
+            message = (
+                f"closure 'table': {len(self.closures)} closures and {len(self.pressures)} "
+                "pressures; give two rows or more with both"
+            )
+            raise ModelError(message)
+        if self.pressures[0] != 0:
+            message = (
+                f"closure 'table': the first pressure is {self.pressures[0]:g}; begin with the "
+                "closure at which it is still 0"
+            )
+            raise ModelError(message)
+        rises = np.diff([self.closures, self.pressures]) > 0
+        if not rises.all():
+            row = int(np.argmin(rises.all(axis=0)))
+            message = (
+                f"closure 'table': after closure {self.closures[row]:g} with pressure "
+                f"{self.pressures[row]:g} comes {self.closures[row + 1]:g} with "
+                f"{self.pressures[row + 1]:g}; both must rise from row to row"
+            )
+            raise ModelError(message)
+
+    @property
+    def name(self) -> str:
+        """Name in studies and files."""
+        return "table"
+
+    @property
+    def named_pressure(self) -> float:
+        """The last pressure."""
+        return self.pressures[-1]
+
+    @property
+    def stiffness(self) -> float:
+        """The steepest slope [force/length³]."""
+        return float((np.diff(self.pressures) / np.diff(self.closures)).max())
+
+    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
+        """Return p and dp/dc."""
+        pressure, slope = _linear(closure, np.array(self.closures), np.array(self.pressures))
+        begun = closure >= self.closures[0]
+        return pressure * begun, slope * begun
+
+    def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
+        """Return c and dc/dp."""
+        return _linear(pressure, np.array(self.pressures), np.array(self.closures))
+
+
+def _linear(x: Vector, at: Vector, values: Vector) -> tuple[Vector, Vector]:
+    """Return values and slopes at x of what is linear between rows, and goes on at both ends."""
+    row = np.clip(np.searchsorted(at, x, side="right") - 1, 0, len(at) - 2)
+    slope = (np.diff(values) / np.diff(at))[row]
+    return values[row] + slope * (x - at[row]), slope
