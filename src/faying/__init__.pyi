@@ -33,6 +33,9 @@ from faying.assessment.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments
 from faying.assessment.worst_case import worst_case_load as worst_case_load
+from faying.contact.laws import ExponentialClosure as ExponentialClosure
+from faying.contact.laws import PowerClosure as PowerClosure
+from faying.contact.laws import TableClosure as TableClosure
 from faying.contact.problem import contact_problem as contact_problem
 from faying.export.transient_stream import stream_transient as stream_transient
 from faying.joint.build import build_model as build_model

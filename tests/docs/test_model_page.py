@@ -4,7 +4,8 @@ import re
 
 from pages import DOCS
 
-from faying.reduction.model_fields import LAWS, OWN_COORDINATES, OWN_PORTS, OWN_ROOT
+from faying.contact.laws import LAWS
+from faying.reduction.model_fields import OWN_COORDINATES, OWN_PORTS, OWN_ROOT
 
 TEXT = (DOCS / "how-to" / "save_a_reduced_model.md").read_text(encoding="utf-8")
 ROWS = dict(re.findall(r"^\| `(/[^|]*)` \| (.*) \|$", TEXT, re.MULTILINE))

@@ -286,7 +286,7 @@ def solve_instants(
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations = np.empty(len(rows), dtype=np.int64)
     one = 0 if free.ndim == 1 else slice(None)
-    if model.contact.components > 1:
+    if not model.contact.forgets:
         path = solve_increments(model, rows, begin)
         return Recovered(
             name=name,

@@ -9,7 +9,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from faying.contact.laws import Coulomb
+from faying.contact.laws import Coulomb, Curve
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import FreeParts
 from faying.joint.expected_memory import expected_memory
@@ -238,7 +238,9 @@ def _signs(interface: Interface) -> tuple[str, str]:
 
 
 def _interface(interface: Interface) -> tuple[object, ...]:
-    penalty = "hard" if np.isinf(interface.penalty) else float(interface.penalty)
+    penalty: object = "hard" if np.isinf(interface.penalty) else float(interface.penalty)
+    if isinstance(interface.law.normal, Curve):
+        penalty = interface.law.normal.name
     share = kept_share(interface.area, interface.declared_area)
     return (
         interface.name,

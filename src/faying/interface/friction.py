@@ -2,7 +2,7 @@
 
 from typing import Literal, TypeAlias
 
-from faying.contact.laws import Coulomb, Law
+from faying.contact.laws import Coulomb, Curve, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
@@ -25,7 +25,9 @@ def with_friction(
         Coefficient μ.
     tangential_penalty : [force/length³]
         c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the assembly's materials,
-        and infinite where normal contact is hard.
+        and infinite where normal contact is hard. For c_n of a curve stands its ``stiffness``, the
+        slope at the pressure it is named by: Mindlin's ratio is one of slopes at one pressure,
+        and c_t is one number.
 
     Raises
     ------
@@ -36,7 +38,8 @@ def with_friction(
     if coefficient == 0:
         return normal
     if tangential_penalty == "auto":
-        return Coulomb(normal, coefficient, _automatic(normal.penalty, assembly))
+        stiffness = normal.stiffness if isinstance(normal, Curve) else normal.penalty
+        return Coulomb(normal, coefficient, _automatic(stiffness, assembly))
     wanted = "a positive number [force/length³] or 'auto'"
     return Coulomb(
         normal, coefficient, _number(tangential_penalty, "the tangential penalty", wanted)

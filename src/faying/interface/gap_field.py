@@ -9,7 +9,6 @@ forces N₀ (``LoadBox.preload_factors``) then no longer scale the preload by th
 remain valid training loads.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,8 +20,7 @@ from scipy.spatial import QhullError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, ModelError
-from faying.files.contents import file_text
-from faying.files.csv_rows import csv_rows
+from faying.files.number_table import read_number_table
 from faying.interface.interface import Interface
 
 POINT_COLUMNS = ("x", "y", "z", "gap")
@@ -192,51 +190,14 @@ def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) ->
 
 
 def read_gap_table(path: Path) -> tuple[list[str], Matrix]:
-    """Read a CSV file of numbers below a line of column names.
-
-    Returns
-    -------
-    tuple of list of str, ndarray (n, n_column)
-        The names, ``x,y,z,gap`` or ``node,gap`` in the order of the file, and the numbers.
+    """Read the numbers of a gap field and the names of their columns.
 
     Raises
     ------
     FormatError
-        If the file is missing, has other columns, or holds something that is no finite number.
+        As :func:`read_gap_field`.
     """
-    try:
-        lines = file_text(path).splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        message = f"{path}: the gap field cannot be read ({error})"
-        raise FormatError(message) from None
-    numbered = [
-        (number, [entry.strip() for entry in row])
-        for number, row in csv_rows(path, lines)
-        if row and not row[0].lstrip().startswith("#")
-    ]
-    header = [name.lower() for name in numbered[0][1]] if numbered else []
-    if sorted(header) not in (sorted(POINT_COLUMNS), sorted(NODE_COLUMNS)):
-        message = (
-            f"{path}: the columns are '{','.join(header)}'; the first line must name either "
-            f"{','.join(POINT_COLUMNS)} or {','.join(NODE_COLUMNS)}"
-        )
-        raise FormatError(message)
-    rows = [_numbers(path, number, row, len(header)) for number, row in numbered[1:]]
-    if not rows:
-        message = f"{path}: the gap field has no lines below its column names"
-        raise FormatError(message)
-    return header, np.array(rows)
-
-
-def _numbers(path: Path, number: int, row: list[str], count: int) -> list[float]:
-    try:
-        values = [float(entry) for entry in row]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(math.isfinite(value) for value in values):
-        message = f"{path}:{number}: '{','.join(row)}' is not {count} finite numbers"
-        raise FormatError(message)
-    return values
+    return read_number_table(path, (POINT_COLUMNS, NODE_COLUMNS), "the gap field")
 
 
 def _sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatrix]:

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
-from faying.contact.laws import Coulomb, Law, normal_law
+from faying.contact.laws import Coulomb, Curve, Law, normal_law
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
@@ -119,14 +119,24 @@ class Interface(Shown):
             "node pairs": str(len(self.pairs)),
             "contact points": f"{self.n_points} by {self.quadrature}",
             "area [length²]": with_unit(self.area, ""),
-            "penalty [force/length³]": with_unit(self.penalty, ""),
+            **self._stiffness,
             "friction": with_unit(self.law.friction, ""),
             "meshes": "matching" if self.coupling is None else "not matching",
         }
 
     @property
+    def _stiffness(self) -> Mapping[str, str]:
+        normal = self.law.normal
+        if isinstance(normal, Curve):
+            return {"closure": normal.name}
+        return {"penalty [force/length³]": with_unit(self.penalty, "")}
+
+    @property
     def penalty(self) -> float:
-        """Contact stiffness c_n [force/length³] of Eq. (15.12); ``inf`` where contact is hard."""
+        """Contact stiffness c_n [force/length³] of Eq. (15.12); ``inf`` where contact is hard.
+
+        Not a number where the law is a curve.
+        """
         return self.law.penalty
 
     @cached_property
@@ -234,6 +244,13 @@ class Interface(Shown):
         """
         with naming(f"interface '{self.name}'"):
             normal = normal_law(penalty)
+        return self._with_normal(normal)
+
+    def with_closure(self, closure: Curve) -> "Interface":
+        """Return a copy with a curve of pressure over closure; friction and its c_t stay."""
+        return self._with_normal(closure)
+
+    def _with_normal(self, normal: Law) -> "Interface":
         law = self.law
         return self.with_law(replace(law, normal=normal) if isinstance(law, Coulomb) else normal)
 

@@ -1,13 +1,16 @@
 """Where an interface is and what its contact points stand for, without the matrices of a model."""
 
-from dataclasses import dataclass
+import json
+from dataclasses import asdict, dataclass
 from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.laws import Coulomb
+from faying.contact.laws import CLOSURES, Coulomb, Curve, Law, normal_law
+from faying.exceptions import ModelError
 from faying.interface.interface import FacePairs, Interface
 
 
@@ -36,7 +39,7 @@ class ContactSurface:
     faces
         Matched facets, one group per kind.
     penalty : [force/length³]
-        Contact stiffness c_n; inf is hard contact.
+        Contact stiffness c_n; inf is hard contact, and not a number where the law is a curve.
     quadrature
         Rule that places the contact points.
     stuck : (n_pair,) [1]
@@ -53,6 +56,9 @@ class ContactSurface:
     tangential_penalty : [force/length³]
         Tangential stiffness c_t of points that stick, ``inf`` where they do not move; zero
         without friction.
+    closure
+        Curve of pressure over closure in place of a penalty, its name and parameters as JSON;
+        empty where there is none.
     """
 
     points: Matrix
@@ -72,6 +78,7 @@ class ContactSurface:
     declared_area: float | None = None
     friction: float = 0.0
     tangential_penalty: float = 0.0
+    closure: str = ""
 
     @cached_property
     def _averages(self) -> SparseMatrix:
@@ -120,4 +127,34 @@ def contact_surface(
         tangential_penalty=interface.law.tangential_penalty
         if isinstance(interface.law, Coulomb)
         else 0.0,
+        closure=curve_text(interface.law.normal),
     )
+
+
+def curve_text(law: Law) -> str:
+    """Return name and parameters of a curve as JSON, nothing of other laws."""
+    return json.dumps({law.name: asdict(cast("Any", law))}) if isinstance(law, Curve) else ""
+
+
+def curve_of(text: str) -> Law:
+    """Return the curve of :func:`curve_text`."""
+    ((name, parameters),) = json.loads(text).items()
+    return CLOSURES[name](**parameters)
+
+
+def recorded_law(record: ContactSurface) -> Law:
+    """Return the law that an interface was recorded with.
+
+    Raises
+    ------
+    ValueError
+        If that is none.
+    """
+    try:
+        normal = curve_of(record.closure) if record.closure else normal_law(record.penalty)
+    except (ModelError, TypeError, AttributeError, KeyError) as error:
+        message = f"the contact law cannot be read ({error})"
+        raise ValueError(message) from None
+    if not record.friction:
+        return normal
+    return Coulomb(normal, record.friction, record.tangential_penalty)

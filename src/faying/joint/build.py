@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
-from faying.contact.laws import Hard, Law, Penalty, normal_law
+from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import declared_area
 from faying.interface.friction import with_friction
@@ -227,8 +227,14 @@ def _found(
 def _law(assembly: Assembly, spec: InterfaceSpec, automatic: Callable[[], float]) -> Law:
     """Return the law that a spec names, with the penalty of the elements where it is automatic."""
     with naming(f"interface '{spec.name}'"):
-        if spec.penalty == "hard":
-            normal: Hard | Penalty = Hard()
+        if spec.closure is not None and spec.penalty != "auto":
+            message = f"it has a penalty and closure '{spec.closure.name}'; give one of them"
+            raise ModelError(message)
+        normal: Law
+        if spec.closure is not None:
+            normal = spec.closure
+        elif spec.penalty == "hard":
+            normal = Hard()
         else:
             normal = normal_law(automatic() if spec.penalty == "auto" else float(spec.penalty))
         return with_friction(normal, spec.friction, spec.tangential_penalty, assembly)

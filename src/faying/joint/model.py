@@ -8,7 +8,7 @@ from typing import Any
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.laws import Law
+from faying.contact.laws import Curve, Law
 from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
 from faying.interface.friction import TangentialPenalty, with_friction
@@ -177,6 +177,29 @@ class Model(Shown):
             {name: interface.with_penalty(penalty) for name, interface in self.interfaces.items()}
         )
 
+    def with_closure(self, closure: Curve | Mapping[str, Curve]) -> "Model":
+        """Return a copy with curves of pressure over closure in place of a contact stiffness.
+
+        Parameters
+        ----------
+        closure
+            Curve of all interfaces, as :class:`faying.ExponentialClosure`; or interface name to
+            curve, which leaves interfaces that are not named as they are.
+
+        Raises
+        ------
+        ModelError
+            If there is no such interface.
+
+        Notes
+        -----
+        Friction stays, with the tangential penalty it has.
+        """
+        given = closure if isinstance(closure, Mapping) else dict.fromkeys(self.interfaces, closure)
+        return self.with_interfaces(
+            {name: self._interface(name).with_closure(curve) for name, curve in given.items()}
+        )
+
     def with_friction(
         self,
         friction: float | Mapping[str, float],
@@ -191,7 +214,8 @@ class Model(Shown):
             coefficient, which leaves interfaces that are not named as they are.
         tangential_penalty : [force/length³]
             c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the model's materials,
-            and infinite where normal contact is hard. Or interface name to c_t, ``"auto"`` where
+            and infinite where normal contact is hard (c_n of a curve is its ``stiffness``). Or
+            interface name to c_t, ``"auto"`` where
             it is not named.
 
         Raises

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from faying.contact.laws import Curve
+
 Selection = str | int | Sequence[int]
 """A set name (node, element, face or property set), an element or property id, or several ids."""
 
@@ -27,11 +29,14 @@ class InterfaceSpec:
     penalty
         Contact stiffness [force/length³], ``"auto"`` (10 E/h of the adjoining elements) or
         ``"hard"``.
+    closure
+        Curve of pressure over closure in place of a penalty, as
+        :class:`faying.contact.laws.ExponentialClosure`.
     friction
         Coulomb's coefficient μ; 0 lets the surfaces slide freely.
     tangential_penalty
         Stiffness c_t [force/length³] by which points hold on that stick; ``"auto"`` is Mindlin's
-        ratio times the contact stiffness, c_n 2 (1 − ν)/(2 − ν).
+        ratio times the contact stiffness, c_n 2 (1 − ν)/(2 − ν), of a curve its ``stiffness``.
     tolerance
         Largest distance [length] between nodes that touch, of non-matching meshes between the
         surfaces; None is 1 % of the smallest facet edge.
@@ -47,6 +52,7 @@ class InterfaceSpec:
     quadrature: Literal["gauss", "nodal"] | None = None
     order: int | None = None
     penalty: float | Literal["auto", "hard"] = "auto"
+    closure: Curve | None = None
     friction: float = 0.0
     tangential_penalty: float | Literal["auto"] = "auto"
     tolerance: float | None = None

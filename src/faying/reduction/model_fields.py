@@ -1,6 +1,5 @@
 """What every entry of a stored reduced model means, in results.h5 and in a file of its own."""
 
-from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.interface import FacePairs
 from faying.interface.surface import ContactSurface
@@ -155,10 +154,3 @@ OWN_COORDINATES: Table = {
     ),
 }
 """What such a file has beside :data:`COORDINATES`."""
-
-LAWS: dict[str, type[Hard | Penalty | Coulomb]] = {
-    "hard": Hard,
-    "penalty": Penalty,
-    "coulomb": Coulomb,
-}
-"""Contact laws by the names that files give them."""

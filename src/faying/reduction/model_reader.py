@@ -2,17 +2,17 @@
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import h5py
 import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.contact.contact import Contact
-from faying.contact.laws import Coulomb, Law, normal_law
+from faying.contact.laws import LAWS, Law
 from faying.exceptions import FormatError
 from faying.files.described import (
     described_file,
@@ -24,7 +24,7 @@ from faying.files.described import (
     sparse_matrix,
     texts,
 )
-from faying.interface.surface import ContactSurface
+from faying.interface.surface import ContactSurface, recorded_law
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.system import (
     PortCompliance,
@@ -45,7 +45,7 @@ from faying.reduction.model_check import (
     check_nodes,
     check_surfaces,
 )
-from faying.reduction.model_fields import LAWS, TABLES
+from faying.reduction.model_fields import TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.stored_compliance import StoredCompliance
@@ -288,10 +288,10 @@ def _law(group: h5py.Group) -> Law:
         message = f"{group.name} names the contact law '{name}'; known are {', '.join(LAWS)}"
         raise ValueError(message)
     parameters: dict[str, Any] = {}
-    for one in fields(LAWS[name]):
-        value = member(group, one.name)
+    for parameter, hint in get_type_hints(LAWS[name]).items():
+        value = member(group, parameter)
         inner = isinstance(value, h5py.Group)
-        parameters[one.name] = _law(value) if inner else read_member(value, float, TABLES)
+        parameters[parameter] = _law(value) if inner else read_member(value, hint, TABLES)
     return LAWS[name](**parameters)
 
 
@@ -316,21 +316,13 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         interpolation=interpolation,
         initial_gap=_joined(record.initial_gap for record in records),
         weights=_joined(record.weights for record in records),
-        laws={name: _recorded(record) for name, record in interfaces.items()},
+        laws={name: recorded_law(record) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
         places=_optional(group, "places", (n_relative, 3)),
         shear=sparse_matrix(group, "shear") if "shear" in group else None,
         tangents=_optional(group, "tangents", (2, ends[-1], 3)),
         dense_budget=int(budget),
     )
-
-
-def _recorded(record: ContactSurface) -> Law:
-    """Return the law that an interface was recorded with."""
-    normal = normal_law(record.penalty)
-    if not record.friction:
-        return normal
-    return Coulomb(normal, record.friction, record.tangential_penalty)
 
 
 def _joined(parts: Iterable[Matrix]) -> Matrix:

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from faying.interface.surface import curve_of
 from faying.report.quantities import number, percent, quantity
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.study.step_check import step_check
@@ -118,6 +119,13 @@ def _law(results: Results, units: Units) -> Iterator[str]:
         depth = max((float(-gap.min(initial=0.0)) for gap in gaps), default=0.0)
         if np.isinf(record.penalty):
             yield f"{name}: hard contact, nothing penetrates."
+            continue
+        if record.closure:
+            yield (
+                f"{name}: pressure follows closure by the curve "
+                f"'{curve_of(record.closure).name}' of the study; surfaces approach by up to "
+                f"{quantity(depth, units.length)} in these load cases."
+            )
             continue
         yield (
             f"{name}: pressure is {number(record.penalty)} {units.of('force/length³')} times "

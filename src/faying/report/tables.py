@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from faying._typing import Matrix
+from faying.interface.surface import curve_of
 from faying.report.quantities import number, percent, place, quantity, seconds
 from faying.report.style import label
 from faying.report.verdict import grade
@@ -103,7 +104,7 @@ def interface_table(results: Results) -> Table:
             f"{len(r.weights)}",
             r.quadrature,
             quantity(float(r.weights.sum()), units.of("length²"), 4) + _of_declared(r),
-            "hard" if np.isinf(r.penalty) else quantity(r.penalty, units.of("force/length³")),
+            _stiffness(r, units),
             _friction(r, units),
             f"{int(r.stuck.sum())}",
             quantity(float(r.preload_pressure.max(initial=0.0)), units.pressure),
@@ -112,6 +113,15 @@ def interface_table(results: Results) -> Table:
         for name, r in results.interfaces.items()
     ]
     return table(columns, rows)
+
+
+def _stiffness(record: InterfaceRecord, units: Units) -> str:
+    """Say the contact stiffness, or the curve that has none."""
+    if record.closure:
+        return f"— ({curve_of(record.closure).name})"
+    if np.isinf(record.penalty):
+        return "hard"
+    return quantity(record.penalty, units.of("force/length³"))
 
 
 def _friction(record: InterfaceRecord, units: Units) -> str:

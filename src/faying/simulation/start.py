@@ -43,9 +43,11 @@ def starting_states(
     Raises
     ------
     ModelError
-        If their number is another, one moves or is of a joint with other contact points or without
-        its loads, or one has friction where the model has none or the other way round.
+        If a law closes otherwise than in proportion to force, the number of states is another,
+        one moves or is of a joint with other contact points or without its loads, or one has
+        friction where the model has none or the other way round.
     """
+    system.contact.check_proportional()
     if initial is None:
         return [at_rest(system)] * len(loads)
     if len(initial) != len(loads):

@@ -14,6 +14,7 @@ from faying.study.errors import Problem, nearest, quoted
 from faying.study.friction_rules import (
     increment_problems,
     scatter_problems,
+    second_laws,
     spare_tangential_penalties,
 )
 from faying.study.history import read_history
@@ -380,6 +381,7 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     lap_joint_problems,
     _material,
     _interfaces,
+    second_laws,
     spare_tangential_penalties,
     scatter_problems,
     _bolts,

@@ -62,6 +62,14 @@ def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
             yield _problem(study, ("interface", i, "tangential_penalty"), text)
 
 
+def second_laws(study: Study) -> Iterator[Problem]:
+    """Find interfaces with a penalty and a curve."""
+    for i, interface in enumerate(study.interfaces):
+        if interface.closure is not None and "penalty" in interface.model_fields_set:
+            text = "there is a penalty, too, and an interface has one law; remove one of them"
+            yield _problem(study, ("interface", i, "closure"), text)
+
+
 def scatter_problems(study: Study) -> Iterator[Problem]:
     """Find scatter that makes no sense, or is of what the bolts do not tell."""
     section = study.preload_scatter
@@ -94,7 +102,19 @@ def check_friction(study: Study, model: Model) -> None:
     rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
     problems = [*_bolt_columns(study, model), *backbones_of(study, model)]
     problems += _with_friction(study, rubbing[0]) if rubbing else _without(study)
+    problems += _curved(study, model)
     reject(study.source, problems)
+
+
+def _curved(study: Study, model: Model) -> Iterator[Problem]:
+    """Find interfaces whose law studies cannot tighten."""
+    for name, interface in model.interfaces.items():
+        if not interface.law.proportional:
+            text = (
+                f"interface '{name}' has closure '{interface.law.normal.name}', which paths alone "
+                "know (fy.solve_path in Python), not tightening; give it a penalty"
+            )
+            yield Problem(("interface",), f"{study.source.table(('interface',))}: {text}")
 
 
 def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:

@@ -285,7 +285,7 @@ def _merged(
         name = entry["name"]
         if name in specs:
             problems += _refused_overrides(study, table, number, entry)
-            specs[name] = replace(specs[name], **_without_old_place(table, entry))
+            specs[name] = replace(specs[name], **_without_replaced(table, entry))
         elif (defaults or table == "bolt") and not PLACES[table].intersection(entry):
             text = f"the model has no {table} '{name}'; {nearest(name, specs)}"
             location = (table, number, "name")
@@ -304,10 +304,13 @@ PLACES = {
 """Keys that say where something is; an entry without them speaks of what the source has."""
 
 
-def _without_old_place(table: str, entry: dict[str, Any]) -> dict[str, Any]:
-    """Clear the place a boundary had where the study gives it another."""
-    moved = table == "boundary" and PLACES[table].intersection(entry)
-    return {"set": None, "node": None, **entry} if moved else entry
+def _without_replaced(table: str, entry: dict[str, Any]) -> dict[str, Any]:
+    """Clear the place of a boundary, or the law of an interface, that the study replaces."""
+    if table == "boundary" and PLACES[table].intersection(entry):
+        return {"set": None, "node": None, **entry}
+    if table == "interface" and {"penalty", "closure"}.intersection(entry):
+        return {"penalty": "auto", "closure": None, **entry}
+    return entry
 
 
 def _refused_overrides(

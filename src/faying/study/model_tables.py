@@ -8,6 +8,7 @@ from pydantic import BeforeValidator, Field
 from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.io.left_out import IGNORABLE
 from faying.sources import SOURCES
+from faying.study.closure_key import Closure
 from faying.study.errors import refusal, shown
 from faying.study.section import (
     Count,
@@ -168,6 +169,7 @@ class InterfaceSection(Section):
     quadrature: Literal["gauss", "nodal"] | None = None
     order: Count | None = None
     penalty: Penalty = "auto"
+    closure: Closure | None = None
     friction: Annotated[NotNegative, Field(le=LARGEST_FRICTION)] = 0.0
     tangential_penalty: TangentialPenalty = "auto"
     tolerance: Positive | None = None

@@ -67,7 +67,7 @@ def name_in(known: Iterable[str]) -> BeforeValidator:
     return BeforeValidator(checked, json_schema_input_type=Literal[tuple(names)])
 
 
-def _existing_file(path: Path, info: ValidationInfo) -> Path:
+def existing_file(path: Path, info: ValidationInfo) -> Path:
     """Resolve against the folder of the study file."""
     folder = info.context.path.parent if info.context else Path()
     try:
@@ -126,7 +126,7 @@ def _or_auto(value: Any) -> Any:
 
 def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
     if isinstance(value, (str, Path)):
-        return _existing_file(Path(value), info)
+        return existing_file(Path(value), info)
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if number and abs(value) < math.inf:
         return float(in_range(value))
@@ -164,7 +164,7 @@ CountOrNone = Annotated[int, Strict(), Field(ge=0), AfterValidator(countable)]
 Id = Annotated[int, Strict(), AfterValidator(identifying)]
 Switch = Annotated[bool, Strict()]
 Name = Annotated[str, Strict(), StringConstraints(min_length=1), AfterValidator(nameable)]
-ExistingFile = Annotated[Path, AfterValidator(_existing_file)]
+ExistingFile = Annotated[Path, AfterValidator(existing_file)]
 Penalty = Annotated[
     float | str,
     BeforeValidator(_penalty, json_schema_input_type=Positive | Literal["auto", "hard"]),

@@ -1,5 +1,6 @@
 """The figures of a run in one JSON document, keys as in ``docs/results.md``."""
 
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -193,7 +194,8 @@ def _interface(face: InterfaceRecord) -> dict[str, Any]:
         "points": len(face.weights),
         "area": float(face.weights.sum()),
         "declared_area": face.declared_area,
-        "penalty": "hard" if hard else face.penalty,
+        "penalty": None if face.closure else "hard" if hard else face.penalty,
+        "closure": json.loads(face.closure) if face.closure else None,
         "friction": face.friction,
         "quadrature": face.quadrature,
         "stuck_pairs": int(face.stuck.sum()),

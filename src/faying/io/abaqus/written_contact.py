@@ -73,6 +73,12 @@ def _label(name: str) -> str:
 def _behaviour(
     spec: InterfaceSpec, assembly: Assembly, faces: tuple[FacePairs, ...]
 ) -> Iterator[str]:
+    if spec.closure is not None:
+        message = (
+            f"interface '{spec.name}' has closure '{spec.closure.name}', which is not written; "
+            "give it a penalty"
+        )
+        raise FormatError(message)
     if spec.penalty == "hard":
         yield "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=HARD"
         slope = np.inf

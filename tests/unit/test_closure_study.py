@@ -1,0 +1,150 @@
+"""Curves of pressure over closure: keys of studies, what is refused, surfaces that are stored."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import faying as fy
+from faying.contact.laws import CLOSURES, Coulomb, Hard, Penalty
+from faying.exceptions import FormatError, ModelError, StudyError
+from faying.interface.closure_table import read_closure_table
+from faying.interface.surface import contact_surface, recorded_law
+from faying.joint.lap_joint import STEEL
+from faying.study.load_model import build, build_loaded, load_model
+from faying.study.schema import read_study
+
+STUDY = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
+
+[[interface]]
+name = "joint"
+closure = CLOSURE
+
+[[bolt]]
+name = "bolt"
+preload = 1e4
+
+[[load_case]]
+name = "bending"
+kind = "static"
+forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
+"""
+
+KEYS = {
+    "table": ('{ table = "layer.csv" }', fy.TableClosure((0.0, 0.1, 0.2), (0.0, 3.0, 15.0))),
+    "exponential": (
+        "{ exponential = { pressure = 5, clearance = 0.01 } }",
+        fy.ExponentialClosure(5.0, 0.01),
+    ),
+    "power": (
+        "{ power = { pressure = 20.0, depth = 0.005, exponent = 2 } }",
+        fy.PowerClosure(20.0, 0.005, 2.0),
+    ),
+}
+CURVES = [curve for _, curve in KEYS.values()]
+LAYER = "# mm, MPa\npressure, closure\n0,0\n3,0.1\n15,0.2\n"
+
+
+def study(folder, closure, layer=LAYER):
+    (folder / "layer.csv").write_text(layer, encoding="utf-8")
+    path = folder / "study.toml"
+    path.write_text(STUDY.replace("CLOSURE", closure), encoding="utf-8")
+    return read_study(path)
+
+
+def test_every_curve_has_a_key():
+    assert list(KEYS) == list(CLOSURES)
+
+
+@pytest.mark.parametrize("name", CLOSURES)
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_a_study_names_every_curve(tmp_path, name, friction):
+    key, curve = KEYS[name]
+    loaded = load_model(study(tmp_path, f"{key}\nfriction = {friction}"))
+    law = build_loaded(loaded).interfaces["joint"].law
+    assert (law.normal, law.friction) == (curve, friction)
+    if friction:
+        ratio = 2 * (1 - STEEL.poissons_ratio) / (2 - STEEL.poissons_ratio)  # Mindlin's
+        assert law.tangential_penalty == pytest.approx(curve.stiffness * ratio, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("closure", "message"),
+    [
+        ("2e5", 'found 200000.0, expected one of { table = "file'),
+        ("{ table = 'no.csv' }", "file 'no.csv' does not exist"),
+        ("{ powr = { pressure = 1 } }", "found 'powr', .*'power'"),
+        ("{ power = 3 }", r"found 3, expected power = { pressure = …, depth = …, exponent = … }"),
+        ("{ power = { pressure = 1, depth = 1 } }", "'power' needs 'exponent'; give power = { pr"),
+        (
+            "{ exponential = { pressure = 1, clearence = 1 } }",
+            "'exponential' has no 'clearence'; .*'clearance'",
+        ),
+        ("{ exponential = { pressure = 'a', clearance = 1 } }", "pressure of closure 'exponenti"),
+        ("{ exponential = { pressure = 0, clearance = 1 } }", "pressure is 0; give a positive"),
+        (KEYS["power"][0] + "\npenalty = 1e5", "there is a penalty, too, and an interface has one"),
+    ],
+)
+def test_what_is_no_curve_is_refused_where_it_stands(tmp_path, closure, message):
+    with pytest.raises(StudyError, match=message) as error:
+        study(tmp_path, closure)
+    assert "interface" in str(error.value)
+    assert "closure" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("layer", "message"),
+    [
+        ("a,b\n0,0\n", "the first line must name closure,pressure"),
+        ("closure,pressure\n0,0\nx,1\n", "layer.csv:3: 'x,1' is not 2 finite numbers"),
+        ("closure,pressure\n0,0\n1,2\n1,3\n", "after closure 1 with pressure 2 comes 1 with 3"),
+        ("closure,pressure\n", "the curve has no lines below its column names"),
+    ],
+)
+def test_files_that_hold_no_curve_are_refused_by_line(tmp_path, layer, message):
+    with pytest.raises(StudyError, match=message):
+        study(tmp_path, KEYS["table"][0], layer)
+    with pytest.raises(FormatError, match=message):
+        read_closure_table(tmp_path / "layer.csv")
+
+
+def test_studies_refuse_curves_before_anything_is_computed(tmp_path):
+    given = study(tmp_path, KEYS["power"][0])
+    with pytest.raises(StudyError, match="interface 'joint' has closure 'power', which paths alo"):
+        build(given)
+
+
+def test_models_take_curves_as_they_take_penalties():
+    model = fy.lap_joint(element_size=10.0)
+    curve = CURVES[1]
+    assert model.with_closure(curve).interfaces["joint"].law == curve
+    assert model.with_closure({"joint": curve}).interfaces["joint"].facts["closure"] == curve.name
+    rubbing = model.with_friction(0.2, 3e5).with_closure(curve)
+    assert rubbing.interfaces["joint"].law == Coulomb(curve, 0.2, 3e5)
+    assert rubbing.with_friction(0.4, 2e5).interfaces["joint"].law == Coulomb(curve, 0.4, 2e5)
+    assert rubbing.with_penalty(1e5).interfaces["joint"].law == Coulomb(Penalty(1e5), 0.2, 3e5)
+    with pytest.raises(ModelError, match="no interface 'joynt'"):
+        model.with_closure({"joynt": curve})
+    spec = fy.InterfaceSpec(name="joint", closure=curve, penalty=1e5)
+    assembly = model.assembly
+    with pytest.raises(ModelError, match="it has a penalty and closure 'exponential'; give one"):
+        fy.build_model(assembly, interfaces=[spec])
+    given = fy.build_model(assembly, interfaces=[replace(spec, penalty="auto", friction=0.1)])
+    assert given.interfaces["joint"].law.normal == curve
+
+
+@pytest.mark.parametrize("normal", [Hard(), Penalty(2e5), *CURVES])
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_surfaces_hold_the_law(normal, friction):
+    law = Coulomb(normal, friction, 1e5) if friction else normal
+    model = fy.lap_joint(element_size=10.0)
+    joint = model.interfaces["joint"].with_law(law)
+    surface = contact_surface(joint, slice(0, joint.n_points), model.assembly.mesh.nodes, None)
+    assert recorded_law(surface) == law
+    assert np.isnan(surface.penalty) == (normal in CURVES)
+    for wrong in ('{"power": {"pressure": -1}}', "{}", '{"no": {}}', "["):
+        with pytest.raises(ValueError):  # noqa: PT011 json has a message of its own
+            recorded_law(replace(surface, closure=wrong))
