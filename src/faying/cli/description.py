@@ -9,7 +9,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from faying.contact.laws import Coulomb, Curve
+from faying.contact.laws import Coulomb, Penalty
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import FreeParts
 from faying.joint.expected_memory import expected_memory
@@ -238,9 +238,7 @@ def _signs(interface: Interface) -> tuple[str, str]:
 
 
 def _interface(interface: Interface) -> tuple[object, ...]:
-    penalty: object = "hard" if np.isinf(interface.penalty) else float(interface.penalty)
-    if isinstance(interface.law.normal, Curve):
-        penalty = interface.law.normal.name
+    normal = interface.law.normal
     share = kept_share(interface.area, interface.declared_area)
     return (
         interface.name,
@@ -251,7 +249,7 @@ def _interface(interface: Interface) -> tuple[object, ...]:
         interface.area,
         "" if share is None else f"{share:.1%}",
         float(interface.weights @ interface.initial_gap) / interface.area,
-        penalty,
+        float(normal.penalty) if isinstance(normal, Penalty) else normal.name,
     )
 
 
