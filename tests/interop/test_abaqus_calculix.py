@@ -157,6 +157,52 @@ def test_couplings_with_moments(tmp_path, how):
     compare(tmp_path, text, without=(9001, 9002) if how == "distributing" else (9002,))
 
 
+def test_rigid_bodies_that_share_a_rotation_and_name_no_reference(tmp_path):
+    """Two ends of two blocks turn together, each about a place of its own."""
+    count = len(mesh("C3D8")[1])
+    other = "\n".join(
+        f"{i + 500}, " + ", ".join(map(str, row + np.array([0.0, 9.0, 0.0])))
+        for i, row in enumerate(mesh("C3D8")[1], 1)
+    )
+    cells = "\n".join(
+        f"{i + 500}, " + ", ".join(str(n + 500) for n in row)
+        for i, row in enumerate(mesh("C3D8")[2], 1)
+    )
+    end = np.flatnonzero(mesh("C3D8")[0][:, 0] == 2 * CELLS[0]) + 1
+    text = "\n".join(
+        [
+            block("C3D8"), "*NODE, NSET=NALL", other, "9001, 0., 0., 0., 7.",
+            "*ELEMENT, TYPE=C3D8, ELSET=MORE", cells,
+            "*SOLID SECTION, ELSET=MORE, MATERIAL=STEEL", "*NSET, NSET=END2", listed(end + 500),
+            "*RIGID BODY, NSET=END, ROT NODE=9001", "*RIGID BODY, NSET=END2, ROT NODE=9001",
+            "*BOUNDARY, NAME=AS CALCULIX LETS ONE", "HELD, 1, 3",
+            listed(f"{i + 500}, 1, 3" for i in np.flatnonzero(mesh("C3D8")[0][:, 0] == 0) + 1)
+            .replace(",\n", "\n"),
+            "*AMPLITUDE, NAME=A", "0., 0., 2., 2.", "*STEP", "*STATIC",
+            "*CLOAD", "END, 2, 3.", "9001, 1, 700.", "*DLOAD, AMPLITUDE=A, TIME DELAY=0.5",
+            "1, P1, 40.", "*NODE PRINT, NSET=NALL", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    assert count < 500
+    compare(tmp_path, text, without=(9001,))
+
+
+def test_structural_distribution_over_solids_is_that_of_a_continuum(tmp_path):
+    """CalculiX reads no COUPLING=STRUCTURAL; of solids Abaqus' two kinds are one."""
+    found = []
+    for kind in ("CONTINUUM", "STRUCTURAL"):
+        text = bolted().replace(
+            "*RIGID BODY, NSET=TOP, REF NODE=9001, ROT NODE=9002",
+            "*SURFACE, NAME=LID\nLB, S2\n*COUPLING, CONSTRAINT NAME=C, REF NODE=9001, SURFACE=LID"
+            f"\n*DISTRIBUTING, COUPLING={kind}",
+        )
+        (tmp_path / "deck.inp").write_text(text)
+        found.append(read_joint(tmp_path / "deck.inp").assembly.average_couplings)
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one.weights, other.weights)
+        np.testing.assert_array_equal(one.nodes, other.nodes)
+
+
 @pytest.mark.parametrize("how", ["mean rotation", "kinematic along an orientation"])
 def test_mean_rotations_and_turned_couplings(tmp_path, how):
     """A moment on the node of the rotation, and a coupling that lets its surface widen."""

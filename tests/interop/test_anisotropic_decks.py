@@ -21,12 +21,19 @@ WRITTEN = 1e-6
 TYPES = {
     "engineering": "ENGINEERING CONSTANTS\n16000.,900.,600.,0.4,0.45,0.35,700.,800.,\n60.",
     "ortho": "ORTHO\n5000.,1500.,3000.,900.,700.,2500.,400.,500.,\n600.",
+    "ortho over temperature": (
+        "ORTHO\n4000.,1400.,2500.,800.,600.,2100.,300.,400.,\n500.,0.\n"
+        "6000.,1600.,3500.,1000.,800.,2900.,500.,600.,\n700.,90."
+    ),
     "aniso": (
         "ANISOTROPIC\n5000.,1500.,3000.,900.,700.,2500.,100.,-50.,\n"
         "80.,400.,30.,20.,-60.,10.,500.,70.,\n-20.,40.,15.,-25.,600."
     ),
 }
 ORIENTATION = "*ORIENTATION,NAME=OR\n1.,2.,0.,-1.,1.,1.\n3,25.\n"
+DISTRIBUTED = (
+    "*DISTRIBUTION,NAME=D\n,1.,2.,0.,-1.,1.,1.\n2,0.,1.,1.,1.,0.,0.\n*ORIENTATION,NAME=OR\nD\n"
+)
 
 
 @needs_calculix
@@ -45,7 +52,9 @@ def test_displacements_of_calculix(name, kind, type_, tmp_path):
         lines += [",".join(map(str, row[14:]))] if row[14:] else []
     lines.append("*BOUNDARY")
     lines += [f"{i},1,3" for i in np.flatnonzero(mesh.nodes[:, 2] == 0.0) + 1]
-    lines += [ORIENTATION + f"*MATERIAL,NAME=WOOD\n*ELASTIC,TYPE={TYPES[name]}"]
+    along = DISTRIBUTED if name == "ortho" else ORIENTATION
+    lines += ["*INITIAL CONDITIONS,TYPE=TEMPERATURE\nALL,40."]
+    lines += [along + f"*MATERIAL,NAME=WOOD\n*ELASTIC,TYPE={TYPES[name]}"]
     lines += ["*SOLID SECTION,ELSET=E,MATERIAL=WOOD,ORIENTATION=OR", "*STEP\n*STATIC\n*CLOAD"]
     top = np.flatnonzero(mesh.nodes[:, 2] == 3.0) + 1
     lines += [f"{i},{c},{c}." for i in top for c in (1, 2, 3)]

@@ -105,8 +105,8 @@ def test_contact_pairs_tied_by_slopes_are_elastic_layers(kind, above, friction, 
         solved(joint.assembly)[: len(nodes), :3], wanted, rtol=0, atol=5e-5 * np.abs(wanted).max()
     )
     (tmp_path / "deck.inp").write_text(text.replace(tie, pair).replace("*FRICTION\n", "** \n** "))
-    with pytest.raises(FormatError, match="needs \\*FRICTION with a stick slope"):
-        read_joint(tmp_path / "deck.inp")
+    notes = read_joint(tmp_path / "deck.inp").assembly.ignored
+    assert any("stick slope 500 (half of the largest E" in note for note in notes)
 
 
 def test_what_lies_beyond_the_tolerance_is_not_tied(tmp_path):

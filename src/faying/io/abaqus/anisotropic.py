@@ -1,5 +1,7 @@
 """``*ELASTIC`` with a TYPE: constants that differ between directions."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from faying._typing import Matrix
@@ -13,14 +15,19 @@ _ORDER = np.array([0, 1, 2, 3, 5, 4])
 """Decks have 11, 22, 33, 12, 13, 23; see :mod:`faying.model.elastic_law`."""
 
 
-def read_law(keyword: Keyword) -> Matrix:
+def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
     """Return the stiffness (6, 6) along the axes of the material.
+
+    Parameters
+    ----------
+    temperature
+        Tells at which one a table over temperature counts.
 
     Raises
     ------
     FormatError
-        If the type is not known, constants are missing or depend on temperatures, or belong to no
-        material.
+        If the type is not known, constants are missing, belong to no material, or depend on
+        temperatures that differ.
     """
     wished = keyword.choice("TYPE").replace(" ", "")
     kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")
@@ -36,13 +43,20 @@ def read_law(keyword: Keyword) -> Matrix:
         for i, row in enumerate(keyword.rows())
         for text in row
     ]
-    # A temperature may stand behind the last constant.
-    if len(values) not in (count, count + 1):
+    # A temperature may stand behind the last constant, and must in a table.
+    if len(values) < count or (len(values) > count and len(values) % (count + 1)):
         message = (
-            f"found {len(values)} constants, expected {count} at one temperature; tables over "
-            "temperature are read of isotropic materials"
+            f"found {len(values)} numbers, expected {count}, or as many and a temperature for each "
+            "temperature of a table"
         )
         raise keyword.error(message)
+    if len(values) > count + 1:
+        table = np.array(values).reshape(-1, count + 1)
+        if (np.diff(table[:, -1]) <= 0).any():
+            message = "the temperatures do not increase; sort them"
+            raise keyword.error(message)
+        at = temperature()
+        values = [float(np.interp(at, table[:, -1], column)) for column in table[:, :-1].T]
     if kind == "ENGINEERINGCONSTANTS":
         shear = np.array([values[6], values[8], values[7]])
         try:

@@ -139,18 +139,17 @@ def _tied(
     rows = keyword.rows()
     if not rows:
         return Interaction(name=name, tied=True)
-    if not friction:
-        message = "a tie with a slope needs *FRICTION with a stick slope (so does CalculiX)"
-        raise keyword.error(message)
-    slope = real(keyword, 0, rows[0][0], "the slope")
-    row = next(iter(friction[0].rows()), [])
-    along = optional_real(friction[0], 0, row, 1, stick, "the stick slope")
+    slope, along = real(keyword, 0, rows[0][0], "the slope"), stick
+    for member in friction:
+        row = next(iter(member.rows()), [])
+        along = optional_real(member, 0, row, 1, stick, "the stick slope")
     if not (slope > 0 and along > 0):
         message = f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive"
         raise keyword.error(message, 0)
+    missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
     ignored.append(
-        f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}; "
-        "the coefficient of friction and gaps of the mesh do not count"
+        f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
+        f"{missing}; the coefficient of friction and gaps of the mesh do not count"
     )
     stiffness = DeckFriction(tangential_penalty=along)
     return Interaction(name=name, tied=True, penalty=slope, friction=stiffness)

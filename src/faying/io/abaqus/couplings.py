@@ -7,8 +7,10 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.facets import gauss_rule, shape_functions, surface
+from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.element_types import SHELL_TYPES
 from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
@@ -34,7 +36,12 @@ class Couplings:
 
 
 def read_couplings(
-    deck: Deck, dofs: Dofs, surfaces: Surfaces, first_id: int, ignored: list[str]
+    deck: Deck,
+    dofs: Dofs,
+    elements: Elements,
+    surfaces: Surfaces,
+    first_id: int,
+    ignored: list[str],
 ) -> Couplings:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
@@ -84,7 +91,7 @@ def read_couplings(
             )
             raise head.error(message)
         member.allow("COUPLING", "WEIGHTING METHOD")
-        _check_distributing(member)
+        _check_distributing(member, elements, nodes)
         weights = _areas(found, dofs.nodes.coordinates)[found.nodes != reference]
         average.append(
             AverageCoupling(
@@ -113,10 +120,17 @@ def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list
     return found
 
 
-def _check_distributing(member: Keyword) -> None:
-    wished = member.choice("COUPLING", "CONTINUUM"), member.choice("WEIGHTING METHOD", "UNIFORM")
-    if wished != ("CONTINUUM", "UNIFORM"):
-        message = "only COUPLING=CONTINUUM with WEIGHTING METHOD=UNIFORM is supported"
+def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> None:
+    """Refuse other weights; moments that rotations of the nodes would take (STRUCTURAL) too."""
+    if member.choice("WEIGHTING METHOD", "UNIFORM") != "UNIFORM":
+        message = "only WEIGHTING METHOD=UNIFORM is supported"
+        raise member.error(message)
+    kind = member.choice("COUPLING", "CONTINUUM")
+    blocks = elements.of(*SHELL_TYPES, *TYPES)
+    turning = any(np.isin(nodes, block.nodes).any() for block in blocks)
+    if kind != "CONTINUUM" and (kind != "STRUCTURAL" or turning):
+        message = f"COUPLING={kind} is supported as STRUCTURAL of nodes of solids alone, where it "
+        message += "is CONTINUUM; give CONTINUUM"
         raise member.error(message)
 
 

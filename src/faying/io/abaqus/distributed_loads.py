@@ -49,7 +49,7 @@ def read_distributed(
         result = {} if step in deck.perturbations else result
         cleared: set[str] = set()
         for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
-            keyword.allow("OP", "AMPLITUDE", "CONSTANT RESULTANT")
+            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "CONSTANT RESULTANT", "NAME")
             amplitudes.note(keyword, ignored)
             if operation(keyword) and keyword.name not in cleared:
                 result = {k: v for k, v in result.items() if not k[0].startswith(keyword.name)}

@@ -16,7 +16,7 @@ READ = frozenset(
         *("CONTACT", "CONTACT INCLUSIONS", "CONTACT PROPERTY ASSIGNMENT"),
         *("CONTACT PAIR", "SURFACE INTERACTION", "SURFACE BEHAVIOR", "FRICTION", "CLEARANCE"),
         *("GAP CONDUCTANCE", "AMPLITUDE", "TEMPERATURE", "TIE", "ORIENTATION"),
-        "SECTION CONTROLS",
+        *("SECTION CONTROLS", "DISTRIBUTION"),
     )
 )
 """Keywords whose data are read, or refused for what they say."""

@@ -16,7 +16,11 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "procedures: the load cases of a study, or calls from Python, say what is computed": (
         *("STEP", "END STEP", "STATIC", "FREQUENCY", "DYNAMIC", "MODAL DYNAMIC", "BUCKLE"),
         *("STEADY STATE DYNAMICS", "VISCO", "COMPLEX FREQUENCY", "SUBSTRUCTURE GENERATE"),
-        *("RETAINED NODAL DOFS", "SELECT CYCLIC SYMMETRY MODES"),
+        *("RETAINED NODAL DOFS", "SELECT CYCLIC SYMMETRY MODES", "SELECT EIGENMODES"),
+        "DAMPING CONTROLS",
+    ),
+    "load cases of a substructure: the loads of all of them act in the load of the step": (
+        "SUBSTRUCTURE LOAD CASE",
     ),
     "CalculiX solves again on a mesh of its own there; here the mesh is the deck's, and results "
     "differ by what refining changes": ("REFINE MESH",),
@@ -39,7 +43,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     ),
     "base motion: give the load cases of the study forces": ("BASE MOTION",),
     "without effect on isotropic solids at small displacements": (
-        *("NODAL THICKNESS", "DISTRIBUTION", "DISTRIBUTION TABLE"),
+        *("NODAL THICKNESS", "DISTRIBUTION TABLE"),
         *("PHYSICAL CONSTANTS", "VALUES AT INFINITY"),
     ),
     "start of transients: those of a study start from the preloaded state at rest": (

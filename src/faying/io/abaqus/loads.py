@@ -72,7 +72,7 @@ def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int],
         here: dict[tuple[int, int], list[_Given]] = {}
         new = step in deck.perturbations
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
-            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "LOAD CASE", "OMEGA0")
+            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "LOAD CASE", "OMEGA0", "NAME")
             new |= operation(keyword)
             if _is_imaginary(keyword):
                 continue

@@ -1,6 +1,7 @@
 """``*MATERIAL``: linear elasticity and density."""
 
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +16,6 @@ from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.temperatures import (
     Expansion,
     check_constant,
-    initial_temperature,
     read_expansion,
 )
 from faying.model.assembly import Material
@@ -46,8 +46,15 @@ def without_unused(deck: Deck, ignored: list[str]) -> Deck:
     return replace(deck, keywords=kept)
 
 
-def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
+def read_materials(
+    deck: Deck, temperature: float | None, ignored: list[str]
+) -> dict[str, Material]:
     """Read all *MATERIAL with *ELASTIC and *DENSITY: upper-case name to material.
+
+    Parameters
+    ----------
+    temperature
+        At which tables over temperature count; None where it differs.
 
     Raises
     ------
@@ -66,16 +73,16 @@ def read_materials(deck: Deck, ignored: list[str]) -> dict[str, Material]:
         for member in members:
             if _is_anisotropic(member):
                 member.allow("TYPE", "MODULI")
-                law = read_law(member)
+                law = read_law(member, partial(check_constant, member, temperature))
             elif member.name == "ELASTIC":
-                elastic = _elastic(member, deck)
+                elastic = _elastic(member, temperature)
             elif member.name == "DENSITY":
-                density = _density(member, deck)
+                density = _density(member, temperature)
             elif member.name in HARMLESS:
                 ignored.append(f"*{member.name} of material {name} (no temperatures)")
         tables = [m for m in members if m.name in ("ELASTIC", "DENSITY") and len(m.data) > 1]
         if any(not _is_anisotropic(member) for member in tables):
-            ignored.append(f"tables of material {name}: taken at the initial temperature")
+            ignored.append(f"tables of material {name}: taken at the temperature {temperature:g}")
         if elastic is None and law is None:
             message = f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
             raise head.error(message)
@@ -118,30 +125,34 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
     return found
 
 
-def _elastic(keyword: Keyword, deck: Deck) -> tuple[float, float]:
+def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]:
     keyword.allow("TYPE", "MODULI")
     rows = keyword.rows()
     _check_rows(keyword, rows, 3, "E, nu")
     modulus = [real(keyword, i, row[0], "Young's modulus") for i, row in enumerate(rows)]
     ratio = [optional_real(keyword, i, row, 1, 0.0, "nu") for i, row in enumerate(rows)]
-    return _at_start(keyword, deck, rows, 2, modulus), _at_start(keyword, deck, rows, 2, ratio)
+    return _at(keyword, temperature, rows, 2, modulus), _at(keyword, temperature, rows, 2, ratio)
 
 
-def _density(keyword: Keyword, deck: Deck) -> float:
+def _density(keyword: Keyword, temperature: float | None) -> float:
     keyword.allow()
     rows = keyword.rows()
     _check_rows(keyword, rows, 2, "the density")
     values = [real(keyword, i, row[0], "the density") for i, row in enumerate(rows)]
-    return _at_start(keyword, deck, rows, 1, values)
+    return _at(keyword, temperature, rows, 1, values)
 
 
-def _at_start(
-    keyword: Keyword, deck: Deck, rows: list[list[str]], column: int, values: list[float]
+def _at(
+    keyword: Keyword,
+    temperature: float | None,
+    rows: list[list[str]],
+    column: int,
+    values: list[float],
 ) -> float:
-    """Return the value of a table at the temperature that everything starts with."""
+    """Return the value of a table at the temperature that counts."""
     if len(rows) == 1:
         return values[0]
-    at = check_constant(keyword, deck, initial_temperature(deck))
+    at = check_constant(keyword, temperature)
     places = [
         optional_real(keyword, i, row, column, 0.0, "a temperature") for i, row in enumerate(rows)
     ]

@@ -35,7 +35,7 @@ from faying.io.abaqus.model_changes import (
 from faying.io.abaqus.mpcs import read_mpcs
 from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.pretension import step_name
-from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes
+from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes, shared_rotations
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.shells import read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
@@ -75,8 +75,12 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
     elements, by_element = without_removed(deck, elements, by_element, ignored)
-    named = materials.read_materials(deck, ignored)
-    solids, used = read_solid_sections(deck, elements, by_element, named)
+    dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
+    amplitudes = read_amplitudes(deck)
+    temperatures = read_temperatures(deck, dofs, amplitudes)
+    used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
+    named = materials.read_materials(deck, temperatures.uniform(np.unique(used)), ignored)
+    solids, of_property = read_solid_sections(deck, elements, by_element, named)
     note_controls(deck, elements.solids, ignored)
     note_masses(deck, elements.solids, ignored)
     mesh = Mesh(
@@ -86,14 +90,11 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         node_sets=by_node.indices(nodes),
         element_sets={by_element.names[key]: ids for key, ids in by_element.ids.items()},
     )
-    dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
     sections = pretension.read_sections(deck, dofs, elements, by_element)
     mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, ignored)
     surfaces = read_surfaces(deck, mesh, by_element, by_node)
-    amplitudes = read_amplitudes(deck)
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
-    temperatures = read_temperatures(deck, dofs, amplitudes)
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     shells = read_shells(deck, elements, by_element, named, ignored)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
@@ -105,7 +106,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     ties = read_ties(deck, surfaces, [pair for pair in declared if pair.tied], ignored)
     assembly = Assembly(
         mesh=mesh,
-        materials=used,
+        materials=of_property,
         element=formulation(elements.solids, ignored),
         beams=(
             *read_beams(deck, elements, by_element, named, ignored),
@@ -225,10 +226,11 @@ def _tied(
 ) -> Assembly:
     """Add couplings and equations."""
     equations = list(read_equations(deck, dofs))
+    equations += shared_rotations(deck, dofs.nodes, dofs.sets, len(equations) + 1)
     more, links = read_mpcs(deck, dofs, len(equations) + 1, ignored)
     first = len(equations) + len(more) + len(links) + 1
     bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
-    found = read_couplings(deck, dofs, surfaces, first + len(bodies), ignored)
+    found = read_couplings(deck, dofs, elements, surfaces, first + len(bodies), ignored)
     kinematic, average = found.rigid, found.average
     first += len(bodies) + len(kinematic) + len(average) + len(found.turned)
     means = read_distributing(deck, dofs, elements, by_element, first, ignored)

@@ -78,7 +78,12 @@ def _node_block(
         message = "INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE"
         raise keyword.error(message)
     expected = "id, x, y, z"
-    columns, counts = table(keyword).columns(1, 4, expected)
+    columns, counts = table(keyword).columns(1, 7, f"{expected}, and a normal at most")
+    if (counts > 4).any():
+        ignored.append(
+            f"{int((counts > 4).sum())} nodes with fields behind their coordinates (the first at "
+            f"{keyword.where(int((counts > 4).argmax()))}): normals there are not taken"
+        )
     # An id alone is a node whose place does not matter, such as that of a pretension section.
     short = np.flatnonzero((counts > 1) & (counts < 4))
     if short.size:
@@ -92,7 +97,7 @@ def _node_block(
     if ids.size and ids.min() < 1:
         message = f"node id {ids.min()}; ids are positive"
         raise keyword.error(message, int(ids.argmin()))
-    points = np.column_stack([reals(c, keyword, rows, "a coordinate") for c in columns[1:]])
+    points = np.column_stack([reals(c, keyword, rows, "a coordinate") for c in columns[1:4]])
     points = _cartesian(keyword, points)
     if system is not None:
         points = points @ system[0] + system[1]

@@ -2,24 +2,42 @@
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, optional_real, real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.sets import NamedSets
 
 _DEGENERATE = 1e-9
 """Sine of the angle below which two directions count as one."""
 
 
-def find_orientation(deck: Deck, keyword: Keyword) -> Matrix:
+def distributed_axes(
+    deck: Deck, keyword: Keyword, sets: NamedSets
+) -> tuple[Matrix, list[tuple[Indices, Matrix]]]:
     """Return the axes (3, 3) that the ORIENTATION of a keyword names, as rows in the basic frame.
+
+    Also returned are the ids of elements with others by a *DISTRIBUTION, and those.
 
     Raises
     ------
     FormatError
         If there is none of this name, or it is not rectangular, or its points span no plane.
     """
-    return _axes(_find(deck, keyword))
+    found = _find(deck, keyword)
+    rows = found.rows()
+    name = rows[0][0].upper() if rows and len(rows[0]) == 1 else ""
+    tables = [k for k in deck.of("DISTRIBUTION") if k.value("NAME").upper() == name]
+    if not name or not tables:
+        return _axes(found), []
+    default, *others = tables[-1].rows()
+    if len(rows) > 1 or not default or default[0]:
+        message = "expected a first line without an element, and no turn behind the distribution"
+        raise tables[-1].error(message)
+    return _spanned(tables[-1], 0, default[1:]), [
+        (sets.members(tables[-1], row[0], i), _spanned(tables[-1], i, row[1:]))
+        for i, row in enumerate(others, start=1)
+    ]
 
 
 def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[str]) -> Matrix:
@@ -96,8 +114,14 @@ def _axes(keyword: Keyword) -> Matrix:
     if not 1 <= len(rows) <= 2 or not 6 <= len(rows[0]) <= 9:
         message = "expected a line with the coordinates of points a and b, and one with a turn"
         raise keyword.error(message)
+    axes = _spanned(keyword, 0, rows[0])
+    return axes if len(rows) == 1 else _turned(keyword, rows[1], axes)
+
+
+def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
+    """Return the axes (3, 3) of points a and b, and an origin behind them."""
     values = np.array(
-        [optional_real(keyword, 0, rows[0], i, 0.0, "a coordinate") for i in range(9)]
+        [optional_real(keyword, row, fields, i, 0.0, "a coordinate") for i in range(9)]
     )
     first, second = values[:3] - values[6:], values[3:6] - values[6:]
     third = np.cross(first, second)
@@ -106,8 +130,7 @@ def _axes(keyword: Keyword) -> Matrix:
         message = "points a and b lie on one line with the origin; they must span a plane"
         raise keyword.error(message)
     x, z = first / np.linalg.norm(first), third / np.linalg.norm(third)
-    axes = np.stack([x, np.cross(z, x), z])
-    return axes if len(rows) == 1 else _turned(keyword, rows[1], axes)
+    return np.stack([x, np.cross(z, x), z])
 
 
 def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:

@@ -11,28 +11,46 @@ from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.nodes import Nodes
 from faying.io.abaqus.sets import NamedSets
-from faying.model.assembly import RigidCoupling
+from faying.model.assembly import Equation, RigidCoupling
+
+Group = tuple[Indices, tuple[int, ...]]
+"""Nodes and the components in which they follow."""
 
 
 def rotation_nodes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, int]:
-    """Return CalculiX's rotation nodes: their index to that of the reference node.
+    """Return CalculiX's rotation nodes: their index to that of the first reference node.
 
     Raises
     ------
     FormatError
         If a node is not there.
     """
-    found = {}
+    return {rotation: reference for reference, rotation in reversed(_turning(deck, nodes, sets))}
+
+
+def shared_rotations(deck: Deck, nodes: Nodes, sets: NamedSets, first_id: int) -> list[Equation]:
+    """Return the equations by which bodies with one rotation node turn together."""
+    pairs, first = _turning(deck, nodes, sets), rotation_nodes(deck, nodes, sets)
+    others = [(own, first[rotation]) for own, rotation in pairs if own != first[rotation]]
+    return [
+        Equation(id=first_id + i, terms=((own, c, 1.0), (other, c, -1.0)))
+        for i, (own, other, c) in enumerate((*pair, c) for pair in others for c in (3, 4, 5))
+    ]
+
+
+def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]:
+    """Return the reference and the rotation node of each rigid body that has one."""
+    found = []
     plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
     for keyword in deck.of("RIGID BODY"):
         if keyword.has("ROT NODE"):
             what = "the rotation node"
             rotation = plain.one(keyword, None, keyword.required("ROT NODE"), what)
-            reference = plain.one(keyword, None, keyword.required("REF NODE"), "the reference node")
-            if rotation == reference or rotation in found:
-                message = "the rotation node must be a node of its own"
+            reference = _reference(keyword, plain, _named_nodes(keyword, plain))
+            if rotation == reference:
+                message = "the rotation node must be another one than the reference node"
                 raise keyword.error(message)
-            found[rotation] = reference
+            found.append((reference, rotation))
     return found
 
 
@@ -44,7 +62,7 @@ def read_rigid_bodies(
     Raises
     ------
     FormatError
-        Naming the line, if a set or the reference node is missing.
+        Naming the line, if a set is missing, or a reference node is not there.
     """
     number = first_id
     for keyword in deck.of("RIGID BODY"):
@@ -52,11 +70,11 @@ def read_rigid_bodies(
         if keyword.choice("POSITION", "INPUT") != "INPUT":
             message = "POSITION=CENTER OF MASS is not supported; place the reference node yourself"
             raise keyword.error(message)
-        reference = dofs.one(keyword, None, keyword.required("REF NODE"), "the reference node")
         groups = _groups(keyword, dofs, elements, by_element)
         if not sum(len(nodes) for nodes, _ in groups):
             message = "it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET="
             raise keyword.error(message)
+        reference = _reference(keyword, dofs, groups)
         for nodes, components in groups:
             others = nodes[nodes != reference]
             if len(others):
@@ -66,17 +84,34 @@ def read_rigid_bodies(
                 number += 1
 
 
-def _groups(
-    keyword: Keyword, dofs: Dofs, elements: Elements, by_element: NamedSets
-) -> list[tuple[Indices, tuple[int, ...]]]:
-    groups: list[tuple[Indices, tuple[int, ...]]] = []
+def _reference(keyword: Keyword, dofs: Dofs, groups: list[Group]) -> int:
+    """Return the reference node; where none is named, any node of the body stands for its motion.
+
+    Raises
+    ------
+    FormatError
+        If it is not there, or a body of elements has a rotation node and no reference node.
+    """
+    nodes = next((nodes for nodes, _ in groups if len(nodes)), None)
+    if keyword.has("REF NODE") or nodes is None:
+        return dofs.one(keyword, None, keyword.required("REF NODE"), "the reference node")
+    return int(nodes[0])
+
+
+def _groups(keyword: Keyword, dofs: Dofs, elements: Elements, by_element: NamedSets) -> list[Group]:
+    groups = _named_nodes(keyword, dofs)
+    if keyword.has("ELSET"):
+        ids = by_element.find(keyword, keyword.required("ELSET"))
+        parts = [b.nodes[np.isin(b.ids, ids)].ravel() for b in elements.blocks]
+        groups.append((np.unique(np.concatenate(parts)), tuple(range(6))))
+    return groups
+
+
+def _named_nodes(keyword: Keyword, dofs: Dofs) -> list[Group]:
+    groups: list[Group] = []
     for name, components in (("NSET", range(3)), ("PIN NSET", range(3)), ("TIE NSET", range(6))):
         if keyword.has(name):
             ids = dofs.sets.find(keyword, keyword.required(name))
             nodes = dofs.nodes.index(ids, keyword, np.full(len(ids), -1))
             groups.append((nodes, tuple(components)))
-    if keyword.has("ELSET"):
-        ids = by_element.find(keyword, keyword.required("ELSET"))
-        parts = [b.nodes[np.isin(b.ids, ids)].ravel() for b in elements.blocks]
-        groups.append((np.unique(np.concatenate(parts)), tuple(range(6))))
     return groups

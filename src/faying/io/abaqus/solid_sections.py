@@ -1,5 +1,6 @@
 """``*SOLID SECTION``: solids and their materials as blocks of a mesh."""
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.element_types import SOLID_TYPES
 from faying.io.abaqus.elements import ElementBlock, Elements
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.orientations import find_orientation
+from faying.io.abaqus.orientations import distributed_axes
 from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Material
 from faying.model.elastic_law import turned
@@ -67,7 +68,9 @@ def read_solid_sections(
     reduced = np.concatenate(
         [np.empty(0, dtype=bool), *(np.full(len(b.ids), _hourglasses(b)) for b in elements.solids)]
     )
-    for number, keyword in enumerate(deck.of("SOLID SECTION"), start=1):
+    sections = deck.of("SOLID SECTION")
+    more = itertools.count(len(sections) + 1)
+    for number, keyword in enumerate(sections, start=1):
         keyword.allow("ELSET", "MATERIAL", "ORIENTATION", "CONTROLS", "STACK DIRECTION")
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
         again = np.flatnonzero(chosen & (section > 0))
@@ -78,7 +81,15 @@ def read_solid_sections(
             )
             raise keyword.error(message)
         section[chosen] = number
-        used[number] = _along(deck, keyword, find_material(materials, keyword))
+        used[number] = find_material(materials, keyword)
+        own, law = used[number], used[number].law
+        if law is not None and keyword.has("ORIENTATION"):
+            axes, others = distributed_axes(deck, keyword, sets)
+            used[number] = replace(own, law=turned(law, axes))
+            for members, along in others:
+                place = next(more)
+                section[chosen & np.isin(ids, members)] = place
+                used[place] = replace(own, law=turned(law, along))
         if used[number].law is not None and (chosen & reduced).any():
             message = (
                 f"material '{used[number].name}' is anisotropic; the hourglass stiffness of C3D8R "
@@ -91,13 +102,6 @@ def read_solid_sections(
         message = f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one"
         raise block.keyword.error(message, row)
     return tuple(cells(elements.solids, section)), used
-
-
-def _along(deck: Deck, keyword: Keyword, material: Material) -> Material:
-    """Turn a material whose directions differ to the orientation of its section."""
-    if material.law is None or not keyword.has("ORIENTATION"):
-        return material
-    return replace(material, law=turned(material.law, find_orientation(deck, keyword)))
 
 
 def _hourglasses(block: ElementBlock) -> bool:

@@ -115,7 +115,7 @@ def _after(
     """
     held = dict(held)
     for keyword in (one for one in deck.of("BOUNDARY") if one.step == step):
-        keyword.allow("OP", "TYPE", "AMPLITUDE", "FIXED", "LOAD CASE")
+        keyword.allow("OP", "TYPE", "AMPLITUDE", "TIME DELAY", "FIXED", "LOAD CASE", "NAME")
         if keyword.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT" or keyword.has("LOAD CASE"):
             message = "only displacements are supported (no TYPE=VELOCITY, no LOAD CASE)"
             raise keyword.error(message)

@@ -34,6 +34,11 @@ class Temperatures:
     steps: Sequence[Vector]
     first: Keyword | None
 
+    def uniform(self, nodes: Indices) -> float | None:
+        """Return the temperature of nodes at the end of the last step; None if it differs."""
+        values = np.unique(self.steps[-1][nodes])
+        return float(values[0]) if len(values) == 1 else None
+
 
 def without_temperatures(deck: Deck, ignored: list[str]) -> Deck:
     """Leave out the temperatures of steps as asked; the initial ones choose material constants."""
@@ -41,23 +46,6 @@ def without_temperatures(deck: Deck, ignored: list[str]) -> Deck:
         return deck
     ignored.append(f"*TEMPERATURE: {IGNORABLE['temperature']} (ignore = temperature)")
     return deck.without("TEMPERATURE")
-
-
-def initial_temperature(deck: Deck) -> float | None:
-    """Return the temperature that all nodes start with, 0 unless given; None if they differ.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a malformed number.
-    """
-    values = {
-        real(keyword, row, fields[1], "a temperature")
-        for keyword in _initial(deck)
-        for row, fields in enumerate(keyword.rows())
-        if len(fields) > 1
-    }
-    return values.pop() if len(values) == 1 else (None if values else 0.0)
 
 
 def _initial(deck: Deck) -> list[Keyword]:
@@ -84,7 +72,7 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
     for step in range(deck.n_step + 1):
         current = current.copy()
         for keyword in (one for one in given if one.step == step):
-            keyword.allow("OP", "AMPLITUDE")
+            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "NAME")
             if operation(keyword):
                 current = initial.copy()
             factor = amplitudes.factor(keyword, step)
@@ -225,18 +213,18 @@ def thermal_forces(
     ]
 
 
-def check_constant(keyword: Keyword, deck: Deck, temperature: float | None) -> float:
+def check_constant(keyword: Keyword, temperature: float | None) -> float:
     """Return the temperature that constants are taken at.
 
     Raises
     ------
     FormatError
-        If it differs between nodes or steps.
+        If it differs between nodes.
     """
-    if temperature is None or deck.of("TEMPERATURE"):
+    if temperature is None:
         message = (
-            "constants that depend on temperature are not supported where temperatures differ or "
-            f"change; give one line, or {request('temperature')}"
+            "constants that depend on temperature are not supported where it differs between "
+            f"nodes; give one line, or {request('temperature')}"
         )
         raise keyword.error(message, 1)
     return temperature
