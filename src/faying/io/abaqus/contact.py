@@ -11,7 +11,7 @@ from faying._typing import Matrix
 from faying.interface.across import declared
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
-from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction
+from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction, tied_slopes
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slave_and_master
@@ -90,7 +90,11 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
         name = head.required("NAME")
         if tied := [member for member in members if _is_tied(member)]:
             stick = [member for member in members if member.name == "FRICTION"]
-            found[name.upper()] = _tied(name, tied[0], stick, _half_modulus(deck), ignored)
+            slopes = tied_slopes(deck, name, tied[0], stick, ignored)
+            stiffness = DeckFriction(tangential_penalty=slopes[1])
+            found[name.upper()] = Interaction(
+                name=name, tied=True, penalty=slopes[0], friction=stiffness
+            )
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, ignored)
@@ -124,35 +128,6 @@ def read_pairs(
 def _is_tied(keyword: Keyword) -> bool:
     behaviour = keyword.name == "SURFACE BEHAVIOR"
     return behaviour and keyword.choice("PRESSURE-OVERCLOSURE") == "TIED"
-
-
-def _half_modulus(deck: Deck) -> float:
-    """Return half of the largest E: the stick slope CalculiX 2.20 takes where a deck has none."""
-    rows = [(keyword, keyword.rows()[0]) for keyword in deck.of("ELASTIC") if keyword.data]
-    return max((real(keyword, 0, row[0], "a modulus") for keyword, row in rows), default=0.0) / 2
-
-
-def _tied(
-    name: str, keyword: Keyword, friction: list[Keyword], stick: float, ignored: list[str]
-) -> Interaction:
-    """Return CalculiX's tie, an elastic layer of two slopes; without slopes it is rigid."""
-    rows = keyword.rows()
-    if not rows:
-        return Interaction(name=name, tied=True)
-    slope, along = real(keyword, 0, rows[0][0], "the slope"), stick
-    for member in friction:
-        row = next(iter(member.rows()), [])
-        along = optional_real(member, 0, row, 1, stick, "the stick slope")
-    if not (slope > 0 and along > 0):
-        message = f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive"
-        raise keyword.error(message, 0)
-    missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
-    ignored.append(
-        f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
-        f"{missing}; the coefficient of friction and gaps of the mesh do not count"
-    )
-    stiffness = DeckFriction(tangential_penalty=along)
-    return Interaction(name=name, tied=True, penalty=slope, friction=stiffness)
 
 
 def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
@@ -321,6 +296,12 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
                 "of facets instead of at each point; where contact is hard or far stiffer than the "
                 "elements, coarse meshes give way more: 4 to 9 % in most joints tried, 16 % in one"
             )
+        if pair.slave.height or pair.master.height:
+            ignored.append(
+                f"contact pair {name}: shells touch at half their thickness off their nodes "
+                f"({pair.slave.height:g}, {pair.master.height:g}); tangential motion there is that "
+                "of the nodes, without the lever of the thickness"
+            )
         if pair.adjusted is not None and pair.keyword.has("ADJUST"):
             ignored.append(
                 f"ADJUST of contact pair {name}: gaps start closed there, the mesh stays as it is"
@@ -346,11 +327,24 @@ def gap_rules(
     FormatError
         If the sides of a clearance belong to no pair, or it is not one value.
     """
-    named = zip(interfaces, pairs, strict=True)
-    rules = {spec.name: pair.adjusted for spec, pair in named if pair.adjusted is not None}
-    offsets = {}
+    rules: dict[str, GapRule] = {}
+    offsets: dict[str, float] = {}
+    for spec, pair in zip(interfaces, pairs, strict=True):
+        height = pair.slave.height + pair.master.height
+        if pair.adjusted is not None:
+            rules[spec.name] = pair.adjusted
+        if height != 0.0:
+            offsets[spec.name] = -height
+        if np.isnan(height) or (height and pair.adjusted is not None):
+            problem = "ADJUST" if pair.adjusted is not None else "thicknesses that differ"
+            message = (
+                f"{problem} is not supported with surfaces of shells in contact; give *CLEARANCE, "
+                "or each thickness a surface and a contact pair"
+            )
+            raise pair.keyword.error(message, pair.row)
     for keyword in deck.of("CLEARANCE"):
         pair, spec, value = _clearance(keyword, pairs, interfaces)
+        offsets.pop(spec.name, None)
         if spec.meshes == "matching" and _coincide(assembly.mesh.nodes, pair):
             offsets[spec.name] = value
         else:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from faying.contact.laws.coulomb import LARGEST_FRICTION
+from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword
 
@@ -47,6 +48,38 @@ def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
         if keyword.name == "FRICTION":
             found = _read(keyword, ignored)
     return found
+
+
+def tied_slopes(
+    deck: Deck, name: str, keyword: Keyword, friction: list[Keyword], ignored: list[str]
+) -> tuple[float, float] | tuple[Literal["hard"], Literal["auto"]]:
+    """Return the slopes of a tied interaction along normals and across; without any it is rigid.
+
+    Where a deck has no stick slope CalculiX 2.20 takes half of the largest E.
+
+    Raises
+    ------
+    FormatError
+        If one is not positive.
+    """
+    rows = keyword.rows()
+    if not rows:
+        return "hard", "auto"
+    first = [(one, one.rows()[0][0]) for one in deck.of("ELASTIC") if one.data]
+    stick = max((real(one, 0, text, "a modulus") for one, text in first), default=0.0) / 2
+    slope, along = real(keyword, 0, rows[0][0], "the slope"), stick
+    for member in friction:
+        row = next(iter(member.rows()), [])
+        along = optional_real(member, 0, row, 1, stick, "the stick slope")
+    if not (slope > 0 and along > 0):
+        message = f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive"
+        raise keyword.error(message, 0)
+    missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
+    ignored.append(
+        f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
+        f"{missing}; the coefficient of friction and gaps of the mesh do not count"
+    )
+    return slope, along
 
 
 def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:

@@ -37,7 +37,7 @@ from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.pretension import step_name
 from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes, shared_rotations
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
-from faying.io.abaqus.shells import read_shells
+from faying.io.abaqus.shells import Shells, read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
 from faying.io.abaqus.springs import read_springs
 from faying.io.abaqus.supports import read_supports
@@ -91,12 +91,12 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         element_sets={by_element.names[key]: ids for key, ids in by_element.ids.items()},
     )
     sections = pretension.read_sections(deck, dofs, elements, by_element)
-    mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, ignored)
-    surfaces = read_surfaces(deck, mesh, by_element, by_node)
+    shells = read_shells(deck, elements, by_element, named, ignored)
+    mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, shells, ignored)
+    surfaces = read_surfaces(deck, mesh, by_element, by_node, shells)
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
     held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
-    shells = read_shells(deck, elements, by_element, named, ignored)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
     interactions = contact.read_interactions(deck, ignored)
     declared = contact.read_pairs(deck, interactions, surfaces, by_node, ignored)
@@ -189,13 +189,14 @@ def _cut(
     sections: list[pretension.Section],
     by_element: NamedSets,
     by_node: NamedSets,
+    shells: Shells,
     ignored: list[str],
 ) -> tuple[Mesh, list[Cut]]:
     """Cut the solids at pretension sections; surfaces are read again on the result."""
     through_solids = [section for section in sections if section.element is None]
     cuts = []
     for section in through_solids:
-        surfaces = read_surfaces(deck, mesh, by_element, by_node)
+        surfaces = read_surfaces(deck, mesh, by_element, by_node, shells)
         surface = find_surface(surfaces, section.keyword, section.surface, None)
         mesh, cut = cut_mesh(mesh, section.through(surface))
         cuts.append(cut)

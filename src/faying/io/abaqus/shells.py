@@ -1,10 +1,11 @@
 """``*SHELL SECTION``: shells of one isotropic layer, with six degrees of freedom a node."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from faying._typing import Indices, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.element_types import SHELL_TYPES
 from faying.io.abaqus.elements import Elements
@@ -14,6 +15,7 @@ from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Material
 from faying.model.shells import ShellBlock, ShellSection, plane_stress
+from faying.model.surface import N_CORNERS
 
 _SHEAR_FACTOR = 5 / 6
 """Shear area over thickness of one layer, for the work of a parabola of shear stress."""
@@ -23,10 +25,35 @@ _SIDES = {"SPOS": 0.5, "SNEG": -0.5}
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Shells:
-    """Shells of a deck and their sections by number."""
+    """Shells of a deck, their sections by number, and the thickness of each section."""
 
-    blocks: tuple[ShellBlock, ...]
-    sections: Mapping[int, ShellSection]
+    blocks: tuple[ShellBlock, ...] = ()
+    sections: Mapping[int, ShellSection] = field(default_factory=dict)
+    thicknesses: Mapping[int, float] = field(default_factory=dict)
+
+    def facets(self, ids: Indices, side: float) -> tuple[dict[str, Indices], Vector]:
+        """Return facets (kind to nodes) of a side of shells, and how far it lies off their nodes.
+
+        Parameters
+        ----------
+        side
+            1 where the normal points, -1 on the other side.
+        """
+        found: dict[str, list[Indices]] = {}
+        heights = [np.empty(0)]
+        for block in self.blocks:
+            here = np.isin(block.ids, ids)
+            corners = N_CORNERS[block.kind]
+            turned = [*range(corners)][::-1], [*range(corners, block.nodes.shape[1])][::-1]
+            # Backwards from the last corner: the middle of the last two corners comes first.
+            order = [*turned[0], *turned[1][1:], *turned[1][:1]] if side < 0 else slice(None)
+            thick = np.array([self.thicknesses[n] for n in block.properties[here].tolist()])
+            heights.append(side * block.offsets[here] + thick / 2)
+            if here.any():
+                parts = found.setdefault(block.kind, [])
+                parts.append(block.nodes[here][:, order])
+        joined = {kind: np.concatenate(parts) for kind, parts in found.items()}
+        return joined, np.concatenate(heights)
 
 
 def read_shells(
@@ -46,17 +73,18 @@ def read_shells(
     """
     found = elements.of(*SHELL_TYPES)
     if not found:
-        return Shells(blocks=(), sections={})
+        return Shells()
     ids = np.concatenate([block.ids for block in found])
     number = np.zeros(len(ids), dtype=np.int64)
     offset = np.zeros(len(ids))
     sections: dict[int, ShellSection] = {}
+    thicknesses: dict[int, float] = {}
     others = deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")
     for own, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
         keyword.allow("ELSET", "MATERIAL", "OFFSET", "ORIENTATION", "SECTION INTEGRATION",
                       "POISSON", "DENSITY", "CONTROLS")  # fmt: skip
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
-        thickness = _thickness(keyword)
+        thickness = thicknesses[own] = _thickness(keyword)
         number[chosen] = own
         # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
         offset[chosen] = -_offset(keyword) * thickness
@@ -85,7 +113,7 @@ def read_shells(
         "stiffness, shear and mass of their own; CalculiX makes solids of them, which differ where "
         "shells are thick, coarse or joined at angles"
     )
-    return Shells(blocks=tuple(blocks), sections=sections)
+    return Shells(blocks=tuple(blocks), sections=sections, thicknesses=thicknesses)
 
 
 def _thickness(keyword: Keyword) -> float:

@@ -10,6 +10,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import is_integer, table
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.shells import Shells
 from faying.model.assembly import FaceSet
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
@@ -30,6 +31,8 @@ class DeckSurface:
         All of its nodes.
     elements : (n_element,)
         Ids of the solids its facets belong to.
+    height : [length]
+        How far it lies off its nodes, of shells; not a number where that differs.
     """
 
     name: str
@@ -37,9 +40,13 @@ class DeckSurface:
     facets: Mapping[str, Indices]
     nodes: Indices
     elements: Indices
+    height: float = 0.0
 
 
 Surfaces = Mapping[str, DeckSurface]
+
+_NO_SHELLS = Shells()
+_FACES = {b"": 0, b"SNEG": 1, b"SPOS": 2}
 
 
 def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | None) -> DeckSurface:
@@ -96,9 +103,11 @@ def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
 
 
 def read_surfaces(
-    deck: Deck, mesh: Mesh, by_element: NamedSets, by_node: NamedSets
+    deck: Deck, mesh: Mesh, by_element: NamedSets, by_node: NamedSets, shells: Shells = _NO_SHELLS
 ) -> dict[str, DeckSurface]:
     """Read all *SURFACE: element faces S1 … S6, whole elements (their exterior), or nodes.
+
+    Faces SPOS (2) and SNEG (1) of shells are their sides along and against their normal.
 
     Raises
     ------
@@ -123,7 +132,7 @@ def read_surfaces(
         if kind == "NODE":
             found[name.upper()] = _of_nodes(keyword, name, mesh, by_node)
         else:
-            found[name.upper()] = _of_elements(keyword, name, mesh, by_element)
+            found[name.upper()] = _of_elements(keyword, name, mesh, by_element, shells)
     return found
 
 
@@ -141,10 +150,22 @@ def _of_nodes(keyword: Keyword, name: str, mesh: Mesh, by_node: NamedSets) -> De
     return DeckSurface(name=name, keyword=keyword, facets={}, nodes=nodes, elements=empty)
 
 
-def _of_elements(keyword: Keyword, name: str, mesh: Mesh, by_element: NamedSets) -> DeckSurface:
+def _of_elements(
+    keyword: Keyword, name: str, mesh: Mesh, by_element: NamedSets, shells: Shells
+) -> DeckSurface:
     ids, faces, rows = _faces(keyword, by_element)
-    whole = faces == 0
+    thin = np.concatenate([np.empty(0, np.int64), *(block.ids for block in shells.blocks)])
     facets: dict[str, list[Indices]] = {}
+    heights = [np.empty(0)]
+    for side, number in ((-1.0, 1), (1.0, 2)):
+        own = np.isin(ids, thin) & (faces == number)
+        parts, off = shells.facets(ids[own], side)
+        heights.append(off)
+        for kind, part in parts.items():
+            facets.setdefault(kind, []).append(part)
+        ids, faces, rows = ids[~own], faces[~own], rows[~own]
+    height = np.unique(np.concatenate([*heights, np.zeros(min(len(ids), 1))]))
+    whole = faces == 0
     owners = []
     if whole.any():
         exterior = exterior_facets(mesh)
@@ -165,6 +186,7 @@ def _of_elements(keyword: Keyword, name: str, mesh: Mesh, by_element: NamedSets)
         facets=joined,
         nodes=np.unique(np.concatenate(all_nodes)),
         elements=np.unique(np.concatenate(owners)),
+        height=float(height[0]) if len(height) == 1 else np.nan,
     )
 
 
@@ -226,12 +248,15 @@ def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, I
 
 
 def _face_number(keyword: Keyword, text: bytes, rows: Indices, which: int) -> int:
-    if not text:
-        return 0
+    if text in _FACES:
+        return _FACES[text]
     if len(text) == 2 and text[:1] == b"S" and text[1:] in (b"1", b"2", b"3", b"4", b"5", b"6"):
         return int(text[1:])
     row = int(np.flatnonzero(rows == which)[0])
-    message = f"found '{text.decode('latin-1')}', expected a face S1 … S6 of a solid"
+    message = (
+        f"found '{text.decode('latin-1')}', expected a face S1 … S6 of a solid, or SPOS or SNEG of "
+        "a shell"
+    )
     raise keyword.error(message, row)
 
 

@@ -85,6 +85,10 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     """
     of_nodes = [tie for tie in ties if not tie.slave.facets]
     of_facets = [tie for tie in ties if tie.slave.facets]
+    for tie in ties:
+        if tie.slave.height or tie.master.height:
+            message = "ties of shells are not supported, whose rotations they tie; share nodes"
+            raise tie.keyword.error(message)
     for tie in of_nodes:
         if tie.stiffness is not None:
             message = (
