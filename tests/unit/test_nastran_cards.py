@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck
 from faying.io.nastran.parameters import LUMPED
-from faying.model.assembly import Assembly
+from faying.model.assembly import Assembly, PointMass
 from faying.model.matrices import assemble_matrices
 
 NODES = "".join(
@@ -85,6 +85,8 @@ def test_grdset_fills_blank_fields(read: Read) -> None:
     [
         ("", "incompatible"),
         (",,BUBBLE,,REDUCED", "incompatible"),
+        (",,TWO,,REDUCED", "incompatible"),
+        (",,2", "incompatible"),
         (",,2,,1", "standard"),
         (",,TWO,GRID,FULL", "standard"),
     ],
@@ -93,11 +95,13 @@ def test_formulation_of_bricks(read: Read, fields: str, element: str) -> None:
     assembly = read(BRICK, "PSOLID,1,9" + fields)
     assert assembly.element == element
     assert assembly.mesh.element_sets["pid:1"].tolist() == [1]
+    bare = element == "incompatible" and "2" in fields.replace("TWO", "2")
+    assert any("without them a cantilever" in note for note in assembly.ignored) == bare
 
 
 def test_formulations_that_are_refused(read: Read) -> None:
-    with pytest.raises(FormatError, match="IN = 'TWO' with ISOP = 'REDUCED'"):
-        read(BRICK, "PSOLID,1,9,,TWO,,REDUCED")
+    with pytest.raises(FormatError, match="IN = 'THREE' with ISOP = 'REDUCED'"):
+        read(BRICK, "PSOLID,1,9,,THREE,,REDUCED")
     with pytest.raises(FormatError, match="one formulation"):
         read(BRICK, BRICK.replace("CHEXA,1,1", "CHEXA,2,2"), "PSOLID,1,9", "PSOLID,2,9,,2,,1")
     with pytest.raises(FormatError, match="FCTN = PFLUID"):
@@ -501,18 +505,48 @@ def test_springs_and_masses(read: Read) -> None:
     assembly = read(
         "CELAS1,1,4,1,1,2,1",
         "PELAS,4,50.,,,5,60.",
-        "CELAS2,2,7.,1,6",
+        "CELAS2,2,7.,2,6",
         "CONM2,3,2,0,5.\n,1.,.1,2.,.2,.3,3.",
     )
     assert [(s.stiffness, s.ends) for s in assembly.springs] == [
         (50.0, ((0, 0), (1, 0))),
-        (7.0, ((0, 5),)),
+        (7.0, ((1, 5),)),
     ]
     assert assembly.masses[0].inertia == ((1, -0.1, -0.2), (-0.1, 2, -0.3), (-0.2, -0.3, 3))
-    with pytest.raises(FormatError, match="an offset from the node"):
-        read("CONM2,3,2,0,5.,1.")
+    # Nothing keeps the grid from turning: Nastran holds it, and the offset does nothing.
+    assembly = read("CONM2,3,2,0,5.,1.\n,1.")
+    assert assembly.masses == (PointMass(id=3, node=1, mass=5.0),)
+    assert any("offset of 1 CONM2 at grids" in note for note in assembly.ignored)
     with pytest.raises(FormatError, match="property 9 is not a PELAS"):
         read("CELAS1,1,9,1,1,2,1")
+
+
+@pytest.mark.parametrize(
+    ("system", "numbers", "offset"),
+    [
+        ("0", "1.,2.,-3.", (1, 2, -3)),
+        ("7", "1.,2.,-3.", (-2, 1, -3)),
+        ("-1", "3.,2.,-3.", (1, 1, -3)),
+    ],
+)
+def test_masses_beside_their_grids(
+    read: Read, system: str, numbers: str, offset: tuple[float, ...]
+) -> None:
+    """They move as the rigid arm does: kinetic energy of turning about the grid, by hand."""
+    assembly = read(
+        "GRID,90,,2.,1.,0.",
+        *(f"CELAS2,{9 + c},7.,90,{c}" for c in range(1, 7)),
+        "CORD2R,7,,0.,0.,0.,0.,0.,1.\n,0.,1.,0.",  # its x is y, its y is -x
+        f"CONM2,3,90,{system},5.,{numbers}\n,4.,,6.,,,8.",
+    )
+    axes = np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]) if system == "7" else np.eye(3)
+    M = assemble_matrices(assembly).M.toarray()[-6:, -6:]
+    for turning in np.eye(3):
+        motion = np.concatenate([[0.3, 0.2, 0.1], turning])
+        velocity = motion[:3] + np.cross(turning, offset)
+        spin = axes @ turning
+        energy = 5 * velocity @ velocity + spin @ (np.array([4, 6, 8]) * spin)
+        np.testing.assert_allclose(motion @ M @ motion, energy, rtol=1e-14)
 
 
 def test_sets(read: Read) -> None:

@@ -119,6 +119,16 @@ def test_rigid_bars_leave_six_rigid_motions(read: Read, card: str, far: str) -> 
     assert np.abs(T @ np.linalg.lstsq(T, motion, rcond=None)[0] - motion).max() < 1e-12 * 5
 
 
+def test_a_pin_at_one_place_needs_three_independent_components(read: Read) -> None:
+    """Both grids keep their rotations, and one is turned."""
+    assembly = read("RBAR,1,5,6,123,,123", "GRID,6,,1.,2.,3.,7")
+    used = np.zeros((6, 6), dtype=bool)
+    used[4:] = True
+    T = constrain(assembly, used.ravel()).transformation.toarray()
+    assert T.shape[1] == 9
+    np.testing.assert_allclose(T[24:27], T[30:33], atol=1e-14)
+
+
 def test_single_components_follow_in_turned_systems(read: Read) -> None:
     """The third component of node 6 lies along (1, 1, 0)."""
     assembly = read("RBE2,1,1,3,6", "GRID,6,,1.,2.,3.,7")
@@ -136,7 +146,9 @@ def test_single_components_follow_in_turned_systems(read: Read) -> None:
     ("card", "message"),
     [
         ("RBAR,1,1,5,12346,2", "do not determine the motion"),
-        ("RBAR,1,1,5,123,12", "5 independent"),
+        ("RBAR,1,1,5,123,12", "do not determine the motion"),
+        ("RBAR,1,1,5,123456,1", "7 independent"),
+        ("RBAR,1,1,5,123,,,123", "as far as the dependent ones need it"),
         ("RROD,1,1,2", "must be the dependent one"),
         ("RBE2,1,1,123456,1", "dependent nodes other than its independent one"),
     ],

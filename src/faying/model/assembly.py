@@ -136,12 +136,16 @@ class PointMass:
     ----------
     mass : [mass]
     inertia : (3, 3) [mass·length²]
+        About the centre of the mass.
+    offset : (3,) [length]
+        From the node to the centre of the mass.
     """
 
     id: int
     node: int
     mass: float
     inertia: tuple[tuple[float, float, float], ...] = ((0.0,) * 3,) * 3
+    offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

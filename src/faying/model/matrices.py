@@ -298,8 +298,11 @@ def _scalar(
 def _point_masses(assembly: Assembly) -> Matrix:
     result = np.zeros((len(assembly.masses), 6, 6))
     for matrix, point in zip(result, assembly.masses, strict=True):
-        matrix[:3, :3] = point.mass * np.eye(3)
-        matrix[3:, 3:] = point.inertia
+        x, y, z = point.offset
+        # Velocity of the centre: that of the node and ω x offset.
+        motion = np.hstack([np.eye(3), [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]])
+        matrix[:] = point.mass * motion.T @ motion
+        matrix[3:, 3:] += point.inertia
     return result
 
 

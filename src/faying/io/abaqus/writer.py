@@ -283,8 +283,11 @@ def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str
 
 def _masses(assembly: Assembly) -> Iterator[tuple[int, float]]:
     for point in assembly.masses:
-        if any(value != 0 for row in point.inertia for value in row):
-            message = f"point mass {point.id} has inertia, which *MASS cannot say; leave it out"
+        if any(value != 0 for row in (*point.inertia, point.offset) for value in row):
+            message = (
+                f"point mass {point.id} has inertia or an offset, which *MASS cannot say; leave it "
+                "out"
+            )
             raise FormatError(message)
         yield point.node, point.mass
     for beam in assembly.beams:

@@ -1,6 +1,6 @@
 """GRAV, RFORCE: gravity and rotation, by the mass of all elements."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from math import pi
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
+from faying.model.assembly import PointMass
 from faying.model.body_forces import centrifugal
 
 BODY_LOADS = ("GRAV", "RFORCE")
@@ -16,7 +17,11 @@ _UNIT = 1e-3
 
 
 def read_accelerations(
-    cards: Mapping[str, Cards], grids: Grids, nodes: Matrix, unread: dict[int, str]
+    cards: Mapping[str, Cards],
+    grids: Grids,
+    nodes: Matrix,
+    masses: Sequence[PointMass],
+    unread: dict[int, str],
 ) -> Iterator[tuple[int, Matrix]]:
     """Yield load set and accelerations (n_node, 3) of each card.
 
@@ -46,7 +51,9 @@ def read_accelerations(
         number, speed = card.integer(0), 2 * pi * card.real(3, 0.0)
         axis = _basic(card, 2, [card.real(j, 0.0) for j in (4, 5, 6)], grids)
         point = grids.nodes[grids.one(card, 1)] if card.integer(1, 0) else np.zeros(3)
-        if axis is None or abs(float(np.linalg.norm(axis)) - 1) > _UNIT or card.real(8, 0.0):
+        if any(any(one.offset) for one in masses):
+            unread.setdefault(number, f"{card.where()} of CONM2 that are offset")
+        elif axis is None or abs(float(np.linalg.norm(axis)) - 1) > _UNIT or card.real(8, 0.0):
             reason = (
                 f"{card.where()} with RACC, or a direction that is turning or not of length one"
             )

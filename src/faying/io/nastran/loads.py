@@ -68,7 +68,9 @@ def read_loads(
     ):
         for number in np.unique(sets).tolist():
             parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
-    for number, acceleration in read_accelerations(cards, grids, structure.mesh.nodes, spoiled):
+    for number, acceleration in read_accelerations(
+        cards, grids, structure.mesh.nodes, structure.masses, spoiled
+    ):
         parts.setdefault(number, []).append(_part(body_forces(structure, acceleration)))
     for card in cards.get("LOAD", ()):
         number = card.integer(0)

@@ -1,12 +1,16 @@
 """CONM2: concentrated mass."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
-from faying.model.assembly import PointMass
+from faying.model.assembly import Assembly, PointMass
+
+_TRANSLATIONS = 2
+# Places typed with few digits are those of the grid.
+_SAME = 1e-9
 
 
 def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) -> list[PointMass]:
@@ -15,7 +19,7 @@ def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) ->
     Raises
     ------
     FormatError
-        If a mass has an offset from its node, or a coordinate system is missing.
+        If a grid or coordinate system is missing.
     """
     return [_mass(card, grids, mass_factor) for card in cards.get("CONM2", ())]
 
@@ -23,14 +27,11 @@ def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) ->
 def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
     system = card.integer(2, 0)
     node = grids.one(card, 1)
+    offset = np.array([card.real(j, 0.0) for j in (4, 5, 6)])
     if system == -1:
-        offset = np.array([card.real(j, 0.0) for j in (4, 5, 6)]) - grids.nodes[node]
-        if np.abs(offset).max() > 1e-9 * max(float(np.abs(grids.nodes[node]).max()), 1.0):
-            text = "an offset from the node is not supported; put a GRID there and tie it by RBE2"
-            raise card.error(text, 4)
-    else:
-        remedy = "put a GRID there and tie it by RBE2"
-        card.refuse_non_zero((4, 5, 6), "an offset from the node", remedy)
+        offset = offset - grids.nodes[node]
+        if np.abs(offset).max() <= _SAME * max(float(np.abs(grids.nodes[node]).max()), 1.0):
+            offset = np.zeros(3)
     # Off-diagonal fields hold ∫ x y dm; the inertia tensor carries them with a minus sign.
     i11, i21, i22, i31, i32, i33 = (card.real(j, 0.0) for j in range(8, 14))
     inertia = np.array([[i11, -i21, -i31], [-i21, i22, -i32], [-i31, -i32, i33]])
@@ -40,11 +41,54 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
             raise card.error(text, 2)
         axes = grids.systems.frames[system].directions(grids.nodes[node][None])[0]
         inertia = axes.T @ inertia @ axes
+        offset = offset @ axes
     # Adding zero turns -0.0 into 0.0.
     rows = tuple(tuple(row) for row in (factor * inertia + 0.0).tolist())
+    x, y, z = (offset + 0.0).tolist()
     return PointMass(
         id=card.integer(0),
         node=node,
         mass=card.real(3) * factor,
         inertia=rows,
+        offset=(x, y, z),
+    )
+
+
+def without_rotation(
+    masses: Sequence[PointMass], assembly: Assembly, ignored: list[str]
+) -> tuple[PointMass, ...]:
+    """Take inertia and offsets from masses at nodes that nothing keeps from turning.
+
+    Nastran holds such rotations (PARAM,AUTOSPC), so that the mass moves with its node alone.
+
+    Parameters
+    ----------
+    assembly
+        Without the masses.
+    """
+    turning = [one for one in masses if np.any(one.inertia) or any(one.offset)]
+    if not turning:
+        return tuple(masses)
+    resisted = np.zeros(len(assembly.mesh.nodes), dtype=bool)
+    for block in assembly.shells:
+        resisted[block.nodes] = True
+    for line in (*assembly.beams, *assembly.bushes):
+        resisted[list(line.nodes)] = True
+    for spring in assembly.springs:
+        resisted[[node for node, c in spring.ends if c > _TRANSLATIONS]] = True
+    for coupling in (*assembly.rigid_couplings, *assembly.average_couplings):
+        resisted[coupling.reference] = True
+    for rigid in assembly.rigid_couplings:
+        resisted[rigid.nodes] |= max(rigid.components) > _TRANSLATIONS
+    for equation in assembly.equations:
+        resisted[[node for node, c, _ in equation.terms if c > _TRANSLATIONS]] = True
+    held = {one.id for one in turning if not resisted[one.node]}
+    if held:
+        ignored.append(
+            f"inertia and offset of {len(held)} CONM2 at grids that nothing keeps from turning, "
+            "whose rotation Nastran holds (AUTOSPC)"
+        )
+    return tuple(
+        PointMass(id=one.id, node=one.node, mass=one.mass) if one.id in held else one
+        for one in masses
     )

@@ -25,7 +25,7 @@ from faying.io.nastran.grids import Grids, read_grids
 from faying.io.nastran.layers import SHELL_PROPERTIES
 from faying.io.nastran.left_out import CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
-from faying.io.nastran.masses import read_masses
+from faying.io.nastran.masses import read_masses, without_rotation
 from faying.io.nastran.materials import (
     MATERIALS,
     PROPERTIES,
@@ -213,7 +213,6 @@ def read_parts(
                 *read_bushes(cards, grids, factor, ignored),
                 *read_bends(cards, grids, materials, factors, factor, ignored),
             ),
-            masses=tuple(read_masses(cards, grids, factor)),
             scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
             rigid_couplings=(*rigid, *ends.couplings),
             average_couplings=tuple(read_average_couplings(cards, grids)),
@@ -226,6 +225,8 @@ def read_parts(
             supports=tuple(supports),
             name=path.stem,
         )
+        masses = without_rotation(read_masses(cards, grids, factor), assembly, ignored)
+        assembly = replace(assembly, masses=masses)
         sides = read_panel_sides(cards, grids, materials, assembly.largest_id + 1)
         assembly = replace(assembly, beams=(*assembly.beams, *sides))
         resting = moved.without(control_grids(cards, grids))

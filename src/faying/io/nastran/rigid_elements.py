@@ -21,6 +21,7 @@ from faying.model.matrices import rigid_body_motions
 Place = tuple[int, int]
 """Node index and component 0..5 in the node's displacement system."""
 
+_RIGID = 6
 # Independent components that determine the motion worse than this are one too few.
 _SINGULAR = 1e-9
 # Entries this far below the largest of their equation are rounding.
@@ -157,23 +158,28 @@ def rigid_equations(
     Raises
     ------
     FormatError
-        If the independent components are not six that determine the rigid motion.
+        If the independent components contradict each other as those of a rigid body, or do not
+        determine the dependent ones. Fewer than six do where a pin joins two nodes at one place.
     """
     nodes = np.array([node for node, _ in free], dtype=np.int64)
-    if len(free) != 6 or not tied:
+    if not 0 < len(free) <= _RIGID or not tied:
         text = (
-            f"{len(free)} independent and {len(tied)} dependent components; expected six and some"
+            f"{len(free)} independent and {len(tied)} dependent components; expected up to six, "
+            "and some"
         )
         raise card.error(text)
     origin = grids.nodes[nodes].mean(axis=0)
     size = float(np.abs(grids.nodes[nodes] - origin).max()) or 1.0
     motion = _motions(free, grids, origin, size)
-    if not np.linalg.svd(motion, compute_uv=False)[-1] > _SINGULAR:
+    following = _motions(tied, grids, origin, size)
+    weights = np.linalg.lstsq(motion.T, following.T, rcond=None)[0].T
+    unique = np.linalg.svd(motion, compute_uv=False)[-1] > _SINGULAR
+    if not unique or np.abs(weights @ motion - following).max() > _SINGULAR:
         text = (
-            "the independent components do not determine the motion of a rigid body; choose others"
+            "the independent components do not determine the motion of a rigid body, as far as the "
+            "dependent ones need it; choose others"
         )
         raise card.error(text)
-    weights = np.linalg.solve(motion.T, _motions(tied, grids, origin, size).T).T
     weights *= _scale(free, size) / _scale(tied, size)[:, None]
     columns = sorted({(node, c) for node, c in _supports([*free, *tied], grids)})
     place = {one: k for k, one in enumerate(columns)}

@@ -241,7 +241,7 @@ def _lines(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
         # The off-diagonal fields of CONM2 are ∫ x y dm, the negative of the tensor's entries.
         tensor = [i[0][0], -i[1][0], i[1][1], -i[2][0], -i[2][1], i[2][2]]
         fields = [numbering.element("mass", mass.id), int(ids[mass.node]), 0]
-        yield large("CONM2", [*fields, mass.mass, 0.0, 0.0, 0.0, None, *tensor])
+        yield large("CONM2", [*fields, mass.mass, *mass.offset, None, *tensor])
 
 
 def _couplings(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
