@@ -121,7 +121,7 @@ def test_rigid_bars_leave_six_rigid_motions(read: Read, card: str, far: str) -> 
 
 def test_a_pin_at_one_place_needs_three_independent_components(read: Read) -> None:
     """Both grids keep their rotations, and one is turned."""
-    assembly = read("RBAR,1,5,6,123,,123", "GRID,6,,1.,2.,3.,7")
+    assembly = read("RBAR,1,5,6,123,,,123", "GRID,6,,1.,2.,3.,7")
     used = np.zeros((6, 6), dtype=bool)
     used[4:] = True
     T = constrain(assembly, used.ravel()).transformation.toarray()

@@ -72,12 +72,12 @@ def without_rotation(
     resisted = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     for block in assembly.shells:
         resisted[block.nodes] = True
-    for line in (*assembly.beams, *assembly.bushes):
-        resisted[list(line.nodes)] = True
+    ends = [one.nodes for one in assembly.beams] + [one.nodes for one in assembly.bushes]
+    resisted[[node for nodes in ends for node in nodes]] = True
     for spring in assembly.springs:
         resisted[[node for node, c in spring.ends if c > _TRANSLATIONS]] = True
-    for coupling in (*assembly.rigid_couplings, *assembly.average_couplings):
-        resisted[coupling.reference] = True
+    resisted[[one.reference for one in assembly.rigid_couplings]] = True
+    resisted[[one.reference for one in assembly.average_couplings]] = True
     for rigid in assembly.rigid_couplings:
         resisted[rigid.nodes] |= max(rigid.components) > _TRANSLATIONS
     for equation in assembly.equations:
