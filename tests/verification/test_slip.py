@@ -139,12 +139,31 @@ def test_slip_sets_in_where_points_slip_that_tightening_left_stuck(smooth):
     stuck = at_rest < 0.02 * tight.pressure[-1] * (1 - 1e-6)
     assert np.count_nonzero(~stuck & (tight.contact_forces[-1] > 0)) > 0
     weights, shares = slippery.contact.weights, []
-    for trial in (reserve.onset * (1 - 2e-3), reserve.onset):  # twice the precision of the search
+    # Twice the precision of the search, which goes there in smaller increments than one.
+    for trial in (reserve.onset * (1 - 2e-3), reserve.onset * (1 + 2e-3)):
         after = fy.solve_path(slippery, [PULL.scaled(trial)], initial=last)
         status = slip_states(after, last).status[-1]
         slips = weights[(status == SLIP) & stuck].sum()
         shares.append(slips / weights[status != OPEN].sum())
     assert shares[0] <= 0.05 < shares[1] + 1e-12
+
+
+def test_gross_slip_does_not_depend_on_the_increments():
+    """Off the middle, across and twisted: single points turn around and stick on the way."""
+    model = fy.lap_joint(element_size=5.0, bolt_positions=((-8.0, 3.0),))
+    model = fy.preload(model, dict.fromkeys(model.bolts, 10e3))
+    model = model.with_friction(0.2, tangential_penalty=8e5)
+    tight = fy.solve_path(model, [fy.Load()])
+    for forces in (
+        {"tip.Fx": 1500.0, "tip.Fy": 400.0, "tip.Mx": 2e4},
+        {"tip.Fy": 500.0, "tip.Mz": 2e4, "tip.Fz": -150},
+    ):
+        factors = [
+            fy.slip_reserve(model, fy.Load(forces), tight, increments=n, largest=1.0).gross_slip
+            for n in (5, 10, 20)
+        ]
+        # Twice the precision of the search and as much by the path; 1e-3 is measured.
+        assert np.ptp(factors) < 4e-3 * factors[-1]
 
 
 def test_at_gross_slip_friction_carries_what_it_can(rubbing):

@@ -10,7 +10,7 @@ from faying._typing import Mask, Vector
 from faying.assessment.growth import LARGEST, first_events
 from faying.assessment.opening import areas_that_open, opening_events, pressed_shares
 from faying.assessment.sliding import resistance_used
-from faying.assessment.slip import SLIP, SlipStates, all_slip, on_the_bound, point_states
+from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.load import Load
@@ -36,6 +36,12 @@ WHOLE = 0.9
 
 When everything first slips it is 0.9 to 1 where sides slide over each other, and 0 to 0.01 where a
 load bends a joint and slip here cancels slip there (``docs/how-to/follow_friction.md``).
+"""
+
+SPENT = 0.97
+"""Sum of tangential forces over that of their bounds from which everything slips.
+
+Single points that turn around stick for an increment, whenever there is one.
 """
 
 
@@ -106,8 +112,9 @@ def slip_reserve(
     """Find the load factors at which a joint begins to slip, slips by a share, and as a whole.
 
     The load grows in equal increments to its nominal value, from there on by the same share of
-    itself. The increment in which something first happens is bisected; each trial is one increment
-    from the state before it, so what is found belongs to the path with its increments.
+    itself, and is bisected to where something first happens
+    (:func:`~faying.assessment.growth.first_events`). What is found belongs to a path with such
+    increments: ``gross_slip`` of a bolted tee is within 0.4 % with 5 to 80 of them.
 
     Parameters
     ----------
@@ -151,7 +158,7 @@ def slip_reserve(
         "first": lambda after, here: bool(search.states(after, here).slip_share[-1] > 0),
         "onset": lambda after, here: search.share(search.states(after, here), stuck) >= ONSET,
         "share": lambda after, here: bool(search.states(after, here).slip_of_closed[-1] >= share),
-        "gross": lambda after, here: bool(search.sliding(after, here)),
+        "gross": lambda after, _: bool(search.sliding(after)),
     }
     found = first_events(search.at, search.start, events, increments=increments, largest=largest)
     factors, states = found.factors, found.states
@@ -166,7 +173,7 @@ def slip_reserve(
         gross_slip=factors.get("gross"),
         largest=found.largest,
         stopped=found.stopped,
-        slides=search.sliding(*states["gross"]) if "gross" in states else "",
+        slides=search.sliding(states["gross"][0]) if "gross" in states else "",
         areas=tuple(opens),
         openings=tuple(factors.get(f"{AREA}{name}", np.inf) for name in opens),
     )
@@ -245,14 +252,14 @@ class _Search:
         slipping = float(area[(status == SLIP) & points[contact.rubbing]].sum())
         return slipping / touching if touching > 0 else 0.0
 
-    def sliding(self, after: PathStep, here: PathStep) -> str:
+    def sliding(self, after: PathStep) -> str:
         """Return the interface on which all that is closed slips along one motion; none if ''."""
         contact, forces = self.system.contact, after.increment.forces
-        states = self.states(after, here)
         if contact.tangents is None:
             return ""
         for name, points in contact.slices.items():
-            if not contact.laws[name].friction > 0 or not all_slip(states.status[-1:, points])[0]:
+            bounds = contact.laws[name].friction * forces[0, points]
+            if not np.hypot(*forces[1:, points]).sum() > SPENT * bounds.sum():
                 continue
             pressed = np.flatnonzero(forces[0, points] > 0)
             own = pressed + points.start
@@ -260,7 +267,7 @@ class _Search:
                 self.system.interfaces[name].points[pressed],
                 contact.tangents[:, own],
                 forces[1:, own],
-                contact.laws[name].friction * forces[0, own],
+                bounds[pressed],
             )
             if used >= WHOLE:
                 return name
