@@ -63,11 +63,10 @@ def test_bombs_of_numpy(tmp_path, monkeypatch, read):
     assert "holds 0.008 GB, and 0.001 GB of memory are free" in refused(read, tmp_path / "b.npz")
 
 
-def matlab(path, size, packed):
+def matlab(path, packed):
     path.write_bytes(
         b" " * 124 + struct.pack("<H", 0x100) + b"IM" + struct.pack("<2I", 15, len(packed)) + packed
     )
-    return size
 
 
 def test_bombs_of_matlab(tmp_path, monkeypatch):
@@ -76,11 +75,19 @@ def test_bombs_of_matlab(tmp_path, monkeypatch):
     scipy.io.savemat(path, {"K": np.zeros((1000, 1000))}, do_compression=True)
     assert path.stat().st_size < 10_000
     assert "of memory are free" in refused(read_matrix, path, "K")
+    # What is not zero is what takes memory: of 16 MB here 16 kB.
+    scipy.io.savemat(path, {"K": np.diag(np.arange(1.0, 1415.0))}, do_compression=True)
+    monkeypatch.setenv("FAYING_MEMORY", "14e6")
+    assert read_matrix(path, "K").matrix.nnz == 1414
+    packed = path.read_bytes()[136:]
+    matlab(path, packed[:-1] + b"?")
+    assert "incorrect data check" in refused(read_matrix, path, "K")
     # One that says less than it holds, and one that says 4 GB.
-    matlab(path, 8, zlib.compress(struct.pack("<2I", 14, 1000) + bytes(9_000_000)))
-    assert "announces 1000 bytes and holds 1001" in refused(read_matrix, path, "K")
-    matlab(path, 8, zlib.compress(struct.pack("<2I", 14, 2**32 - 1)))
-    assert "8.6 GB" in refused(read_matrix, path, "K")
+    content = zlib.decompress(packed)
+    matlab(path, zlib.compress(content[:4] + struct.pack("<I", 1000) + content[8:]))
+    assert "announces 1008 bytes and holds others" in refused(read_matrix, path, "K")
+    matlab(path, zlib.compress(struct.pack("<2I", 14, 2**32 - 1)))
+    assert "in the middle of a variable" in refused(read_matrix, path, "K")
 
 
 def test_sizes_of_matrix_market(tmp_path):

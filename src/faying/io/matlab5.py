@@ -7,10 +7,8 @@ that of MathWorks, *MAT-File Format*, "Level 5 MAT-File Format".
 import math
 import struct
 import zlib
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
@@ -41,18 +39,67 @@ _SPARSE, _NUMERIC = 5, range(6, 16)
 
 _COMPLEX = 0x800
 
+_PIECE = 2**22
+"""Bytes that are decompressed at once; a few megabytes of zeros may stand for gigabytes."""
 
-@dataclass(frozen=True)
-class _Element:
-    """A typed piece of the file, and where the next begins."""
 
-    kind: int
-    content: bytes
-    end: int
+@final
+class _Stream:
+    """Bytes one after the other, of the file or of a compressed variable in it."""
+
+    def __init__(self, content: memoryview, *, packed: bool = False) -> None:
+        self._left, self._waiting = content, b""
+        self._inflate, self.count = zlib.decompressobj() if packed else None, 0
+
+    def read(self, count: int) -> bytearray:
+        """Return so many bytes.
+
+        Raises
+        ------
+        ValueError
+            If there are fewer, or what is compressed is damaged.
+        """
+        found = bytearray() if self._inflate else bytearray(self._left[:count])
+        if self._inflate is None:
+            self._left = self._left[count:]
+        else:
+            while len(found) < count and not self._inflate.eof and (self._left or self._waiting):
+                found += self._piece(self._inflate, count - len(found))
+        if len(found) != count:
+            message = "it ends in the middle of a variable"
+            raise ValueError(message)
+        return found
+
+    def _piece(self, inflate: Any, most: int) -> bytes:
+        if not self._waiting:
+            self._waiting, self._left = bytes(self._left[:_PIECE]), self._left[_PIECE:]
+        try:
+            found: bytes = inflate.decompress(self._waiting, min(most, _PIECE))
+        except zlib.error as error:
+            raise ValueError(str(error)) from None
+        self._waiting, self.count = inflate.unconsumed_tail, self.count + len(found)
+        return found
+
+    def end(self, size: int) -> None:
+        """Go to the end of what is compressed, so many bytes and a checksum.
+
+        Raises
+        ------
+        ValueError
+            If it ends elsewhere.
+        """
+        while self._inflate is not None and not self._inflate.eof and self.count <= size:
+            if not self._piece(self._inflate, _PIECE) and not (self._left or self._waiting):
+                break
+        if self._inflate is not None and (self.count != size or not self._inflate.eof):
+            message = f"a compressed variable announces {size} bytes and holds others"
+            raise ValueError(message)
 
 
 def read_matlab5(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
     """Return arrays and sparse matrices by name; variables of other classes are left out.
+
+    Large full matrices are returned as sparse ones, so that zeros take no memory.
 
     Raises
     ------
@@ -66,106 +113,111 @@ def read_matlab5(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
     if order is None:
         message = "its header does not say the order of bytes"
         raise ValueError(message)
-    return dict(_variables(content, order, path))
-
-
-def _variables(
-    content: bytes, order: str, path: Path
-) -> Iterator[tuple[str, npt.NDArray[Any] | SparseMatrix]]:
+    found: dict[str, npt.NDArray[Any] | SparseMatrix] = {}
     place = HEADER
     while place + 8 <= len(content):
-        element = _element(content, place, order, padded=False)
-        place = element.end
-        if element.kind == _COMPRESSED:
-            element = _element(_decompressed(element.content, order, path), 0, order, padded=False)
-        if element.kind == _MATRIX:
-            yield from _variable(element.content, order)
-
-
-def _element(content: bytes, place: int, order: str, *, padded: bool = True) -> _Element:
-    """Read the piece at a place; pieces of a variable are padded to eight bytes."""
-    if place + 8 > len(content):
-        message = f"it ends at byte {len(content)}, in the middle of a variable"
-        raise ValueError(message)
-    kind, size = struct.unpack_from(f"{order}2I", content, place)
-    start, end = place + 8, place + 8 + size
-    if kind >> 16:  # short ones share eight bytes with their tag
-        kind, size = kind & 0xFFFF, kind >> 16
-        start, end = place + 4, place + 8
-    if start + size > min(end, len(content)):
-        message = f"a piece of {size} bytes at byte {place} goes beyond its end"
-        raise ValueError(message)
-    return _Element(kind, content[start : start + size], end + (-end % 8 if padded else 0))
-
-
-def _decompressed(packed: bytes, order: str, path: Path) -> bytes:
-    """Decompress one variable, whose first eight bytes say how long it is."""
-    stream = zlib.decompressobj()
-    try:
-        tag = stream.decompress(packed, 8)
-        if len(tag) < 8:
-            message = "a compressed variable is cut off"
+        kind, size = struct.unpack_from(f"{order}2I", content, place)
+        if kind >> 16:  # short ones, which hold no variable, share eight bytes with their tag
+            kind, size = 0, 0
+        place += 8 + size
+        if place > len(content):
+            message = f"a piece of {size} bytes at byte {place - size - 8} goes beyond its end"
             raise ValueError(message)
-        size = struct.unpack(f"{order}2I", tag)[1]
-        check_room(2 * size, path)
-        # One byte more than announced, to notice a variable that does not end there.
-        found = stream.decompress(stream.unconsumed_tail, size + 1)
-    except zlib.error as error:
-        raise ValueError(str(error)) from None
-    if len(found) != size or not stream.eof:
-        message = f"a compressed variable announces {size} bytes and holds {len(found)}"
+        stream = _Stream(memoryview(content)[place - size : place], packed=kind == _COMPRESSED)
+        if kind == _COMPRESSED:
+            kind, size = struct.unpack(f"{order}2I", stream.read(8))
+        if kind == _MATRIX:
+            named = _variable(stream, order, path)
+            if named:
+                stream.end(8 + size)
+            found |= named
+    return found
+
+
+def _tag(stream: _Stream, order: str) -> tuple[int, int, bytearray | None]:
+    """Return type and bytes of the next piece of a variable, and what a short one holds."""
+    words = stream.read(8)
+    kind, size = struct.unpack(f"{order}2I", words)
+    if not kind >> 16:
+        return kind, size, None
+    if kind >> 16 > 4:
+        message = f"a short piece says {kind >> 16} bytes"
         raise ValueError(message)
-    return tag + found
+    return kind & 0xFFFF, kind >> 16, words[4 : 4 + (kind >> 16)]
 
 
-def _variable(content: bytes, order: str) -> Iterator[tuple[str, npt.NDArray[Any] | SparseMatrix]]:
-    """Yield name and value of a variable that is an array of numbers and has a name."""
-    flags = _element(content, 0, order)
-    if len(flags.content) != 8:
+def _element(stream: _Stream, order: str, path: Path) -> tuple[int, bytearray]:
+    """Return type and content of the next piece of a variable, padded to eight bytes."""
+    kind, size, short = _tag(stream, order)
+    if short is not None:
+        return kind, short
+    check_room(2 * size, path)
+    content = stream.read(size)
+    stream.read(-size % 8)
+    return kind, content
+
+
+def _variable(
+    stream: _Stream, order: str, path: Path
+) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
+    """Return name and value of a variable that is an array of numbers and has a name."""
+    flags = _element(stream, order, path)[1]
+    if len(flags) != 8:
         message = "a variable does not begin with its class"
         raise ValueError(message)
-    kind = struct.unpack_from(f"{order}I", flags.content)[0]
+    kind = struct.unpack_from(f"{order}I", flags)[0]
     if kind & 0xFF != _SPARSE and kind & 0xFF not in _NUMERIC:
-        return
-    sizes = _element(content, flags.end, order)
-    shape = tuple(_numbers(sizes, order).tolist())
+        return {}
+    shape = tuple(_numbers(*_element(stream, order, path), order).tolist())
     check_rows(shape)
     if len(shape) < 2 or min(shape) < 0:
         message = f"a variable has shape {shape}"
         raise ValueError(message)
-    name = _element(content, sizes.end, order)
-    if not name.content:  # data of the program itself
-        return
-    text = name.content.decode("latin-1")
+    name = _element(stream, order, path)[1].decode("latin-1")
+    if not name:  # data of the program itself
+        return {}
     read = _sparse if kind & 0xFF == _SPARSE else _dense
-    value = read(content, name.end, shape, order)
+    value = read(stream, shape, order, path)
     # Of complex variables it is only said that they are complex, which nothing here can use.
-    yield text, value.astype(np.complex128) if kind & _COMPLEX else value
+    return {name: value.astype(np.complex128) if kind & _COMPLEX else value}
 
 
-def _numbers(element: _Element, order: str) -> npt.NDArray[Any]:
-    kind = _TYPES.get(element.kind)
-    if kind is None or len(element.content) % np.dtype(kind).itemsize:
-        message = f"found {len(element.content)} bytes of type {element.kind}, no whole numbers"
+def _numbers(kind: int, content: bytearray, order: str) -> npt.NDArray[Any]:
+    name = _TYPES.get(kind)
+    if name is None or len(content) % np.dtype(name).itemsize:
+        message = f"found {len(content)} bytes of type {kind}, no whole numbers"
         raise ValueError(message)
-    values = np.frombuffer(element.content, dtype=f"{order}{kind}")
-    return values.astype(values.dtype.newbyteorder("="))
+    values = np.frombuffer(content, dtype=f"{order}{name}")
+    return values.astype(values.dtype.newbyteorder("="), copy=False)
 
 
-def _dense(content: bytes, place: int, shape: tuple[int, ...], order: str) -> npt.NDArray[Any]:
-    values = _numbers(_element(content, place, order), order)
-    if len(values) != math.prod(shape):
-        message = f"an array of shape {shape} has {len(values)} numbers"
+def _dense(
+    stream: _Stream, shape: tuple[int, ...], order: str, path: Path
+) -> npt.NDArray[Any] | SparseMatrix:
+    kind, size, short = _tag(stream, order)
+    width = np.dtype(_TYPES.get(kind, "u1")).itemsize
+    if kind not in _TYPES or size != width * math.prod(shape):
+        message = f"an array of shape {shape} has {size} bytes of type {kind}"
         raise ValueError(message)
-    return values.reshape(shape, order="F")
+    if short is not None or size <= _PIECE or len(shape) > 2:
+        check_room(2 * size, path)
+        content = stream.read(size) if short is None else short
+        return _numbers(kind, content, order).reshape(shape, order="F")
+    # Column by column, some at once.
+    columns, parts, entries = max(_PIECE // (width * shape[0]), 1), [], 0
+    for first in range(0, shape[1], columns):
+        count = min(columns, shape[1] - first)
+        check_room(16 * entries + 3 * width * shape[0] * count, path)
+        values = _numbers(kind, stream.read(width * shape[0] * count), order)
+        parts.append(sp.csc_array(values.reshape((shape[0], count), order="F")))
+        entries += parts[-1].nnz
+    check_room(16 * entries, path)
+    return sp.hstack(parts, format="csc")
 
 
-def _sparse(content: bytes, place: int, shape: tuple[int, ...], order: str) -> SparseMatrix:
+def _sparse(stream: _Stream, shape: tuple[int, ...], order: str, path: Path) -> SparseMatrix:
     """Read a matrix by columns: rows of the entries, first entry of each column, entries."""
-    rows = _element(content, place, order)
-    starts = _element(content, rows.end, order)
-    entries = _numbers(_element(content, starts.end, order), order)
-    index, first = _numbers(rows, order), _numbers(starts, order)
+    index, first, entries = (_numbers(*_element(stream, order, path), order) for _ in range(3))
     if len(shape) != 2 or len(first) != shape[1] + 1 or not len(entries) <= len(index):
         message = (
             f"a sparse matrix of shape {shape} has {len(first)} column starts, {len(index)} row "
