@@ -25,6 +25,7 @@ FORMATS = {
     "medit": {"suffix": ".mesh", "file_format": "medit"},
     "mail": {"suffix": ".mail"},
 }
+GMSH = ["gmsh:physical", "gmsh:geometrical"]
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def files(tmp_path_factory) -> dict[str, tuple[Path, bytes]]:
     mesh = meshio.Mesh(
         cells.nodes,
         [("tetra", cells.cells)],
-        cell_data={"gmsh:physical": [tags], "gmsh:geometrical": [tags], "medit:ref": [tags]},
+        cell_data={},
         field_data={"left": np.array([1, 3]), "right": np.array([2, 3])},
     )
     found = {}
@@ -47,6 +48,9 @@ def files(tmp_path_factory) -> dict[str, tuple[Path, bytes]]:
             continue
         tagged = {"gmsh:dim_tags": np.tile([3, 1], (len(cells.nodes), 1))}
         mesh.point_data = tagged if kept["file_format"] == "gmsh" else {}
+        # As text meshio writes other data than its own in a way that it cannot read.
+        names = {"medit": ["medit:ref"], "vtu": []}.get(kept["file_format"], GMSH)
+        mesh.cell_data = {name: [tags] for name in names}
         mesh.write(path, **kept)
         found[name] = (folder, path.read_bytes())
     return found
@@ -60,6 +64,14 @@ def _mail(nodes, cells) -> str:
     groups = [f"GROUP_MA NOM={name}\n{part}" for name, part in zip("AB", halves, strict=True)]
     sections = ["\n".join(["COOR_3D", *places]), "\n".join(["TETRA4", *rows]), *groups]
     return "\nFINSF\n".join([*sections, "FIN\n"])
+
+
+@pytest.mark.parametrize("name", list(FORMATS))
+def test_whole_files_are_read(files, name):
+    folder, content = files[name]
+    path = folder / f"whole{FORMATS[name]['suffix']}"
+    path.write_bytes(content)
+    assert read(path)[1] is not None
 
 
 @pytest.mark.parametrize("name", list(FORMATS))

@@ -503,7 +503,7 @@ def test_parquet_larger_than_the_memory_is_refused_before_it_is_read(tmp_path, m
     assert path.stat().st_size < 10_000
     monkeypatch.setattr(contents, "free_memory", lambda: 1_000_000)
     with pytest.raises(
-        StudyError, match=r"zeros\.parquet: .*it holds 0\.0016 GB, and 0\.001 GB of"
+        StudyError, match=r"zeros\.parquet: .*it holds 0\.0064 GB, and 0\.001 GB of"
     ):
         read_load_table(path)
 

@@ -15,7 +15,9 @@ import scipy.io
 import faying as fy
 from faying.exceptions import FormatError, StudyError
 from faying.io.abaqus.source import read_pieces
+from faying.io.isolated import read_isolated
 from faying.io.matrix_files import read_matrix
+from faying.io.mesh_files import read_mesh_file
 from faying.io.matrix_tables import read_node_table
 from faying.io.nastran.source import read_source
 from faying.study.schema import read_study
@@ -167,3 +169,19 @@ def test_files_larger_than_the_memory(tmp_path, monkeypatch):
         )
         assert "1000 GB" in refused(read, tmp_path / name)
     monkeypatch.delenv("FAYING_MEMORY")
+
+
+def test_readers_of_others_take_no_more_than_a_file_may_need(tmp_path):
+    path = tmp_path / "joint.cdb"
+    path.write_text("/PREP7\n")
+    script = "import numpy as np, sys\nnp.savez(sys.argv[2], a=np.ones(int(2e8))[:1])"
+    said = refused(lambda file: read_isolated(script, file, "archive", "ansys"), path)
+    assert "its reader asked for more than 1 GB" in said
+
+
+def test_counts_without_what_they_count(tmp_path):
+    path = tmp_path / "mesh.msh"
+    counted = "$Nodes\n1 99999999999999 1 99999999999999\n3 1 0 99999999999999\n$EndNodes\n"
+    path.write_text(f"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{counted}")
+    said = refused(lambda file: read_mesh_file(file, materials={}), path)
+    assert "a size in it asks for more memory than there is" in said

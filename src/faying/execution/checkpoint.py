@@ -11,6 +11,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
+from faying.files.contents import reason_of
 from faying.files.atomic import replacing
 from faying.files.numpy_archive import read_arrays
 
@@ -55,7 +56,7 @@ class Checkpoint:
         try:
             return read_arrays(path)
         except Exception as error:  # whatever a damaged archive meets
-            message = f"{path}, the result of '{key}', is damaged ({error}); delete it"
+            message = f"{path}, the result of '{key}', is damaged ({reason_of(error)}); delete it"
             raise FormatError(message) from None
 
     def put(self, key: str, arrays: Arrays) -> None:

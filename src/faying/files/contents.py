@@ -80,6 +80,13 @@ def check_fits(n_bytes: int, free: int | None, path: Path) -> None:
         raise OSError(errno.ENOMEM, reason, str(path))
 
 
+def reason_of(error: BaseException) -> str:
+    """Return in a line why a reader gave up."""
+    if isinstance(error, MemoryError):
+        return "a size in it asks for more memory than there is, so it is damaged"
+    return " ".join((str(error) or type(error).__name__).split())[:200]
+
+
 def check_rows(shape: tuple[int, ...]) -> None:
     """Refuse a matrix with more rows or columns than any structure has.
 

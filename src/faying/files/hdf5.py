@@ -7,6 +7,7 @@ from pathlib import Path
 import h5py
 
 from faying.exceptions import FayingError, FormatError
+from faying.files.contents import reason_of
 from faying.files.hdf5_watch import look_through
 
 
@@ -59,5 +60,5 @@ def check_hdf5(path: Path, expected: str, remedy: str, *, whole: bool = True) ->
 
 def damaged(path: Path, error: Exception, remedy: str) -> FormatError:
     """Return the message about a file in which an error was met."""
-    reason = " ".join((str(error) or type(error).__name__).split())[:200]
-    return FormatError(f"{path} is damaged, or another program wrote it ({reason}); {remedy}")
+    reason = f"{path} is damaged, or another program wrote it ({reason_of(error)}); {remedy}"
+    return FormatError(reason)

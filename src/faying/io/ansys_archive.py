@@ -89,7 +89,7 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
         If the file is damaged, has no solids, or a material has no constants.
     """
     parts = read_isolated(_SCRIPT, path, "Ansys archive", "ansys")
-    rows, kinds = _elements(parts), dict(parts["kinds"].tolist())
+    rows, kinds = _elements(path, parts), dict(parts["kinds"].tolist())
     routine = np.array([kinds.get(kind, 0) for kind in rows[:, _TYPE].tolist()], dtype=np.int64)
     node_ids = parts["node_ids"].astype(np.int64)
     straight = StraightSides(places=parts["nodes"], ids=node_ids)
@@ -123,11 +123,14 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     )
 
 
-def _elements(parts: Mapping[str, npt.NDArray[Any]]) -> Indices:
+def _elements(path: Path, parts: Mapping[str, npt.NDArray[Any]]) -> Indices:
     """Elements (n, 30), filled up with zeros."""
     lengths = parts["lengths"].astype(np.int64)
     width = _FIRST_NODE + 20
-    table = np.zeros((len(lengths), max(width, int(lengths.max(initial=0)))), dtype=np.int64)
+    if lengths.max(initial=0) > width:
+        message = f"Ansys archive '{path}': an element has {lengths.max()} numbers; write it again"
+        raise FormatError(message)
+    table = np.zeros((len(lengths), width), dtype=np.int64)
     table[np.arange(table.shape[1]) < lengths[:, None]] = parts["elements"]
     return table
 

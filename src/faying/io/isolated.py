@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from faying.exceptions import FormatError
 from faying.files.child_python import python_command, python_environment
+from faying.linalg.memory import gigabytes
 
 SLOWEST = 1e6
 """Bytes a second below which a read counts as stalled; a healthy one does a hundred times that."""
@@ -21,7 +22,23 @@ SLOWEST = 1e6
 STARTUP = 120.0
 """Seconds that importing a reader may take on a busy machine."""
 
+ROOM, PER_BYTE = 10**9, 30
+"""Bytes that a reader may take beside Python, and for each byte of the file.
+
+That of Ansys archives takes 0.4 GB of addresses for its libraries, and 3 for each byte.
+"""
+
 _NOT_INSTALLED = 3
+
+_LIMITED = """
+try:
+    import numpy, resource
+    with open("/proc/self/statm") as file:
+        limit = resource.getpagesize() * int(file.read().split()[0]) + {room}
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+except (ImportError, OSError, ValueError):
+    pass
+"""
 
 
 def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, npt.NDArray[Any]]:
@@ -47,8 +64,10 @@ def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, n
         raise FormatError(message)
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
-        limit = STARTUP + path.stat().st_size / SLOWEST
-        command = python_command("-c", script, str(path.resolve()), str(target))
+        size = path.stat().st_size
+        limit, room = STARTUP + size / SLOWEST, ROOM + PER_BYTE * size
+        limited = _LIMITED.format(room=room) + script
+        command = python_command("-c", limited, str(path.resolve()), str(target))
         try:
             done = subprocess.run(
                 command,
@@ -68,6 +87,8 @@ def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, n
         if done.returncode != 0 or not target.is_file():
             said = done.stderr.strip().splitlines()
             reason = said[-1][:200] if said else f"its reader ended with status {done.returncode}"
+            if "MemoryError" in reason or "bad_alloc" in reason:
+                reason = f"its reader asked for more than {gigabytes(room)}"
             message = f"{what}: '{path}' cannot be read ({reason}); write it again"
             raise FormatError(message)
         with np.load(target) as file:

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
 from faying.exceptions import FayingError, FormatError
-from faying.files.contents import check_rows
+from faying.files.contents import check_rows, reason_of
 from faying.files.numpy_archive import read_arrays
 from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.matlab5 import HEADER, read_matlab5
@@ -70,8 +70,7 @@ def _read(reader: Callable[[Path, str], Any], path: Path, name: str) -> Labelled
     except FayingError:
         raise
     except Exception as error:  # readers raise whatever a damaged file meets
-        reason = " ".join((str(error) or type(error).__name__).split())[:200]
-        message = f"matrix {name}: '{path}' cannot be read ({reason}); write it again"
+        message = f"matrix {name}: '{path}' cannot be read ({reason_of(error)}); write it again"
         raise FormatError(message) from error
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
-from faying.files.contents import file_text
+from faying.files.contents import file_text, reason_of
 from faying.files.numpy_archive import read_arrays
 from faying.io.extrn import read_extrn
 
@@ -77,7 +77,7 @@ def _arrays(path: Path, what: str) -> dict[str, Matrix]:
     try:
         return read_arrays(path)
     except Exception as error:  # whatever a damaged archive meets
-        message = f"{what} '{path}' cannot be read ({error}); write it again by numpy.savez"
+        message = f"{what} '{path}' cannot be read ({reason_of(error)}); write it again by numpy.savez"
         raise FormatError(message) from error
 
 

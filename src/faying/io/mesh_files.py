@@ -12,6 +12,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
+from faying.files.contents import reason_of
 from faying.io.aster_mail import read_mail
 from faying.io.mesh_groups import FACE_KINDS, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
@@ -138,10 +139,10 @@ def _read(path: Path) -> Any:
         ):
             return meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio's readers raise whatever a damaged file meets
-        reason = " ".join((said.getvalue().strip() or str(error) or type(error).__name__).split())
+        reason = " ".join(said.getvalue().split())[:200] or reason_of(error)
         message = (
-            f"mesh file '{path}' cannot be read ({reason[:200]}); write it again, as .msh (4.1 or "
-            "2.2), .vtu or .med"
+            f"mesh file '{path}' cannot be read ({reason}); write it again, as .msh (4.1 or 2.2), "
+            ".vtu or .med"
         )
         raise FormatError(message) from None
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+import h5py
 import numpy as np
 
 from faying._typing import Indices, Matrix
@@ -40,6 +41,26 @@ def check_definite(matrix: Matrix, place: str) -> None:
     except np.linalg.LinAlgError:
         message = f"'{place}' has negative eigenvalues"
         raise ValueError(message) from None
+
+
+def check_finite(group: h5py.Group) -> None:
+    """Refuse numbers that are not finite; a penalty may be infinite, which is hard contact.
+
+    Raises
+    ------
+    ValueError
+        Naming the first member that holds one.
+    """
+
+    def look(name: str, node: h5py.Group | h5py.Dataset) -> None:
+        if isinstance(node, h5py.Dataset) and node.dtype.kind == "f":
+            values = node[()]
+            wrong = np.isnan(values) if name.endswith("penalty") else ~np.isfinite(values)
+            if np.any(wrong):
+                message = f"'{node.name}' holds numbers that are not finite"
+                raise ValueError(message)
+
+    group.visititems(look)
 
 
 def check_distinct(indices: Indices, length: int, place: str) -> None:

@@ -42,6 +42,7 @@ from faying.reduction.mesh_shapes import MeshShapes
 from faying.reduction.model_check import (
     check_definite,
     check_distinct,
+    check_finite,
     check_nodes,
     check_surfaces,
 )
@@ -50,6 +51,18 @@ from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.stored_compliance import StoredCompliance
 from faying.reduction.stored_rows import tangential_of, weak_supports_of
+
+
+_MEMBERS = (
+    "interfaces",
+    "laws",
+    "ports/bolt_stiffness",
+    "ports/tangential",
+    "ports/relative_compliance",
+    "reduced/residual_compliance",
+    "reduced/weak_supports",
+)
+"""Groups whose members are read by their annotations, which say nothing of finite numbers."""
 
 
 def load(path: Path | str) -> ReducedModel:
@@ -67,6 +80,9 @@ def load(path: Path | str) -> ReducedModel:
         damaged.
     """
     with described_file(Path(path), MODEL) as file:
+        for place in _MEMBERS:
+            if isinstance(file.get(place), h5py.Group):
+                check_finite(file[place])
         name, method, units = (_text(file, key) for key in ("name", "method", "units"))
         interfaces = read_member(member(file, "interfaces"), Mapping[str, ContactSurface], TABLES)
         forces = {

@@ -54,30 +54,33 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
     try:
         check_room(file_size(path), path)
         size = parquet.read_metadata(path)
-        check_room(8 * size.num_rows * size.num_columns, path)
-        table = parquet.read_table(path)
-        header = [str(name) for name in table.column_names]
-        names = _names(path, table, label)
-    except (OSError, UnicodeDecodeError, arrow.ArrowException) as error:
+        # The numbers and one column as it is read: a few bytes may stand for many that are equal.
+        check_room(8 * size.num_rows * (size.num_columns + 3), path)
+        header = [str(name) for name in size.schema.to_arrow_schema().names]
+        file = parquet.ParquetFile(path, read_dictionary=[label] if label in header else None)
+        twice = [name for place, name in enumerate(header) if name in header[:place]]
+        if twice:
+            message = f"{path.name}: column '{twice[0]}' is there twice; keep one"
+            raise StudyError(message)
+        read = file.read([label]).column(label) if label in header else None
+        names = None if read is None else _names(path, label, read)
+        numeric = [name for name in header if name != label]
+        cells, wrong = np.empty((size.num_rows, len(numeric)), order="F"), []
+        for place, name in enumerate(numeric):
+            column, kinds = file.schema_arrow.field(name).type, arrow.types
+            if not any(
+                kind(column) for kind in (kinds.is_integer, kinds.is_floating, kinds.is_decimal)
+            ):
+                wrong.append(f"column '{name}' holds {column}")
+                continue
+            read = file.read([name]).column(name)
+            cells[:, place] = read.cast(arrow.float64(), safe=False).to_numpy()
+            bad = np.flatnonzero(~np.isfinite(cells[:, place]))
+            wrong += [f"row {row + 1}: column '{name}' is empty or not finite" for row in bad[:1]]
+    except (OSError, ValueError, arrow.ArrowException) as error:
         reason = (getattr(error, "strerror", None) or str(error)).splitlines()[0][:200]
         message = f"cannot read the loads {path}: {reason}; save it again as Parquet, or as csv"
         raise StudyError(message) from None
-    twice = [name for place, name in enumerate(header) if name in header[:place]]
-    if twice:
-        message = f"{path.name}: column '{twice[0]}' is there twice; keep one"
-        raise StudyError(message)
-    numeric = [name for name in header if name != label]
-    cells, wrong = np.empty((table.num_rows, len(numeric)), order="F"), []
-    for place, name in enumerate(numeric):
-        column, kinds = table.column(name), arrow.types
-        if not any(
-            kind(column.type) for kind in (kinds.is_integer, kinds.is_floating, kinds.is_decimal)
-        ):
-            wrong.append(f"column '{name}' holds {column.type}")
-            continue
-        cells[:, place] = column.cast(arrow.float64(), safe=False).to_numpy()
-        bad = np.flatnonzero(~np.isfinite(cells[:, place]))
-        wrong += [f"row {row + 1}: column '{name}' is empty or not finite" for row in bad[:1]]
     if wrong:
         listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
         message = f"{path.name}: expected finite numbers\n{listed}"
@@ -85,11 +88,16 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
     return header, cells, names
 
 
-def _names(path: Path, table: Any, label: str) -> tuple[str, ...] | None:
-    if label not in table.column_names:
-        return None
-    names = table.column(label).to_pylist()
-    if None in names:
-        message = f"{path.name}, row {names.index(None) + 1}: column '{label}' is empty; name it"
+def _names(path: Path, label: str, column: Any) -> tuple[str, ...]:
+    if column.null_count:
+        row = column.is_null().to_pylist().index(True)
+        message = f"{path.name}, row {row + 1}: column '{label}' is empty; name it"
         raise StudyError(message)
-    return tuple(map(str, names))
+    found: list[str] = []
+    for chunk in column.chunks:
+        # Texts that repeat are there once, as they are in the file.
+        words = getattr(chunk, "dictionary", chunk).to_pylist()
+        places = chunk.indices.to_pylist() if hasattr(chunk, "indices") else range(len(words))
+        words = list(map(str, words))
+        found += [words[place] for place in places]
+    return tuple(found)
