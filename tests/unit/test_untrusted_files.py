@@ -17,8 +17,8 @@ from faying.exceptions import FormatError, StudyError
 from faying.io.abaqus.source import read_pieces
 from faying.io.isolated import read_isolated
 from faying.io.matrix_files import read_matrix
-from faying.io.mesh_files import read_mesh_file
 from faying.io.matrix_tables import read_node_table
+from faying.io.mesh_files import read_mesh_file
 from faying.io.nastran.source import read_source
 from faying.study.schema import read_study
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
-from faying.files.contents import reason_of
 from faying.files.atomic import replacing
+from faying.files.contents import reason_of
 from faying.files.numpy_archive import read_arrays
 
 Arrays = Mapping[str, Matrix]

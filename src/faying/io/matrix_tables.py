@@ -77,7 +77,9 @@ def _arrays(path: Path, what: str) -> dict[str, Matrix]:
     try:
         return read_arrays(path)
     except Exception as error:  # whatever a damaged archive meets
-        message = f"{what} '{path}' cannot be read ({reason_of(error)}); write it again by numpy.savez"
+        message = (
+            f"{what} '{path}' cannot be read ({reason_of(error)}); write it again by numpy.savez"
+        )
         raise FormatError(message) from error
 
 

@@ -52,7 +52,6 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.stored_compliance import StoredCompliance
 from faying.reduction.stored_rows import tangential_of, weak_supports_of
 
-
 _MEMBERS = (
     "interfaces",
     "laws",
