@@ -285,6 +285,24 @@ def test_bolts_share_the_area_around_them(pair):
     assert axial == pytest.approx(bolts - np.diff(cases.contact_force("joint"))[0], abs=1e-6)
 
 
+def test_bolts_have_load_factors_of_loads_that_act_along_them(pair):
+    """Not of what bends a bolt or presses elsewhere, whose ratios have any size and sign."""
+    loads = [
+        fy.Load({"tip.Fz": -300.0}, name="bend"),
+        fy.Load({"tip.Mz": 4e4}, name="turn"),
+        fy.Load({"tip.Mx": 3e4}, name="twist"),
+        fy.Load({"tip.Fx": 3e3}, name="pull"),
+    ]
+    found = fy.assess(pair, loads, paths=False)
+    factors = [one.load_factors for one in found.bolts.values()]
+    assert any("bend" in one for one in factors)
+    assert not any({"turn", "twist"} & set(one) for one in factors)
+    assert all(0 <= factor <= 1 for one in factors for factor in one.values())
+    assert all(
+        set(one.axial_loads) == {load.name for load in loads} for one in found.bolts.values()
+    )
+
+
 def test_nothing_to_assess_is_refused(joint):
     with pytest.raises(ModelError, match="no load"):
         fy.assess(joint, [])

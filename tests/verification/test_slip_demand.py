@@ -48,6 +48,7 @@ def test_what_is_carried_is_what_the_tip_takes(pair, sticking):
     assert demand.moment["pull"] == pytest.approx(moment, rel=1e-9)
     assert demand.clamp_force["pull"] == pytest.approx(pressed.sum(), rel=1e-12)
     assert demand.tangential_force["bend"] < 1e-6
+    assert list(demand.safety) == ["pull"]  # nothing to carry in the other
     places = model.interfaces["joint"].points[:, :2]
     arm = least_mean_arm(places, pressed[None] / pressed.sum())[0]
     needed = force / pressed.sum() + moment / (pressed.sum() * arm)

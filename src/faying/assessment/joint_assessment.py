@@ -41,8 +41,16 @@ from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static, solve_static_cases
 
-FEEBLE = 1e-3
-"""Axial load over the preload of a bolt below which a load factor means nothing."""
+AXIAL = 0.2
+"""Axial load over all that changes in a bolt and around it, from which it has a load factor.
+
+Where a load lifts a flange off one has up to all of it, 0.4 to 0.6 on a tee and a pipe flange that
+are pulled; where it bends or turns, pressure that is lost on one side of the bolt comes on the
+other, and 0 to 0.03 are left, of any sign.
+"""
+
+NOTHING = 1e-6
+"""Axial load over the preload that is round-off of tightening, 1e-10, and loads that balance."""
 
 
 def assess(
@@ -342,9 +350,11 @@ def _bolt(
     for case, one in cases.items():
         if one.retightened:
             continue
-        load, gain = _axial_load(name, surfaces, near, rest, one)
+        load, gain, changed = _axial_load(name, surfaces, near, rest, one)
         axial[case] = load
-        if abs(load) > FEEBLE * abs(preload):
+        # A share of the load that the bolt takes; its force can change for other reasons too.
+        acts = abs(load) > max(NOTHING * abs(preload), AXIAL * changed)
+        if acts and 0 <= gain / load <= 1:
             factors[case] = gain / load
     return BoltAssessment(
         preload=preload,
@@ -370,14 +380,15 @@ def _axial_load(
     near: Mapping[str, Mask],
     rest: CaseState,
     case: CaseState,
-) -> tuple[float, float]:
-    """Return F_A = ΔF_S − ΔF_K and ΔF_S where F_A is largest."""
+) -> tuple[float, float, float]:
+    """Return F_A = ΔF_S − ΔF_K, ΔF_S and |ΔF_S| + Σ |ΔF_i| of all points where F_A is largest."""
     gains = case.bolt_forces[name] - rest.bolt_forces[name]
-    found = [(0.0, 0.0)]
+    found = [(0.0, 0.0, 0.0)]
     for place, surface in surfaces.items():
-        own = slice(*surface.slice)
-        lost = (case.pressure[:, own] - rest.pressure[:, own]) @ (surface.weights * near[place])
-        loads = gains - lost
+        own, area = slice(*surface.slice), surface.weights * near[place]
+        change = case.pressure[:, own] - rest.pressure[:, own]
+        loads = gains - change @ area
         worst = int(np.abs(loads).argmax())
-        found.append((float(loads[worst]), float(gains[worst])))
-    return max(found, key=lambda pair: abs(pair[0]))
+        changed = np.abs(change[worst]) @ area + abs(gains[worst])
+        found.append((float(loads[worst]), float(gains[worst]), float(changed)))
+    return max(found, key=lambda one: abs(one[0]))

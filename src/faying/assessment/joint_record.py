@@ -59,7 +59,8 @@ class BoltAssessment:
         along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
         Without load cases that loosen or tighten bolts.
     load_factors : [1]
-        Load case to Φ = ΔF_S / F_A, where F_A is more than a thousandth of the preload.
+        Load case to Φ = ΔF_S / F_A, the share of F_A that the bolt takes, 0 to 1; only where F_A
+        is a fifth or more of all that changes in the bolt and around it.
     clamp_around
         Interface to the clamp force of its points nearest to this bolt; empty where the axes of
         several bolts are not all known.

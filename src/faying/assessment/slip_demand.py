@@ -32,6 +32,9 @@ SETTLED = 1e-13
 SINGULAR = 1e-12
 """Determinant of the second derivatives, over the trace squared, of places on a line."""
 
+NO_FRICTION = 1e-6
+"""Coefficient needed that is none: below that of any two surfaces; balance leaves 1e-14."""
+
 NEAR = 1e-6
 """Distance over the size of an area from which on a place pulls no more: at zero for ever."""
 
@@ -54,7 +57,7 @@ class SlipDemand:
     coefficient : [1]
         Coefficient the area is judged with; None where none is given.
     safety : [1]
-        Load case to S_G, the coefficient over that needed; infinite where nothing acts.
+        Load case to S_G, the coefficient over that needed, of loads that need any.
     unknown
         Why none of this is known; empty where it is.
     """
@@ -240,8 +243,8 @@ def _demand(sums: AreaSums, cases: Sequence[str], coefficient: float | None) -> 
         return dict(zip(cases, values.tolist(), strict=True))
 
     needed = sums.needed_friction
-    with np.errstate(divide="ignore"):
-        safety = {} if coefficient is None else by_case(coefficient / needed)
+    rubbed = {} if coefficient is None else by_case(needed)
+    safety = {n: (coefficient or 0.0) / one for n, one in rubbed.items() if one > NO_FRICTION}
     return SlipDemand(
         tangential_force=by_case(sums.tangential_force),
         moment=by_case(sums.moment),

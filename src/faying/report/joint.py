@@ -33,9 +33,6 @@ MEANINGS = {
 GRADES: Mapping[bool | None, str] = {True: "good", False: "poor", None: "fair"}
 """Grade of a requirement that is met, that is not, and that is not known."""
 
-NO_FRICTION = 1e-9
-"""Coefficient needed that is the round-off of loads that press alone."""
-
 METRICS = {
     "max_pressure": "largest pressure of ",
     "max_nodal_pressure": "largest nodal pressure of ",
@@ -188,7 +185,7 @@ def _slip(one: SlipDemand, unit: str) -> Iterator[str]:
         yield from ("—", "—")
         return
     yield number(one.coefficient)
-    yield number(one.safety[case]) if needed > NO_FRICTION else "nothing to carry"
+    yield number(one.safety[case]) if case in one.safety else "nothing to carry"
 
 
 def scatter_table(results: Results) -> Table:

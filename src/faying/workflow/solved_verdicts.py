@@ -7,7 +7,7 @@ import numpy as np
 from faying.assessment.opening import areas_that_open, opening_factors
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
-from faying.assessment.slip_demand import slip_coefficients
+from faying.assessment.slip_demand import NO_FRICTION, slip_coefficients
 from faying.assessment.verdicts import (
     no_opening,
     opening_verdicts,
@@ -124,7 +124,7 @@ def _slip(
             yield Verdict.unknown("min_slip_safety", limit, reason, name)
             continue
         case, needed = _extreme({"": static}, f"needed_friction.{name}")
-        found.append((coefficient / needed if needed > 0 else np.inf, name, case))
+        found.append((coefficient / needed if needed > NO_FRICTION else np.inf, name, case))
     if found:
         value, place, case = min(found)
         yield Verdict.at_least("min_slip_safety", place, case, value, limit)
