@@ -17,9 +17,9 @@ from method_ranges import STEPS, joints, rising
 import faying as fy
 from faying.reduction.projection import projected
 
-SCHEMES = {"implicit Euler": fy.ImplicitEuler(), "energy-decaying 0.8": fy.EnergyDecaying(0.8)}
+SCHEMES = {"implicit Euler": fy.ImplicitEuler(), "energy-decaying": fy.EnergyDecaying()}
 LOADS = {"jump": 0.0, "rise over T/10": 0.1, "rise over T/4": 0.25}
-TOLERANCES = (0.1, 0.03, 0.01)
+TOLERANCES = (0.1, 0.03)
 
 
 def main(chosen: set[str]) -> None:

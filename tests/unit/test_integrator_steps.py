@@ -123,4 +123,4 @@ def test_spectral_radii_that_cannot_be(kind, rho):
 
 
 def test_default_spectral_radius():
-    assert fy.GeneralizedAlpha().rho_infinity == 0.8
+    assert (fy.GeneralizedAlpha().rho_infinity, fy.EnergyDecaying().rho_infinity) == (0.8, 0.0)

@@ -230,11 +230,17 @@ periods = 0.1
 """
 
 
-def test_transient_of_a_structure_without_mass(deck):
+BACKBONE = '[[load_case]]\nname = "blow"\nkind = "backbone"\nmodes = [1]\namplitudes = [0.1]\n'
+
+
+def test_motions_of_a_structure_without_mass(deck):
     path = deck(",7.8-9", "")
     plain = path.read_text()
     path.write_text(plain + STEP)
     with pytest.raises(ModelError, match=r"no mass.* load case 'blow' is a transient; give rho"):
+        build(read_study(path))
+    path.write_text(plain + STEP.split("[[load_case]]")[0] + BACKBONE)
+    with pytest.raises(ModelError, match=r"no mass.* load case 'blow' is a backbone; give rho"):
         build(read_study(path))
     trained = plain.replace('"compliance"', '"jim-b"') + (
         "[reduction.training]\n"

@@ -83,8 +83,10 @@ def test_the_fewest_that_are_estimated_to_do_are_taken_by_all_methods(chosen):
     assert summary["normal_mode_choice"]["count"] == told["count"] == told["counts"][-1]
     assert told["met"]
     assert len(told["counts"]) > 1
-    assert told["error"] == told["estimates"][-1] <= told["tolerance"] == 0.01
-    assert all(error > 0.01 for error in told["estimates"][:-1])
+    enough = OBSERVED[0] * 0.01  # the truth was seen to be up to 2.5 times the estimate
+    assert told["error"] == told["estimates"][-1] <= enough
+    assert told["tolerance"] == 0.01
+    assert all(error > enough for error in told["estimates"][:-1])
     for method in ("compliance", "craig-bampton"):
         assert modes_of(results.reduced[method][0]) == told["count"]
     # What the run itself then estimates is what the choice was made by.
@@ -132,7 +134,7 @@ def test_a_jump_asks_for_more_and_what_no_number_reaches_is_said(chosen, tmp_pat
     assert jump["error"] <= 1.25 * min(jump["estimates"])
     # The run takes the method that does not depend on the number of modes.
     assert summary["load_cases"]["jump"]["remedy"]["taken"]["method"] == "compliance+inertia"
-    assert "which does not reach the tolerance of 0.1%" in jump["reason"]
+    assert "is not within the tolerance of 0.1%" in jump["reason"]
     assert " ".join(jump["reason"].split()) in " ".join(result.output.split())
 
 

@@ -9,6 +9,7 @@ import pytest
 import faying as fy
 from faying.contact.laws import normal_law
 from faying.exceptions import ModelError
+from faying.interface.curved_surface import standing_off
 from faying.interface.gap_field import gap_from_nodes
 from faying.interface.mortar import find_couplings
 from faying.interface.pairing import pair_facets
@@ -627,3 +628,16 @@ class TestSides:
         )
         assert swapped.area == pytest.approx(joint.area, rel=1e-12)
         assert swapped.normals[:, 2].max() < -0.99
+
+
+@pytest.mark.parametrize("degrees", [2.0, 8.0, 15.0])
+def test_the_height_over_chords_of_a_circle(degrees):
+    """½ R sin²θ in the middle, θ half the angle; short by θ²/4 of the true height."""
+    half, radius = np.radians(degrees) / 2, 30.0
+    angles = np.array([-half, half, half, -half])
+    corners = np.stack([radius * np.sin(angles), [0, 0, 1, 1], radius * np.cos(angles)], axis=1)
+    normals = np.stack([np.sin(angles), np.zeros(4), np.cos(angles)], axis=1)
+    height = standing_off(np.full((1, 1, 4), 0.25), corners[None], normals[None])[0, 0]
+    assert height == pytest.approx(radius * np.sin(half) ** 2 / 2, rel=1e-12)
+    true = radius * (1 - np.cos(half))
+    assert 1 - height / true == pytest.approx(half**2 / 4, rel=0.01)  # terms of sixth order

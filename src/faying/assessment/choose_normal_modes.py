@@ -12,7 +12,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.assessment.transient_error import LARGE, finer_model, transient_error
+from faying.assessment.transient_error import LARGE, OBSERVED, finer_model, transient_error
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -51,7 +51,8 @@ class NormalModeChoice:
         Chosen number of normal modes: of those tried the fewest within the tolerance, or, where
         none is, the fewest that are as good as the best (``met``).
     met
-        Whether the estimated error is within the tolerance.
+        Whether the estimated error over :data:`~.transient_error.OBSERVED`, the most that the true
+        one was seen to be, is within the tolerance.
     tolerance : [1]
         Largest pressure error over the peak that was asked for.
     excited : [1/time]
@@ -140,8 +141,8 @@ def choose_normal_modes(
     -----
     The first number tried, 5, 10, 20 … 320, is the one whose modes reach up to what the loads
     excite, which one factorization counts. Each takes a Lanczos run, a projection and two reduced
-    transients (:func:`faying.transient_error`). More are tried until the estimate is within the
-    tolerance, modes have periods shorter than a step, or the estimates of the last two say that
+    transients (:func:`faying.transient_error`). More are tried until 2.5 times the estimate is
+    within the tolerance, modes have periods shorter than a step, or the last two estimates say that
     320 modes would not do either. Estimates are no bounds. Tractions are estimated too, and often
     off by several times as much.
     """
@@ -161,6 +162,7 @@ def choose_normal_modes(
     )
     resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
     counts, highest, estimates, tractions = [], [], [], []
+    enough = OBSERVED[0] * tolerance
     steps: Indices | None = None
     for count in _numbers(len(model.structure.interior), _moved(model, excited)):
         kept = found(count)
@@ -171,11 +173,11 @@ def choose_normal_modes(
         tractions.append(rubbed)
         if steps is not None:
             resolved = float(steps.max()) / step
-        if error <= tolerance or highest[-1] > resolved or _hopeless(estimates, count, tolerance):
+        if error <= enough or highest[-1] > resolved or _hopeless(estimates, count, enough):
             break
     return NormalModeChoice(
-        count=_chosen(counts, estimates, tolerance),
-        met=estimates[-1] <= tolerance,
+        count=_chosen(counts, estimates, enough),
+        met=estimates[-1] <= enough,
         tolerance=tolerance,
         excited=excited,
         resolved=resolved,

@@ -113,8 +113,8 @@ def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
 def standing_off(shape: Matrix, corners: Matrix, normals: Matrix) -> Matrix:
     """Return the height of the smooth surface over linear facets, ½ Σ N_i (x_i − x)·n_i.
 
-    Exact for every quadratic surface with exact normals at the corners: a tangent plane lies as
-    far beyond the surface as the mean of the chords, weighted by N, lies short of it.
+    With exact normals right to second order in κh: a tangent plane lies as far beyond the surface
+    as the mean of the chords, weighted by N, lies short of it. Of a circle short by (κh)²/16.
 
     Parameters
     ----------

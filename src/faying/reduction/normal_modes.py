@@ -13,6 +13,9 @@ from faying.joint.structure import Structure
 from faying.linalg.factorization import Factorization
 from faying.linalg.substitution import dense
 
+NO_MASS = "the model has no mass: its materials have no density and it has no point masses"
+"""Said where motions or modes are asked of it."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NormalModes:
@@ -80,7 +83,15 @@ def lowest_modes(
     Returns
     -------
     tuple of ω² (count,) and mass-normalized vectors (n, count)
+
+    Raises
+    ------
+    ModelError
+        If nothing has mass.
     """
+    if not M.diagonal().any():
+        message = f"{NO_MASS}, so it has no vibration modes; give its materials a density"
+        raise ModelError(message)
     n = K.shape[0]
     if n <= 3 * count + 20 or not sp.issparse(K):  # Lanczos needs room, and sparse matrices
         # M may be singular (massless couplings), K is definite: solve M φ = ω⁻² K φ.

@@ -85,12 +85,10 @@ def remedies(results: Results) -> list[str]:
 
 def doubtful_references(results: Results) -> list[str]:
     """Name the transients whose reduced reference is itself estimated to be off."""
-    low, high = (number(factor, 2) for factor in OBSERVED)
     return [
         f"{name}: pressures of the {case.reference_model}, which the errors of this load case are "
-        f"against, are themselves estimated to be off by up to {percent(error)} of the peak (an "
-        f"estimate, elsewhere {low} to {high} times the truth). Read the estimated errors of the "
-        "methods, not their differences to it."
+        f"against, are themselves estimated to be off by up to {percent(error)} of the "
+        "peak. Read the estimated errors of the methods, not their differences to it."
         for name, case in results.cases.items()
         if not case.is_full
         and case.reference.estimate is not None

@@ -2,8 +2,8 @@
 
 Instants stay as far apart as they were asked for; each interval between two of them is done in
 1, 2, 4, … steps. Of two solutions of an interval from the same state, one with twice the steps of
-the other, the finer is kept, and the largest change of a pressure between them is its error:
-``docs/theory/time_integration.md``.
+the other, the finer is kept, and :data:`SAFETY` times the largest change of a pressure between them
+is its error: ``docs/theory/time_integration.md``.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,6 +29,13 @@ from faying.simulation.transient_pieces import transient_pieces
 FINEST = 6
 """Halvings of an interval at most: 64 steps between two instants."""
 
+SAFETY = 2.5
+"""Error of a transient over the sum of the changes that halving its steps makes, at most.
+
+Displacements and velocities carry errors on that no pressure of their own interval shows: 2.1 was
+seen on two lap joints and a flange, 1.8 on the three joints that did not serve to find it.
+"""
+
 EASE = 4.0
 """Error over what is allowed below which the next interval takes half as many steps.
 
@@ -53,8 +60,8 @@ class DividedSteps:
     step : [time]
         Between two instants, and the largest.
     tolerance
-        Largest sum over the whole duration of the pressure changes that halving the steps of each
-        interval makes, over the largest pressure so far.
+        Largest sum over the whole duration of the errors of its intervals, over the largest
+        pressure so far.
     compiled
         Whether steps of reduced models are compiled.
     given : (n_time,) or None
@@ -147,7 +154,7 @@ class DividedSteps:
         allowed = self.tolerance / last
         level = max(here.level, 1)
         tried = {n: self._offered(load, here, n) for n in (level - 1, level)}
-        while (error := _change(tried, level, here.peak)) > allowed and level < FINEST:
+        while (error := _error(tried, level, here.peak)) > allowed and level < FINEST:
             level += 1
             tried[level] = self._offered(load, here, level)
         one, after = tried[level] or self._tried(load, here, level)
@@ -218,14 +225,15 @@ def divided_steps(
     )
 
 
-def _change(tried: Mapping[int, Tried | None], level: int, peak: float) -> float:
-    """Return the largest change of a pressure at the end, over the largest pressure so far."""
+def _error(tried: Mapping[int, Tried | None], level: int, peak: float) -> float:
+    """Return the error of the finer solution at the end, over the largest pressure so far."""
     coarse, fine = tried[level - 1], tried[level]
     if coarse is None or fine is None:
         return np.inf
     one, other = coarse[0].pressure[-1], fine[0].pressure[-1]
     largest = _peak(peak, fine[0])
-    return float(np.abs(one - other).max(initial=0.0)) / largest if largest > 0 else 0.0
+    change = float(np.abs(one - other).max(initial=0.0))
+    return SAFETY * change / largest if largest > 0 else 0.0
 
 
 def _peak(peak: float, piece: Solution) -> float:

@@ -60,8 +60,8 @@ class Solution(ContactFields, Shown):
     substeps : (n_time,) or None
         Steps that led to each instant, where they were divided to hold a tolerance.
     step_error : (n_time,) or None
-        Largest change of a pressure that half as many steps make there, over the largest pressure
-        so far; NaN where the steps were given.
+        2.5 times the largest change of a pressure that half as many steps make there, over the
+        largest pressure so far; NaN where the steps were given.
     """
 
     name: str

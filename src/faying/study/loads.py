@@ -5,6 +5,7 @@ import numpy as np
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.reduction.methods import METHODS
+from faying.reduction.normal_modes import NO_MASS
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
 from faying.study.friction_rules import check_friction
@@ -69,7 +70,7 @@ def validation_box(validation: ValidationSection) -> LoadBox:
 
 
 def check_loads(study: Study, model: Model) -> None:
-    """Refuse what :func:`check_targets` does, and transients without mass.
+    """Refuse what :func:`check_targets` does, and motions or modes without mass.
 
     Raises
     ------
@@ -83,12 +84,12 @@ def check_loads(study: Study, model: Model) -> None:
 
 def missing_mass(study: Study, model: Model) -> str:
     """Say what needs the mass that a model has not; nothing where there is some, or no need."""
-    needed_by = _transients(study)
+    needed_by = _moving(study)
     if not needed_by or model.structure.has_mass:
         return ""
     return (
-        "the model has no mass: its materials have no density and it has no point masses, and "
-        f"{needed_by}; give rho where the materials are, or by [material.NAME] in the study"
+        f"{NO_MASS}, and {needed_by}; give rho where the materials are, or by [material.NAME] in "
+        "the study"
     )
 
 
@@ -112,11 +113,11 @@ def check_targets(study: Study, model: Model) -> None:
         load.inputs(model, start)
 
 
-def _transients(study: Study) -> str:
-    """Say what of a study computes a motion; nothing where all of it is static."""
-    moving = [case.name for case in study.load_cases if case.transient]
-    if moving:
-        return f"load case '{moving[0]}' is a transient"
+def _moving(study: Study) -> str:
+    """Say what of a study computes a motion or modes; nothing where all of it is static."""
+    for case in study.load_cases:
+        if case.transient or case.kind == "backbone":
+            return f"load case '{case.name}' is a {'transient' if case.transient else 'backbone'}"
     training = study.reduction.training
     if training.dynamics and is_trained(study):
         return "its methods train on step responses (dynamics = false trains on static loads only)"

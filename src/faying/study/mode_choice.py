@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying.assessment.choose_normal_modes import MOST, NormalModeChoice
-from faying.assessment.transient_error import REMEDY
+from faying.assessment.transient_error import OBSERVED, REMEDY
 from faying.units import Units
 
 
@@ -28,15 +28,16 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
     errors = ", ".join(f"{_share(error)} with {count}" for count, error in pairs)
     tolerance = f"{100 * choice.tolerance:.3g}%"
     judged = f"within the tolerance of {tolerance}."
+    most = f"{1 / OBSERVED[0]:g} times that, the most that the true error was seen to be, is "
     if not choice.met:
         judged = (
-            f"which does not reach the tolerance of {tolerance}: {_limit(choice)}. Method "
+            f"not within the tolerance of {tolerance}: {_limit(choice)}. Method "
             f"'{REMEDY}' gives the interface the inertia that normal modes find so slowly."
         )
     return (
         f'{case}: normal_modes = "auto" is {choice.count}; the loads excite modes up to '
         f"{choice.excited:.3g} {unit}, steps resolve {choice.resolved:.3g} {unit}. Pressures are "
-        f"estimated to be off by {errors}, {judged}{_of_tractions(choice)}"
+        f"estimated to be off by {errors}; {most}{judged}{_of_tractions(choice)}"
     )
 
 

@@ -16,7 +16,7 @@ class StepChoice:
     tolerance : [1]
         Largest pressure error over the peak that was asked for.
     error : [1]
-        Pressure changes of all intervals together when their steps are halved.
+        Errors of all intervals together: 2.5 times what half their steps change.
     count : [1]
         Steps in all.
     most : [1]
