@@ -295,12 +295,10 @@ def test_bolts_have_load_factors_of_loads_that_act_along_them(pair):
     ]
     found = fy.assess(pair, loads, paths=False)
     factors = [one.load_factors for one in found.bolts.values()]
-    assert any("bend" in one for one in factors)
-    assert not any({"turn", "twist"} & set(one) for one in factors)
     assert all(0 <= factor <= 1 for one in factors for factor in one.values())
-    assert all(
-        set(one.axial_loads) == {load.name for load in loads} for one in found.bolts.values()
-    )
+    assert not any({"turn", "twist"} & set(one) for one in factors)
+    told = [set(one.axial_loads) for one in found.bolts.values()]
+    assert told == [{load.name for load in loads}] * 2
 
 
 def test_nothing_to_assess_is_refused(joint):
