@@ -190,7 +190,8 @@ def test_blanks_separate_the_name_from_its_id(read):
 
 def test_marks_of_continuations_begin_behind_their_first_column(read):
     first = "CONM2   7       1       0       5.                                      PART"
-    assert read(first, "+ART    2.").assembly.masses[0].inertia[0][0] == 2.0
+    turning = "CELAS2,9,7.,1,4"
+    assert read(turning, first, "+ART    2.").assembly.masses[0].inertia[0][0] == 2.0
     with pytest.raises(FormatError, match="does not belong to the line above"):
         read(first, "+ARM    2.")
 

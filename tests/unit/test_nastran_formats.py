@@ -78,7 +78,8 @@ def test_continuation_marks_and_mixed_fields(tmp_path: Path) -> None:
     assert len(read_deck(deck(tmp_path / "a.bdf", text)).rigid_couplings[0].nodes) == 7
     # One large line continued by a small one: the small line starts at the next row of eight.
     large = "CONM2*  1               1               0               5.\n        7.\n"
-    mass = read_deck(deck(tmp_path / "b.bdf", nodes + large)).masses[0]
+    turning = "CELAS2,9,7.,1,4\n"
+    mass = read_deck(deck(tmp_path / "b.bdf", nodes + turning + large)).masses[0]
     assert (mass.mass, mass.inertia[0][0]) == (5.0, 7.0)
     with pytest.raises(FormatError, match=r"c\.bdf:14: .*does not belong"):
         read_deck(deck(tmp_path / "c.bdf", nodes + small + "+B      7       8\n"))

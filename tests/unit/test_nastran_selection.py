@@ -63,3 +63,14 @@ def test_bolt_sequences_that_are_not_selected(deck: Deck) -> None:
 def test_what_only_statics_hold_is_said(deck: Deck) -> None:
     assembly = deck("SOL 103\nCEND\nBEGIN BULK\nSUPORT,1,123456\n")
     assert any(note.startswith("1 SUPORT: statics of Nastran hold") for note in assembly.ignored)
+
+
+def test_sets_that_the_deck_does_not_have(deck: Deck, tmp_path: Path) -> None:
+    """Nastran goes on without them, as decks of its own test library show."""
+    assembly = deck("SOL 101\nCEND\nSPC=22\nBEGIN BULK\nSPCADD,22,1,9\n")
+    assert {support.id for support in assembly.supports} == {1}
+    assert any("SPCADD: sets that are not in the deck: 9" in n for n in assembly.ignored)
+    bulk = "".join(line + "\n" for line in BULK.splitlines() if line[:3] != "MPC")
+    (tmp_path / "b.bdf").write_text(f"SOL 101\nCEND\nMPC=1\nBEGIN BULK\n{bulk}")
+    assembly = read_joint(tmp_path / "b.bdf").assembly
+    assert "case control selects MPC = 1, of which the deck has none" in assembly.ignored

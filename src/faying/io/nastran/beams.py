@@ -102,8 +102,9 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
 
 def _orientation(card: Card, grids: Grids, start: int) -> Vector:
     flag = card.text(7)
-    # OFFT; a real number here would be BIT of CBEAM, a p-version element.
-    if flag and flag not in {a + b + c for a in "GB" for b in "GO" for c in "GO"}:
+    # OFFT, in old decks 1 for a vector and 2 for a grid; a real number here would be BIT of CBEAM,
+    # a p-version element.
+    if flag and flag not in {"1", "2", *(a + b + c for a in "GB" for b in "GO" for c in "GO")}:
         text = f"OFFT = '{flag}' is not supported; leave it blank or give GGG or BGG"
         raise card.error(text, 7)
     if card.text(5) or card.text(6) or numbers.integer(card.text(4)) is None:

@@ -66,7 +66,6 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
 _REMEDIES = {
     "CPYRA": "write CPYRAM",
     "PLSOLID": "use PSOLID",
-    "CONM1": "use CONM2",
 }
 
 USERS: Mapping[str, tuple[str, ...]] = {

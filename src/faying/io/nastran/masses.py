@@ -1,9 +1,10 @@
-"""CONM2: concentrated mass."""
+"""CONM1, CONM2: concentrated masses."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Assembly, PointMass
@@ -21,7 +22,38 @@ def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) ->
     FormatError
         If a grid or coordinate system is missing.
     """
-    return [_mass(card, grids, mass_factor) for card in cards.get("CONM2", ())]
+    whole = [_matrix(card, grids, mass_factor) for card in cards.get("CONM1", ())]
+    return [*whole, *(_mass(card, grids, mass_factor) for card in cards.get("CONM2", ()))]
+
+
+def _matrix(card: Card, grids: Grids, factor: float) -> PointMass:
+    """CONM1, where its matrix is that of a mass with inertia about its grid."""
+    values = [card.real(j, 0.0) for j in range(3, 24)]
+    matrix = np.zeros((6, 6))
+    matrix[np.tril_indices(6)] = values
+    mass = matrix[0, 0]
+    if not mass >= 0 or (matrix[3:, :3] != 0).any() or (matrix[:3, :3] != mass * np.eye(3)).any():
+        text = (
+            "masses that differ between directions, or that couple translations and rotations, are "
+            "not supported; use CONM2, or CMASS2 for single components"
+        )
+        raise card.error(text, 3)
+    inertia = matrix[3:, 3:] + np.tril(matrix[3:, 3:], -1).T
+    axes = _axes(card, grids, grids.one(card, 1))
+    a, b, c = (tuple(row) for row in (factor * axes.T @ inertia @ axes + 0.0).tolist())
+    return PointMass(
+        id=card.integer(0), node=grids.one(card, 1), mass=mass * factor, inertia=(a, b, c)
+    )
+
+
+def _axes(card: Card, grids: Grids, node: int) -> Matrix:
+    system = card.integer(2, 0)
+    if system <= 0:
+        return np.eye(3)
+    if system not in grids.systems.frames:
+        text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
+        raise card.error(text, 2)
+    return np.asarray(grids.systems.frames[system].directions(grids.nodes[node][None])[0])
 
 
 def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
@@ -35,13 +67,8 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
     # Off-diagonal fields hold ∫ x y dm; the inertia tensor carries them with a minus sign.
     i11, i21, i22, i31, i32, i33 = (card.real(j, 0.0) for j in range(8, 14))
     inertia = np.array([[i11, -i21, -i31], [-i21, i22, -i32], [-i31, -i32, i33]])
-    if system > 0:
-        if system not in grids.systems.frames:
-            text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
-            raise card.error(text, 2)
-        axes = grids.systems.frames[system].directions(grids.nodes[node][None])[0]
-        inertia = axes.T @ inertia @ axes
-        offset = offset @ axes
+    axes = _axes(card, grids, node)
+    inertia, offset = axes.T @ inertia @ axes, offset @ axes
     # Adding zero turns -0.0 into 0.0.
     rows = tuple(tuple(row) for row in (factor * inertia + 0.0).tolist())
     x, y, z = (offset + 0.0).tolist()
@@ -85,8 +112,8 @@ def without_rotation(
     held = {one.id for one in turning if not resisted[one.node]}
     if held:
         ignored.append(
-            f"inertia and offset of {len(held)} CONM2 at grids that nothing keeps from turning, "
-            "whose rotation Nastran holds (AUTOSPC)"
+            f"inertia and offset of {len(held)} CONM1 or CONM2 at grids that nothing keeps from "
+            "turning, whose rotation Nastran holds (AUTOSPC)"
         )
     return tuple(
         PointMass(id=one.id, node=one.node, mass=one.mass) if one.id in held else one

@@ -65,7 +65,7 @@ from faying.model.mesh import Mesh
 ELEMENTS = (
     *SOLID_CARDS,
     *SHELL_CARDS,
-    *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CBEND", "CONM2"),
+    *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CBEND", "CONM1", "CONM2"),
     *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
 )
 RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT")

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
+from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
 from faying.model.assembly import BeamSection, Material
 
 
@@ -19,7 +20,10 @@ class Property(NamedTuple):
     angle: float
 
 
-_DIMENSIONS = {"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4}
+_DIMENSIONS = {
+    **{"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4},
+    **{kind: count for kind, (count, _) in SHAPES.items()},
+}
 _DIGITS = 1e-3
 """Relative difference of an entry that eight columns with an exponent leave open: 1.23-10."""
 _STATIONS = ("YES", "YESA", "NO")
@@ -75,6 +79,9 @@ def read_sections(
             heavy += line_mass > 0
             own = replace(material, density=material.density + line_mass / section.area)
             result[element][number] = Property(with_shear(section, factor), own, angle)
+    lists = (cards[name] for name in ("PBARL", "PBEAML") if name in cards)
+    if any(kind in SHAPES for one in lists for kind in one.words(3)):
+        ignored.append(ESTIMATED)
     if heavy:
         ignored.append(
             f"non-structural mass of {heavy} properties of beams: added to their density, so that "
@@ -218,7 +225,19 @@ def _dimensioned(card: Card, kind: str, sizes: Sequence[float], material: Materi
         text = f"the walls of the {kind} fill its inside; correct the dimensions"
         raise card.error(text, 8)
     try:
+        if kind in SHAPES:
+            section, symmetric = walled_section(kind, sizes)
+            if card.cards.name == "PBEAML" and not symmetric:
+                text = (
+                    f"the centres of area and shear of {kind} are apart, which is not supported; "
+                    "give A, I1, I2, J on PBEAM, or use CBAR"
+                )
+                raise card.error(text)
+            return section
         return dimensioned_section(kind, sizes, material.poissons_ratio)
+    except ValueError as error:
+        text = f"{error}: the dimensions of {kind} contradict each other; correct them"
+        raise card.error(text, 8) from error
     except (OverflowError, ZeroDivisionError) as error:
         text = "the dimensions are too large or too small for a number; check the units"
         raise card.error(text, 8) from error

@@ -27,16 +27,16 @@ def selected_sets(
     Raises
     ------
     FormatError
-        If the selected set, or one a combination refers to, does not exist.
+        If the selected set does not exist.
     """
     combined: dict[int, list[int]] = {}
     for card in cards.get(f"{kind}ADD", ()):
         number = card.integer(0)
         parts = id_list(card, [text for text in card.texts[1:] if text])
-        unknown = [part for part in parts if part not in members]
+        unknown = [str(part) for part in parts if part not in members]
         if unknown:
-            text = f"set {unknown[0]} is not in the deck; define it or take it out"
-            raise card.error(text)
+            # As in Nastran, whose own examples name such sets.
+            ignored.append(f"{card.where()}: sets that are not in the deck: {', '.join(unknown)}")
         combined.setdefault(number, []).extend(parts)
     chosen = control.spc if kind == "SPC" else control.mpc
     if chosen is None:
@@ -49,10 +49,13 @@ def selected_sets(
             )
             ignored.append(f"{kind} sets {shown}: {said}")
         return set() if control.present else set(members)
+    if kind == "MPC" and not members and not combined:
+        ignored.append(f"case control selects MPC = {chosen}, of which the deck has none")
+        return set()
     if chosen not in members and chosen not in combined:
         message = (
             f"case control selects {kind} = {chosen}, but the bulk data have no such set; "
             f"sets are {', '.join(map(str, sorted(members | set(combined)))) or 'none'}"
         )
         raise FormatError(message)
-    return ({chosen} & members) | set(combined.get(chosen, []))
+    return ({chosen} | set(combined.get(chosen, []))) & members

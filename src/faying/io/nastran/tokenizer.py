@@ -119,7 +119,7 @@ def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
         raise FormatError(message)
     size = 4 if b"*" in parts[0] else 8
     extra = [part for part in parts[size + 1 :] if part]
-    if len(extra) > 1 or (extra and (len(parts) > size + 2 or extra[0][:1] not in b"+*")):
+    if len(extra) > 1 or (extra and (parts[size + 1] == b"" or extra[0][:1] not in b"+*")):
         message = (
             f"{lines.where(i)}: a free-field line with more than {size} data fields; "
             "continue it on a line that starts with a comma"
