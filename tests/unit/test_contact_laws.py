@@ -245,3 +245,20 @@ def test_files_name_every_law_as_it_names_itself():
     for law in [Hard(), *YIELDING]:
         assert LAWS[law.name] is type(law)
         assert (law.name in CLOSURES) == (law in CURVES)
+
+
+@pytest.mark.parametrize("law", [Penalty(10.0), *CURVES])
+def test_energies_are_what_pressures_do_while_they_close(law):
+    way = np.linspace(-0.4, 1.2, 100_001)
+    forces = law.respond(-way[None], np.full(len(way), 2.0))[0][0]
+    done = np.append(0.0, np.cumsum(np.diff(way) * (forces[1:] + forces[:-1]) / 2))
+    energy = law.energy(forces[None], np.full(len(way), 2.0))
+    # The trapezoidal rule: second derivatives times 1e-10.
+    np.testing.assert_allclose(energy, done, rtol=0, atol=1e-7 * done[-1])
+
+
+def test_what_sticks_stores_energy_beside():
+    forces = np.array([[10.0], [3.0], [4.0]])
+    normal = RUBBING.normal.energy(forces[:1], np.ones(1))
+    np.testing.assert_allclose(RUBBING.energy(forces, np.ones(1)), normal + 25 / 80, rtol=1e-15)
+    assert Hard().energy(forces[:1], np.ones(1)) == 0.0

@@ -201,7 +201,7 @@ class CondensedContact:
     @property
     def order(self) -> int:
         """Order of the dense matrices that contact problems are solved with."""
-        if self.contact.components == 1 and self.supported_pairs is not None:
+        if self.contact.forgets and self.supported_pairs is not None:
             return len(self.supported_pairs.S)
         return min(self.contact.n_points, int(self.total.shape[0]))
 

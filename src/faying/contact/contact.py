@@ -180,7 +180,8 @@ class Contact:
             if not law.proportional:
                 message = (
                     f"interface '{name}' has the law '{law.normal.name}', whose closure is not in "
-                    "proportion to its force, which paths alone know (solve_path)"
+                    "proportion to its force, which paths, cycles and time steps with the law at "
+                    "their end alone know (solve_path, ImplicitEuler)"
                 )
                 raise ModelError(message)
 
@@ -224,6 +225,16 @@ class Contact:
         result = np.empty(self.n_points)
         for name, points in self.slices.items():
             result[points] = value(self.laws[name], points)
+        return result
+
+    def closed_by(self, forces: Matrix) -> Matrix:
+        """Return what normal forces (..., n_point) close the laws by [length]."""
+        result = np.empty_like(forces)
+        for name, points in self.slices.items():
+            own = forces[..., points]
+            weights = np.broadcast_to(self.weights[points], own.shape).ravel()
+            closed = self.laws[name].normal.closure(own.reshape(1, -1), weights)[0]
+            result[..., points] = closed.reshape(own.shape)
         return result
 
     @property

@@ -2,7 +2,7 @@
 
 from typing import Literal, TypeAlias
 
-from faying.contact.laws import Coulomb, Curve, Law
+from faying.contact.laws import Coulomb, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
@@ -38,8 +38,7 @@ def with_friction(
     if coefficient == 0:
         return normal
     if tangential_penalty == "auto":
-        stiffness = normal.stiffness if isinstance(normal, Curve) else normal.penalty
-        return Coulomb(normal, coefficient, _automatic(stiffness, assembly))
+        return Coulomb(normal, coefficient, _automatic(normal.stiffness, assembly))
     wanted = "a positive number [force/length³] or 'auto'"
     return Coulomb(
         normal, coefficient, _number(tangential_penalty, "the tangential penalty", wanted)

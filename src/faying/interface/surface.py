@@ -39,7 +39,7 @@ class ContactSurface:
     faces
         Matched facets, one group per kind.
     penalty : [force/length³]
-        Contact stiffness c_n; inf is hard contact, and not a number where the law is a curve.
+        Contact stiffness c_n; inf is hard contact, None a curve.
     quadrature
         Rule that places the contact points.
     stuck : (n_pair,) [1]
@@ -70,7 +70,7 @@ class ContactSurface:
     pair_points: Matrix
     averaging: Matrix
     faces: tuple[FacePairs, ...]
-    penalty: float
+    penalty: float | None
     quadrature: str
     stuck: Mask
     face_coverage: Vector | None = None
@@ -117,7 +117,7 @@ def contact_surface(
         pair_points=interface.pair_points(nodes),
         averaging=interface.averaging.toarray(),
         faces=interface.faces,
-        penalty=interface.penalty,
+        penalty=None if np.isnan(interface.penalty) else interface.penalty,
         quadrature=interface.quadrature,
         stuck=np.zeros(len(interface.pairs), dtype=bool) if stuck is None else stuck,
         face_coverage=None if coupling is None else coupling.face_coverage,
@@ -151,7 +151,7 @@ def recorded_law(record: ContactSurface) -> Law:
         If that is none.
     """
     try:
-        normal = curve_of(record.closure) if record.closure else normal_law(record.penalty)
+        normal = curve_of(record.closure) if record.closure else normal_law(record.penalty or 0.0)
     except (ModelError, TypeError, AttributeError, KeyError) as error:
         message = f"the contact law cannot be read ({error})"
         raise ValueError(message) from None

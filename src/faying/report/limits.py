@@ -117,10 +117,10 @@ def _law(results: Results, units: Units) -> Iterator[str]:
         own = slice(*record.slice)
         gaps = [case.reference.gap[..., own] for case in results.cases.values()]
         depth = max((float(-gap.min(initial=0.0)) for gap in gaps), default=0.0)
-        if np.isinf(record.penalty):
+        if record.penalty == np.inf:
             yield f"{name}: hard contact, nothing penetrates."
             continue
-        if record.closure:
+        if record.penalty is None:
             yield (
                 f"{name}: pressure follows closure by the curve "
                 f"'{curve_of(record.closure).name}' of the study; surfaces approach by up to "

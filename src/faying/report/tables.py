@@ -117,9 +117,9 @@ def interface_table(results: Results) -> Table:
 
 def _stiffness(record: InterfaceRecord, units: Units) -> str:
     """Say the contact stiffness, or the curve that has none."""
-    if record.closure:
+    if record.penalty is None:
         return f"— ({curve_of(record.closure).name})"
-    if np.isinf(record.penalty):
+    if record.penalty == np.inf:
         return "hard"
     return quantity(record.penalty, units.of("force/length³"))
 

@@ -269,7 +269,7 @@ def _undetermined(results: Results) -> list[str]:
         "determines nodal forces, not the pressures of single points, nor their averages: another "
         "solution of the same forces may carry other ones. A stiff penalty has unique pressures."
         for name, record in results.interfaces.items()
-        if np.isinf(record.penalty) and len(record.weights) > len(record.pairs)
+        if record.penalty == np.inf and len(record.weights) > len(record.pairs)
     ]
 
 

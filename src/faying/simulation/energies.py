@@ -15,7 +15,7 @@ def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
 
 
 def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None) -> Vector:
-    """½ λᵀ (D + R) λ of contact forces: what the laws admit, and residual compliance.
+    """Energy of contact forces: what the laws have stored, and ½ λᵀ R λ of residual compliance.
 
     Parameters
     ----------
@@ -23,10 +23,13 @@ def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None
     shear : (n_time, 2, n_point) [force]
         Tangential components of a joint with friction.
     """
-    energy: Vector = 0.5 * forces**2 @ contact.flexibility
-    if shear is not None:
-        squares = (shear[..., contact.rubbing] ** 2).sum(axis=1)
-        energy = energy + 0.5 * squares @ contact.tangential_flexibility
+    every, times = forces[:, None], len(forces)
+    every = every if shear is None else np.concatenate([every, shear], axis=1)
+    energy = np.zeros(times)
+    for name, points in contact.slices.items():
+        law, weights = contact.laws[name], np.tile(contact.weights[points], times)
+        own = every[:, : law.components, points].swapaxes(0, 1).reshape(law.components, -1)
+        energy += law.energy(own, weights).reshape(times, -1).sum(axis=1)
     if contact.residual_compliance is None:
         return energy
     at_pairs = contact.at_pairs(forces, shear).T

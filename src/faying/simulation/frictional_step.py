@@ -35,17 +35,22 @@ class FrictionalEnd:
     compiled: bool = False
 
     def solve(
-        self, free: Matrix, states: Sequence[ContactState], last: Matrix
+        self,
+        free: Matrix,
+        states: Sequence[ContactState],
+        last: Matrix,  # noqa: ARG002
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case."""
         solver, contact = self._solver, self.condensed.contact
         acting, ends, after = [], [], []
-        for relative, state, before in zip(free, states, _components(last), strict=True):
-            slip = _slip(state, before)
+        for relative, state in zip(free, states, strict=True):
+            slip = np.zeros((2, contact.n_points)) if state.slip is None else state.slip
             found = solver.solve(contact.free_slack(relative, slip), state.forces)
             slip = slip + found.slack[1:]
             ends.append(_contact_forces(found, found.dissipation, slip))
-            acting.append(found.forces.ravel())
+            acting.append(found.forces[: contact.components].ravel())
+            if contact.components == 1:
+                ends[-1] = replace(ends[-1], shear_forces=None, slip=None)
             after.append(ContactState(active=ends[-1].active, slip=slip, forces=found.forces))
         return np.array(acting), ends, after
 

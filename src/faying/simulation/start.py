@@ -21,7 +21,7 @@ from faying.simulation.static import AT_REST, relative_forces, solve_static
 
 def at_rest(system: System) -> Solution:
     """Solve the joint under its bolts alone; with friction they are tightened in one increment."""
-    if system.contact.components == 1:
+    if system.contact.forgets:
         return solve_static(system)
     return last_of(solve_path(system, [AT_REST], name=AT_REST.name))
 
@@ -43,11 +43,9 @@ def starting_states(
     Raises
     ------
     ModelError
-        If a law closes otherwise than in proportion to force, the number of states is another,
-        one moves or is of a joint with other contact points or without its loads, or one has
-        friction where the model has none or the other way round.
+        If their number is another, one moves or is of a joint with other contact points or without
+        its loads, or one has friction where the model has none or the other way round.
     """
-    system.contact.check_proportional()
     if initial is None:
         return [at_rest(system)] * len(loads)
     if len(initial) != len(loads):
@@ -64,15 +62,15 @@ def _checked(system: System, start: Solution, moves: bool) -> Solution:
             "rest; give a static solution or a path, or solve the longer transient"
         )
         raise ModelError(message)
-    rubs, rubbed = system.contact.components > 1, start.shear_slip is not None
-    if rubs and not rubbed:
+    rubs, slipped = system.contact.components > 1, start.shear_slip is not None
+    if rubs and not slipped:
         message = (
             f"the joint has friction, and the initial solution '{start.name}' does not say what "
             "has slipped; give one of solve_path, solve_path(model, [fy.Load()], initial=...) to "
             "close a joint that was tightened without friction"
         )
         raise ModelError(message)
-    if rubbed and not rubs:
+    if slipped and not rubs and start.system.contact.components > 1:
         message = (
             f"the initial solution '{start.name}' has friction and the joint none; start from "
             "solve_static, or solve the transient with friction"

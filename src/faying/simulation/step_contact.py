@@ -140,15 +140,8 @@ class MeanContact:
 
 
 def end_contact(condensed: CondensedContact) -> StepContact:
-    """Return the contact law at the end of a step.
-
-    Raises
-    ------
-    ModelError
-        If some law closes otherwise than in proportion to force.
-    """
-    condensed.contact.check_proportional()
-    return EndContact(condensed) if condensed.contact.components == 1 else FrictionalEnd(condensed)
+    """Return the contact law at the end of a step."""
+    return EndContact(condensed) if condensed.contact.forgets else FrictionalEnd(condensed)
 
 
 def mean_contact(condensed: CondensedContact) -> StepContact:
@@ -157,8 +150,9 @@ def mean_contact(condensed: CondensedContact) -> StepContact:
     Raises
     ------
     ModelError
-        If contact has friction and is hard.
+        If contact has friction and is hard, or a law closes otherwise than in proportion to force.
     """
+    condensed.contact.check_proportional()
     if condensed.contact.components == 1:
         return MeanContact(condensed)
     return FrictionalMean(condensed)

@@ -216,7 +216,7 @@ class TransientSolver:
         with threads_for(self.condensed.order), guard.watching():
             ends = self._walk(here, external, history, first, progress, whole)
         ledgers = guard.audit()
-        history.gaps[:, first:] -= system.contact.flexibility * history.forces[:, first:]
+        history.gaps[:, first:] -= system.contact.closed_by(history.forces[:, first:])
         solutions = [
             Solution(
                 name=load.name,
@@ -289,8 +289,9 @@ class TransientSolver:
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         kept = scheme.kept_force(applied, from_contact)
         motion = scheme.advance(motion, u, kept, self.step)
-        if system.contact.components > 1:
-            shear = np.array([contact.shear_forces for contact in contacts])
+        if not system.contact.forgets:
+            rubs = system.contact.components > 1
+            shear = np.array([contact.shear_forces for contact in contacts]) if rubs else None
             return replace(motion, contact=stacked_forces(forces, shear).T), after, trend, contacts
         motion = replace(motion, contact=forces.T)
         slack = np.array([contact.slack for contact in contacts])

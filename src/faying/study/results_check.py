@@ -139,7 +139,7 @@ def _check_interface(record: InterfaceRecord, n_node: int, place: str) -> None:
     if record.face_coverage is not None and len(record.face_coverage) != n_face:
         message = f"'{place}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
         raise ValueError(message)
-    if (record.weights < 0).any() or not (record.penalty > 0 or record.closure):
+    if (record.weights < 0).any() or not ((record.penalty or 0) > 0 or record.closure):
         message = f"'{place}' has a negative weight or no positive penalty"
         raise ValueError(message)
     pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]

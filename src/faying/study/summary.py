@@ -188,13 +188,13 @@ def _per_solution(solved: list[tuple[CaseResult, Response]]) -> dict[str, float]
 
 
 def _interface(face: InterfaceRecord) -> dict[str, Any]:
-    hard = bool(np.isinf(face.penalty))
+    hard = face.penalty == float("inf")
     return {
         "pairs": len(face.pairs),
         "points": len(face.weights),
         "area": float(face.weights.sum()),
         "declared_area": face.declared_area,
-        "penalty": None if face.closure else "hard" if hard else face.penalty,
+        "penalty": "hard" if hard else face.penalty,
         "closure": json.loads(face.closure) if face.closure else None,
         "friction": face.friction,
         "quadrature": face.quadrature,

@@ -76,6 +76,11 @@ class Coulomb:
         return self.normal.yields and np.isfinite(self.tangential_penalty).item()
 
     @property
+    def stiffness(self) -> float:
+        """That of the normal component."""
+        return self.normal.stiffness
+
+    @property
     def proportional(self) -> bool:
         """Whether the normal law is; shear is in proportion to the tangential force."""
         return self.normal.proportional
@@ -85,6 +90,11 @@ class Coulomb:
         closed, compliance = self.normal.closure(forces[:1], weights)
         shear = np.broadcast_to(1.0 / (self.tangential_penalty * weights), (2, len(weights)))
         return np.vstack([closed, shear * forces[1:]]), np.vstack([compliance, shear])
+
+    def energy(self, forces: Matrix, weights: Vector) -> Vector:
+        """Return that of the normal law and ½ |λ_t|²/(c_t w)."""
+        sheared = (forces[1:] ** 2).sum(axis=0) / (2 * self.tangential_penalty * weights)
+        return np.asarray(self.normal.energy(forces[:1], weights) + sheared)
 
     def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
         """Return ⟨λ_n⟩ and the tangential force cut to μ ⟨λ_n⟩, or to μ times given ones."""

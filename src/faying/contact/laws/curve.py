@@ -13,6 +13,9 @@ from faying.exceptions import ModelError
 FIRST = 1e-3
 """Pressure over the named one at which a curve that begins with no slope is taken to begin."""
 
+_PLACES, _SHARES = np.polynomial.legendre.leggauss(24)
+"""Gauss's rule for energies, exact to round-off where a curve has no kink."""
+
 
 class Curve(Unilateral):
     """p = p(c) of the closure c = −g; zero up to where contact begins, and rising from there.
@@ -64,6 +67,14 @@ class Curve(Unilateral):
         closed = self.closure_of(pressure)[0]
         slope = self.closure_of(np.where(pressure > 0, pressure, FIRST * self.named_pressure))[1]
         return closed[None], (slope / weights)[None]
+
+    def energy(self, forces: Matrix, weights: Vector) -> Vector:
+        """Return w ∫ p dc up to where forces have closed it (n_point,)."""
+        begun = self.closure_of(np.zeros(1))[0]
+        way = self.closure_of(np.maximum(forces[0], 0.0) / weights)[0] - begun
+        places = begun + 0.5 * (1.0 + _PLACES) * way[:, None]
+        pressure = self.pressure_of(places.ravel())[0].reshape(places.shape)
+        return np.asarray(weights * 0.5 * way * (pressure @ _SHARES))
 
     def respond(
         self,

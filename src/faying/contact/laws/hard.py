@@ -30,6 +30,11 @@ class Hard(Unilateral):
         """Infinite."""
         return float("inf")
 
+    @property
+    def stiffness(self) -> float:
+        """Infinite."""
+        return float("inf")
+
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:  # noqa: ARG002
         """Return zeros (1, n_point)."""
         return np.zeros_like(forces), np.zeros_like(forces)

@@ -42,6 +42,11 @@ class Law(Protocol):
         ...
 
     @property
+    def stiffness(self) -> float:
+        """Contact stiffness [force/length³] where one must stand for all: c_n, or a slope."""
+        ...
+
+    @property
     def friction(self) -> float:
         """Coefficient of friction μ; zero without friction."""
         ...
@@ -67,6 +72,10 @@ class Law(Protocol):
         weights : (n_point,) [length²]
             Area each point stands for.
         """
+        ...
+
+    def energy(self, forces: Matrix, weights: Vector) -> Vector:
+        """Return what the law has stored under forces (components, n_point) [force·length]."""
         ...
 
     def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:

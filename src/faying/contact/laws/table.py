@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Matrix, Vector
 from faying.contact.laws.curve import Curve
 from faying.exceptions import ModelError
 
@@ -80,6 +80,15 @@ class TableClosure(Curve):
     def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
         """Return c and dc/dp."""
         return _linear(pressure, np.array(self.pressures), np.array(self.closures))
+
+    def energy(self, forces: Matrix, weights: Vector) -> Vector:
+        """Return w ∫ p dc (n_point,), exact."""
+        closures, pressures = np.array(self.closures), np.array(self.pressures)
+        pressure = np.maximum(forces[0], 0.0) / weights
+        row = np.clip(np.searchsorted(pressures, pressure, side="right") - 1, 0, len(closures) - 2)
+        before = np.append(0.0, np.cumsum(np.diff(closures) * (pressures[1:] + pressures[:-1]) / 2))
+        way = self.closure_of(pressure)[0] - closures[row]
+        return np.asarray(weights * (before[row] + way * (pressures[row] + pressure) / 2))
 
 
 def _linear(x: Vector, at: Vector, values: Vector) -> tuple[Vector, Vector]:

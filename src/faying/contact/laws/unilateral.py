@@ -1,5 +1,6 @@
 """What elastic and hard normal contact share: it presses and never pulls, Eq. (15.7)."""
 
+from abc import abstractmethod
 from typing import Self
 
 import numpy as np
@@ -34,6 +35,15 @@ class Unilateral:
     def proportional(self) -> bool:
         """What contact yields is in proportion to its force, or nothing."""
         return True
+
+    @abstractmethod
+    def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
+        """Return c(λ) and c′(λ), (1, n_point) each."""
+
+    def energy(self, forces: Matrix, weights: Vector) -> Vector:
+        """Return ½ λ c(λ) (n_point,)."""
+        energy: Vector = 0.5 * forces[0] * self.closure(forces, weights)[0][0]
+        return energy
 
     def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
         """Return ⟨λ⟩: contact presses, it never pulls."""

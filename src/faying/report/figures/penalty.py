@@ -57,7 +57,8 @@ def penalty_figure(results: Results) -> Drawn | None:
     left, right = figure.subplots(1, 2)
     plot_deviation(sweep, left, units)
     plot_method_errors(sweep, right, units)
-    used = {r.penalty for r in results.interfaces.values() if np.isfinite(r.penalty)}
+    every = (record.penalty for record in results.interfaces.values())
+    used = {penalty for penalty in every if penalty is not None and np.isfinite(penalty)}
     for axes in (left, right):
         for penalty in used:
             axes.axvline(penalty, color="0.6", lw=1.0, label="this study")
