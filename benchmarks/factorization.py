@@ -68,7 +68,7 @@ def main() -> None:
     parser.add_argument("--friction", type=float, help="one row of --joints, in this process")
     options = parser.parse_args()
     if options.friction is not None:
-        told(options.joints[0], options.friction, options.repeat)
+        joint(options.joints[0], options.friction, options.repeat)
         return
     threads = os.environ.get("OMP_NUM_THREADS", "unset")
     write(f"cores {os.cpu_count()}, OMP_NUM_THREADS {threads}, load average {load()}\n\n")
@@ -95,7 +95,6 @@ class Way:
     """One way to factorize and to form the compliance."""
 
     backend: str
-    told: bool = False
     order: Callable[[Any], Any] = nested_dissection
 
 
@@ -103,7 +102,6 @@ def ways(n_dof: int) -> dict[str, Way]:
     """Return what is compared, the default first."""
     found = {}
     if "pardiso" in available_backends():
-        found["pardiso, ports told"] = Way("pardiso", told=True)
         found["pardiso"] = Way("pardiso")
     if pymetis is not None:
         found["superlu+metis"] = Way("superlu")
@@ -126,7 +124,7 @@ def compare(model: fy.Model, repeat: int) -> None:
         for name, way in compared.items():
             superlu.nested_dissection = way.order
             clock = Clock(times[name])
-            factor = factorize(K, ports=ports if way.told else None, backend=way.backend)
+            factor = factorize(K, backend=way.backend)
             clock.lap("factorization")
             factor.solve(right)
             clock.lap("200")
@@ -186,8 +184,8 @@ def total(laps: dict[str, list[float]], second: str) -> Any:
 
 def joints(names: list[str], repeat: int) -> None:
     """Print what the compliance of joints takes, one component of pairs and three."""
-    write("| dofs | points | ports | factorization s | told s | over it | compliance s ")
-    write("| both add | S MB | peak GB |\n" + "|---" * 10 + "|\n")
+    write("| dofs | points | ports | factorization s | compliance s | over it ")
+    write("| S MB | peak GB |\n" + "|---" * 8 + "|\n")
     for name in names:
         for friction in ("0", "0.2")[: 1 if name == "576k" else 2]:
             sys.stdout.flush()
@@ -195,8 +193,8 @@ def joints(names: list[str], repeat: int) -> None:
             subprocess.run([sys.executable, __file__, *arguments], check=True)
 
 
-def told(name: str, friction: float, repeat: int) -> None:
-    """Print one row: medians of processor time, ratios of one repetition."""
+def joint(name: str, friction: float, repeat: int) -> None:
+    """Print one row: medians of processor time."""
     model = fy.lap_joint(penalty=1e6, **JOINTS[name])
     if friction:
         model = model.with_friction(friction)
@@ -210,19 +208,15 @@ def told(name: str, friction: float, repeat: int) -> None:
         start = time.process_time()
         factor = factorize(K)
         plain = time.process_time() - start
-        del factor
-        start = time.process_time()
-        factor = factorize(K, ports=ports)
-        known = time.process_time() - start
         compliance = port_compliance(ports, factor)
-        formed = time.process_time() - start - known
-        rows.append((plain, known, known / plain, formed, (known + formed - plain) / plain))
+        formed = time.process_time() - start - plain
+        rows.append((plain, formed, formed / plain))
         size = compliance.nbytes / 1e6
         del factor, compliance
-    plain, known, ratio, formed, more = np.median(rows, axis=0)
+    plain, formed, ratio = np.median(rows, axis=0)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
-    write(f"| {K.shape[0]} | {points} | {ports.shape[0]} | {plain:.2f} | {known:.2f} ")
-    write(f"| {ratio:.2f} | {formed:.2f} | {more:.1f} × | {size:.0f} | {peak:.1f} |\n")
+    write(f"| {K.shape[0]} | {points} | {ports.shape[0]} | {plain:.2f} | {formed:.2f} ")
+    write(f"| {ratio:.1f} × | {size:.0f} | {peak:.1f} |\n")
 
 
 # The offline part
@@ -254,10 +248,10 @@ def timed(spent: dict[str, float], name: str, function: Callable[..., Any], *giv
     return result
 
 
-def metered(function: Any, spent: dict[str, float], A: Any, ports: Any) -> Metered:
+def metered(function: Any, spent: dict[str, float], A: Any) -> Metered:
     """Factorize, timed."""
     spent["factorizations"] += 1
-    return Metered(timed(spent, "factorization", function, A, ports), spent)
+    return Metered(timed(spent, "factorization", function, A), spent)
 
 
 def fresh(model: fy.Model) -> fy.Model:

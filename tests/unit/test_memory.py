@@ -37,19 +37,16 @@ def backend(request):
 
 @pytest.fixture(scope="module")
 def interior():
-    """K_ii of a lap joint and the ports of its interface."""
+    """K_ii of a lap joint."""
     structure = fy.lap_joint(element_size=3.5).structure
-    inner = structure.interior
-    return structure.K[inner][:, inner].tocsr(), structure.relative_operator[:, inner].tocsr()
+    return structure.K[structure.interior][:, structure.interior].tocsr()
 
 
-@pytest.mark.parametrize("told", [True, False])
-def test_the_estimate_is_what_the_factors_take(backend, interior, told):
-    K, ports = interior
-    given = ports if told else None
-    expected = estimate_memory(K, ports=given, backend=backend)
+def test_the_estimate_is_what_the_factors_take(backend, interior):
+    K = interior
+    expected = estimate_memory(K, backend=backend)
     with threadpool_limits(1):  # each thread more takes some workspace of its own
-        taken = factorize(K, ports=given, backend=backend).memory
+        taken = factorize(K, backend=backend).memory
     # PARDISO's supernodes store more than entries, the less the larger; the law for SuperLU may be
     # off by two.
     most = 1.5 if expected.counted else 2.0
@@ -63,14 +60,14 @@ def test_the_estimate_is_what_the_factors_take(backend, interior, told):
 
 def test_a_node_that_nothing_holds_is_counted(backend, interior):
     """A model is told the size of its factors before it is refused for what moves freely."""
-    K, ports = interior
+    K = interior
     free = np.zeros(K.shape[0])
     free[9:12] = 1.0
     held = sp.diags_array(1.0 - free)
     alone = (held @ K @ held).tocsr()
     alone.eliminate_zeros()
-    found = estimate_memory(alone, ports=ports, backend=backend)
-    assert found.factor <= 1.01 * estimate_memory(K, ports=ports, backend=backend).factor
+    found = estimate_memory(alone, backend=backend)
+    assert found.factor <= 1.01 * estimate_memory(K, backend=backend).factor
 
 
 @pytest.mark.parametrize("n", [0, 1, 5])
@@ -83,7 +80,7 @@ def test_dense_and_small_matrices(backend, n):
 
 @needs_mkl
 def test_what_does_not_fit_is_refused(interior, monkeypatch):
-    K, _ = interior
+    K = interior
     monkeypatch.setenv(VARIABLE, "1e6")
     said = r"factors of 3\d+ degrees of freedom take about 0\.0\d+ GB \(pardiso\), and 0.001 GB"
     with pytest.raises(NotEnoughMemoryError, match=said) as caught:
@@ -96,11 +93,11 @@ def test_what_does_not_fit_is_refused(interior, monkeypatch):
 def test_a_count_is_no_reason_to_run_out_of_memory(backend, interior, monkeypatch):
     monkeypatch.setenv(VARIABLE, "1e6")
     with pytest.raises(NotEnoughMemoryError, match=backend):
-        count_negative(interior[0], backend=backend)
+        count_negative(interior, backend=backend)
 
 
 def test_an_estimate_by_law_only_warns(interior, monkeypatch, caplog):
-    K, _ = interior
+    K = interior
     monkeypatch.setenv(VARIABLE, "1e6")
     with caplog.at_level(logging.WARNING, logger="faying"):
         assert factorize(K, backend="superlu").backend.startswith("superlu")
@@ -166,7 +163,7 @@ def test_systems_that_do_not_tell(tmp_path, monkeypatch, interior):
     assert free_memory() is None
     assert control_group_limits() == []
     assert physical_memory() > 2**28
-    assert factorize(interior[0]).memory > 0
+    assert factorize(interior).memory > 0
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the files of the Linux kernel")

@@ -77,10 +77,12 @@ def test_a_deck_is_checked_without_matrices(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.skipif("pardiso" not in available_backends(), reason="the law is of PARDISO")
-@pytest.mark.parametrize("shape", ["hex8", "tet10"])
-def test_expected_memory_is_that_counted_within_a_factor_of_two(shape, monkeypatch):
+@pytest.mark.parametrize(("shape", "friction"), [("hex8", 0.0), ("tet10", 0.0), ("tet10", 0.2)])
+def test_expected_memory_is_that_counted_within_a_factor_of_two(shape, friction, monkeypatch):
     monkeypatch.setattr(memory, "MOST_COUNTED", 0)
     model = built(HELD["clamp"], shape=shape)
+    if friction:
+        model = model.with_friction(friction)
     # Told to take two threads, as others in this process may have left it, MKL holds 17 MB more.
     with threadpool_limits(1):
         found, counted = memory.expected_memory(model), model.structure.factor_memory

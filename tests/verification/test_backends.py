@@ -77,79 +77,18 @@ def test_against_the_dense_inverse(backend, interior, shape):
     assert factor.memory > 8 * K.shape[0]
 
 
-@pytest.mark.parametrize("told", [True, False])
-def test_port_compliance_is_the_same_however_formed(backend, interior, told):
+def test_port_compliance_is_the_same_however_formed(backend, interior):
     K, ports = interior
-    factor = factorize(K, ports=ports if told else None, backend=backend)
-    found = port_compliance(ports, factor)
+    found = port_compliance(ports, factorize(K, backend=backend))
     exact = ports @ np.linalg.inv(K.toarray()) @ ports.T.toarray()
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-10 * np.abs(exact).max())
-    b = np.ones(K.shape[0])  # the order of elimination does not show elsewhere
-    residual = K @ factor.solve(b) - b
-    assert np.abs(residual).max() < 1e-9  # K·x cancels from 1e8 × 1e-4
-
-
-@needs_mkl
-def test_ports_that_were_told_take_no_complete_substitutions(interior, monkeypatch):
-    K, ports = interior
-    factor = factorize(K, ports=ports, backend="pardiso")
-    assert factor.last.sum() == 2 * ports.shape[0]  # the normal rows of both sides, and no others
-    solved = []
-    complete = PardisoHandle.solve
-
-    def counted(handle, right):
-        solved.append(right.shape[1])
-        return complete(handle, right)
-
-    monkeypatch.setattr(PardisoHandle, "solve", counted)
-    told = port_compliance(ports, factor)
-    assert solved == [1]  # the check
-    other = sp.random_array((4, K.shape[0]), density=0.01, rng=np.random.default_rng(0)).tocsr()
-    port_compliance(other, factor)
-    assert sum(solved) == 1 + 4
-    # Where the confined substitution is off, the check notices and all columns are solved for.
-    monkeypatch.setattr(PardisoHandle, "forward", lambda handle, right: 0.999 * right)
-    np.testing.assert_allclose(
-        port_compliance(ports, factor), told, rtol=0, atol=1e-10 * np.abs(told).max()
-    )
-    assert sum(solved) == 1 + 4 + 1 + ports.shape[0]
-
-
-@needs_mkl
-@settings(max_examples=60, deadline=None)
-@given(
-    n=st.integers(2, 60),
-    density=st.floats(0, 0.3),
-    dofs=st.sampled_from([1, 2, 3]),
-    n_port=st.integers(1, 40),
-    seed=st.integers(0, 1000),
-)
-def test_ports_of_any_rows(n, density, dofs, n_port, seed):
-    """Also of one row, of all but one, and of rows that touch no other."""
-    rng = np.random.default_rng(seed)
-    A = random_definite(n, density, dofs, rng)
-    ports = sp.random_array((n_port, A.shape[0]), density=rng.uniform(0, 0.2), rng=rng).tocsr()
-    exact = np.linalg.inv(A.toarray())
-    factor = factorize(A, ports=ports, backend="pardiso")
-    expected = ports @ exact @ ports.T.toarray()
-    # Entries of order one, condition below 1e3.
-    np.testing.assert_allclose(port_compliance(ports, factor), expected, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(factor.solve(np.eye(len(exact))), exact, rtol=0, atol=1e-12)
-
-
-@needs_mkl
-def test_ports_nearly_everywhere_are_not_eliminated_last():
-    n = 900
-    A = sp.diags_array([-np.ones(n - 1), np.full(n, 2.5), -np.ones(n - 1)], offsets=[-1, 0, 1])
-    factor = factorize(A.tocsr(), ports=sp.eye_array(n, format="csr")[::2], backend="pardiso")
-    assert not factor.last.any()
 
 
 @pytest.mark.parametrize("n", [0, 1, 2, 3, 4])
 def test_small_matrices(backend, n):
     A = (2 * sp.eye_array(n)).tocsr()
     ports = sp.csr_array((0, n))
-    factor = factorize(A, ports=ports, backend=backend)
+    factor = factorize(A, backend=backend)
     np.testing.assert_allclose(factor.solve(np.ones((n, 2))), 0.5, rtol=1e-15)  # one ulp
     assert port_compliance(ports, factor).shape == (0, 0)
 

@@ -137,7 +137,8 @@ def _factorization(memory: FactorMemory) -> str:
     enough = free is None or memory.peak <= free
     return (
         f"{memory.backend}, {gigabytes(memory.factor)} of factors, {gigabytes(memory.peak)} while "
-        f"they are made{about}{there}{'' if enough else ', which is not enough'}"
+        f"they are made and used between pairs{about}{there}"
+        f"{'' if enough else ', which is not enough'}"
     )
 
 

@@ -11,7 +11,7 @@ from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.budget import default_budget, pairs_fit
 from faying.linalg.compressed import Compliance, plus, symmetrized
-from faying.linalg.estimate import estimate_memory
+from faying.linalg.estimate import estimate_memory, estimate_port_memory
 from faying.linalg.factorization import (
     Factorization,
     MatrixFactorization,
@@ -99,7 +99,7 @@ class Structure:
     def interior_factor(self) -> MatrixFactorization:
         """Factorization of K_ii."""
         try:
-            return factorize(self._interior_stiffness, ports=self._told_ports)
+            return factorize(self._interior_stiffness)
         except SingularMatrixError as error:
             motion = np.zeros(self.n_dof)
             motion[self.interior] = error.motion
@@ -107,18 +107,21 @@ class Structure:
 
     @property
     def factor_memory(self) -> FactorMemory:
-        """What the factorization of K_ii takes, by its pattern alone."""
-        return estimate_memory(self._interior_stiffness, ports=self._told_ports)
+        """What the factorization of K_ii takes, by its pattern alone.
+
+        The peak includes the dense compliances between pairs.
+        """
+        K = self._interior_stiffness
+        factors = estimate_memory(K)
+        if not self.is_kept_whole:
+            return factors
+        between = estimate_port_memory(K, self._held_ports)
+        return replace(factors, peak=max(factors.peak, factors.factor + between))
 
     @property
     def _interior_stiffness(self) -> SparseMatrix:
         """K_ii."""
         return self.K[self.interior][:, self.interior]
-
-    @property
-    def _told_ports(self) -> SparseMatrix | None:
-        """Rows between which the whole inverse of K_ii will be wanted, where it is."""
-        return self._held_ports if self._is_kept_whole else None
 
     def unconstrained(self, motion: Vector) -> SingularMatrixError:
         """Return the error that says what moves freely in a motion (n_dof,)."""
@@ -176,9 +179,9 @@ class Structure:
 
         Notes
         -----
-        One back-substitution per pair (three where curved), in blocks.
+        One factorization of K_ii bordered by P, or a back-substitution per row of P.
         """
-        if self.places is None or self._is_kept_whole:
+        if self.places is None or self.is_kept_whole:
             return port_compliance(self._held_ports, self.interior_factor)
         return compressed_port_compliance(self._held_ports, self.interior_factor, self.places)
 
@@ -188,7 +191,7 @@ class Structure:
         return self.relative_operator[:, self.interior].tocsr()
 
     @property
-    def _is_kept_whole(self) -> bool:
+    def is_kept_whole(self) -> bool:
         """Whether the compliance between all pairs is kept entry by entry."""
         return self.places is None or pairs_fit(self.relative_operator.shape[0], self.dense_budget)
 

@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix
+from faying._typing import Matrix, SparseMatrix
 
 Integers = npt.NDArray[np.int32]
 
@@ -28,41 +28,6 @@ def node_blocks(A: SparseMatrix) -> sp.bsr_array:
         return single_rows(A)
     blocks.sort_indices()
     return blocks
-
-
-def blocks_with_last(A: SparseMatrix, last: Mask) -> tuple[sp.bsr_array, Mask, Indices]:
-    """Return A in blocks that hold some rows alone.
-
-    Where only a part of a node's rows is among them, that part is taken out, and such parts fill
-    blocks of their own behind all others.
-
-    Returns
-    -------
-    tuple
-        The blocks, padded by a unit diagonal, which of them hold those rows (n_block,), and the
-        place of each row of A among their rows (n,).
-    """
-    blocks, n = node_blocks(A), A.shape[0]
-    size = blocks.blocksize[0]
-    nodes = np.append(last, np.full(-n % size, last[-1])).reshape(-1, size)
-    whole: Mask = np.asarray(nodes.all(axis=1))
-    parts = np.flatnonzero((nodes & ~whole[:, None]).ravel()[:n])
-    place = np.arange(nodes.size + len(parts) + -len(parts) % size)
-    if not len(parts):
-        return blocks, whole, place[:n]
-    place[parts] = nodes.size + np.arange(len(parts))
-    place[n:] = np.setdiff1d(np.arange(len(place)), place[:n])
-    order = np.empty_like(place)
-    order[place] = np.arange(len(place))
-    # A sum would lose the zeros that are stored on the diagonal.
-    moved = _padded(A, len(place) - n)[order]
-    moved.indices = place[moved.indices].astype(moved.indices.dtype)
-    moved.has_sorted_indices = False
-    regrouped = sp.bsr_array(moved, blocksize=(size, size))
-    regrouped.sort_indices()
-    apart = np.arange(len(place) // size) >= len(whole)
-    apart[: len(whole)] = whole
-    return regrouped, apart, place[:n]
 
 
 def _padded(A: SparseMatrix, padding: int) -> sp.csr_array:

@@ -6,20 +6,21 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.backends import chosen_backend
-from faying.linalg.dissected import has_many
 from faying.linalg.memory import FactorMemory
-from faying.linalg.pardiso import estimate_pardiso
+from faying.linalg.pardiso import estimate_gram_pardiso, estimate_pardiso
 from faying.linalg.superlu import estimate_superlu
 
-_ESTIMATES: dict[str, Callable[[SparseMatrix, SparseMatrix | None], FactorMemory]] = {
+_ESTIMATES: dict[str, Callable[[SparseMatrix], FactorMemory]] = {
     "pardiso": estimate_pardiso,
     "superlu": estimate_superlu,
 }
 
 
-def estimate_memory(
-    A: SparseMatrix | Matrix, *, ports: SparseMatrix | None = None, backend: str | None = None
-) -> FactorMemory:
+DENSE = 3
+"""Matrices between ports alive at once: the compliance, one held before, and a copy of either."""
+
+
+def estimate_memory(A: SparseMatrix | Matrix, *, backend: str | None = None) -> FactorMemory:
     """Tell what :func:`~faying.linalg.factorization.factorize` of the same arguments would take.
 
     Notes
@@ -27,9 +28,23 @@ def estimate_memory(
     PARDISO analyses the pattern, a tenth of the factorization; for SuperLU a law is fitted.
     """
     if sp.issparse(A) and A.shape[0] > 0:
-        told = ports if ports is not None and not has_many(ports.shape) else None
-        return _ESTIMATES[chosen_backend(backend)](A, told)
+        return _ESTIMATES[chosen_backend(backend)](A)
     size = 8 * A.shape[0] ** 2
     return FactorMemory(
         backend="lapack", order=A.shape[0], factor=size, peak=2 * size, counted=True
     )
+
+
+def estimate_port_memory(
+    A: SparseMatrix, ports: SparseMatrix, *, backend: str | None = None
+) -> int:
+    """Tell the most bytes that Q A⁻¹ Qᵀ of Q (n_port, n) takes beyond the factors of A.
+
+    Notes
+    -----
+    PARDISO analyses the pattern once more.
+    """
+    dense = DENSE * 8 * int(ports.shape[0]) ** 2
+    if chosen_backend(backend) != "pardiso":
+        return dense
+    return max(dense, estimate_gram_pardiso(A, ports.T))

@@ -1,12 +1,13 @@
 """Factorization of symmetric positive definite matrices, by the best backend at hand."""
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.backends import VARIABLE, available_backends, chosen_backend
 from faying.linalg.cholesky import factorize_condensed
-from faying.linalg.dissected import DissectedFactorization, SparseBackend, has_many
 from faying.linalg.interface import Factorization, MatrixFactorization
 from faying.linalg.pardiso import factorize_pardiso
 from faying.linalg.singular import (
@@ -32,25 +33,18 @@ __all__ = [
 SHIFT = 1e-10
 """Part of the diagonal that makes a structure factorizable which can move freely."""
 
-_BACKENDS: dict[str, SparseBackend] = {"pardiso": factorize_pardiso, "superlu": factorize_superlu}
+_SparseBackend = Callable[[SparseMatrix], MatrixFactorization]
+
+_BACKENDS: dict[str, _SparseBackend] = {"pardiso": factorize_pardiso, "superlu": factorize_superlu}
 
 
-def factorize(
-    A: SparseMatrix | Matrix,
-    *,
-    ports: SparseMatrix | None = None,
-    backend: str | None = None,
-) -> MatrixFactorization:
+def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> MatrixFactorization:
     """Factorize a symmetric positive definite matrix, sparse or dense.
 
     A matrix condensed from a larger one goes to :func:`factorize_condensed`.
 
     Parameters
     ----------
-    ports : (n_port, n)
-        Rows Q whose compliance Q A⁻¹ Qᵀ will be wanted, so that
-        :func:`~faying.linalg.partial.port_compliance` needs no complete back-substitutions: a
-        backend that can orders the elimination for it, and many ports are dissected.
     backend
         ``"pardiso"`` or ``"superlu"``; by default what the environment variable
         ``FAYING_FACTORIZATION`` names, else the fastest there is. Dense matrices go to LAPACK.
@@ -77,16 +71,14 @@ def factorize(
     """
     chosen = _BACKENDS[chosen_backend(backend)]
     if sp.issparse(A) and A.shape[0] > 0:
-        return _factorize_sparse(A, ports, chosen)
+        return _factorize_sparse(A, chosen)
     whole = dense(A)
     return factorize_condensed(whole, np.diag(whole))
 
 
-def _factorize_sparse(
-    A: SparseMatrix, ports: SparseMatrix | None, backend: SparseBackend
-) -> MatrixFactorization:
+def _factorize_sparse(A: SparseMatrix, backend: _SparseBackend) -> MatrixFactorization:
     try:
-        factorization = _factorize_definite(A, ports, backend)
+        factorization = backend(A)
     except NotDefiniteError:
         factorization = _factorize_indefinite(A, backend)
     motion, resistance = softest_motion(A, factorization)
@@ -95,20 +87,12 @@ def _factorize_sparse(
     return factorization
 
 
-def _factorize_definite(
-    A: SparseMatrix, ports: SparseMatrix | None, backend: SparseBackend
-) -> MatrixFactorization:
-    if ports is None or not has_many(ports.shape):
-        return backend(A, ports)
-    return DissectedFactorization(factor=backend(A, None), A=sp.csr_array(A), factorize=backend)
-
-
-def _factorize_indefinite(A: SparseMatrix, backend: SparseBackend) -> MatrixFactorization:
+def _factorize_indefinite(A: SparseMatrix, backend: _SparseBackend) -> MatrixFactorization:
     """Tell a structure that can move from a matrix that is merely indefinite."""
     diagonal = A.diagonal()
     shifted = A + SHIFT * sp.diags_array(diagonal + diagonal.mean())
     try:
-        motion = softest_motion(A, backend(shifted, None))[0]
+        motion = softest_motion(A, backend(shifted))[0]
     except NotDefiniteError:
         return factorize_superlu(A)
     raise SingularMatrixError(motion)

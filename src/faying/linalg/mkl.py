@@ -14,13 +14,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 
-from faying._typing import Mask, Matrix
+from faying._typing import Matrix
 from faying.linalg.blocks import Integers
 from faying.linalg.singular import NotDefiniteError
 
 POSITIVE_DEFINITE, INDEFINITE = 2, -2
-ANALYSE, FACTORIZE, SOLVE, FORWARD, RELEASE = 11, 22, 33, 331, -1
+ANALYSE, FACTORIZE, SOLVE, RELEASE = 11, 22, 33, -1
 NOT_ENOUGH_MEMORY = -2
 
 REPRODUCIBLE = 2
@@ -83,8 +84,9 @@ class PardisoHandle:
     data : (n_stored, b, b)
     indices, indptr
         Block columns, ascending in each block row, and the beginning of each block row.
-    last : (n_block,)
-        Blocks to eliminate last; forward substitution is then confined to them.
+    border
+        Last rows that are not eliminated: :meth:`schur_complement` is formed onto them. Blocks are
+        then single numbers; MKL 2026 crashes in the analysis of larger ones.
     kind
         ``POSITIVE_DEFINITE``: Cholesky; ``INDEFINITE``: L D Lᵀ with pivots of Bunch and Kaufman.
 
@@ -98,7 +100,7 @@ class PardisoHandle:
         data: npt.NDArray[np.float64],
         indices: Integers,
         indptr: Integers,
-        last: Mask,
+        border: int = 0,
         kind: int = POSITIVE_DEFINITE,
     ) -> None:
         self._kind = kind
@@ -106,19 +108,28 @@ class PardisoHandle:
         self._data, self._indices, self._indptr = data, indices, indptr
         self.block = int(data.shape[1])
         self.n = self.block * (len(indptr) - 1)
+        self._border = border
         # PARDISO overwrites the marks by the order it chose, and wants that back in later phases.
-        self._order = last.astype(np.int32)
-        self._confined = bool(last.any())
+        self._order = np.zeros(len(indptr) - 1, dtype=np.int32)
+        self._order[len(self._order) - border :] = 1
         self._parameters = parameters = np.zeros(64, dtype=np.int32)
         parameters[0] = 1  # take the following, no defaults
         parameters[1] = 2  # METIS
         parameters[9] = 13  # of pivots below 1e-13 of the matrix norm, if indefinite
         parameters[17] = -1  # report the entries of the factor
         parameters[20] = 1  # pivots of one and two rows, if indefinite
-        parameters[30] = 2 * self._confined  # right-hand sides zero outside the marked blocks
         parameters[34] = 1  # indices from zero
+        parameters[35] = 1 if border else 0  # the Schur complement onto the marked rows
         parameters[36] = self.block if self.block > 1 else 0
         self._call(ANALYSE)
+
+    @property
+    def upper(self) -> sp.csr_array:
+        """The upper triangle of the matrix, without zeros."""
+        whole = sp.bsr_array((self._data, self._indices, self._indptr), shape=(self.n, self.n))
+        triangle = sp.triu(whole, format="csr")
+        triangle.eliminate_zeros()
+        return triangle
 
     @property
     def entries(self) -> int:
@@ -161,24 +172,27 @@ class PardisoHandle:
         """
         self._call(FACTORIZE)
 
+    def schur_complement(self) -> Matrix:
+        """Eliminate all rows but the border; return what that leaves (border, border).
+
+        Raises
+        ------
+        NotDefiniteError
+            If a pivot is not positive.
+        """
+        complement = np.zeros((self._border, self._border))
+        self._call(FACTORIZE, complement, complement)
+        return complement
+
     def solve(self, right: Matrix) -> Matrix:
         """Return A⁻¹ B for B (n_block·b, k) in Fortran order."""
-        self._parameters[30] = 0
-        return self._substitute(SOLVE, right)
-
-    def forward(self, right: Matrix) -> Matrix:
-        """Return L⁻¹ B, in PARDISO's order of rows, for B zero outside the blocks marked last."""
-        self._parameters[30] = 2 * self._confined
-        return self._substitute(FORWARD, right)
+        solution = np.zeros_like(right, order="F")
+        self._call(SOLVE, right, solution)
+        return solution
 
     def release(self) -> None:
         """Free the factor."""
         self._call(RELEASE)
-
-    def _substitute(self, phase: int, right: Matrix) -> Matrix:
-        solution = np.zeros_like(right, order="F")
-        self._call(phase, right, solution)
-        return solution
 
     def _call(
         self, phase: int, right: Matrix | None = None, solution: Matrix | None = None

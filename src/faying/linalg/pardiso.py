@@ -1,5 +1,14 @@
-"""Cholesky factorization by MKL PARDISO: the fastest that pip installs on x86-64."""
+"""Cholesky factorization by MKL PARDISO: the fastest that pip installs on x86-64.
 
+The compliance between ports Q is what the elimination of A leaves of a bordered matrix,
+
+    [[A, Qᵀ], [Q, 0]]  →  −Q A⁻¹ Qᵀ,
+
+its Schur complement. Ports come in where their unknowns are eliminated and not before, so METIS's
+order of A serves, whatever the ports are.
+"""
+
+import logging
 import threading
 import weakref
 from dataclasses import dataclass, field
@@ -8,12 +17,32 @@ from typing import final
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.linalg.blocks import blocks_with_last, node_blocks, upper_blocks
-from faying.linalg.memory import FactorMemory, require_memory
+from faying._typing import Matrix, SparseMatrix
+from faying.linalg.blocks import node_blocks, upper_blocks
+from faying.linalg.memory import FactorMemory, NotEnoughMemoryError, require_memory
 from faying.linalg.mkl import INDEFINITE, PardisoHandle
 from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
-from faying.linalg.substitution import agrees, column_blocks, solved_gram
+from faying.linalg.substitution import column_blocks, solved_gram
+
+_log = logging.getLogger("faying")
+
+FEW = 200
+"""Ports up to which a substitution for each takes less than a second factorization.
+
+As much at 150 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
+"""
+
+AGREEMENT = 1e-9
+"""Difference of a Schur complement from a substitution, over the result; 1e-12 is usual."""
+
+UNCERTAIN = 10
+"""As much more may they differ as refining the substitution changes it.
+
+On a roof held by springs of 1 N/mm they differ by 3e-9, and refinement changes as much.
+"""
+
+PAIR = sp.csr_array(np.array([[1.0, 0.5], [0.0, 1.0]]))
+"""Two rows that are connected: without any such MKL 2026 crashes, as of a diagonal matrix."""
 
 
 @final
@@ -23,15 +52,12 @@ class PardisoFactorization:
 
     Attributes
     ----------
-    place : (n,)
-        Where its rows are among those that PARDISO was given.
-    last : (n,)
-        Degrees of freedom eliminated last, because ports touch them.
+    order
+        Rows of the matrix; PARDISO may hold some more, which fill a block.
     """
 
+    order: int
     handle: PardisoHandle
-    place: Indices
-    last: Mask
     backend: str = "pardiso"
     _turn: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
@@ -47,14 +73,14 @@ class PardisoFactorization:
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return A⁻¹ B for B of shape (n,) or (n, k); threads take turns."""
         B = np.asarray(right_hand_side, dtype=np.float64)
-        if len(B) != len(self.place):
-            message = f"the right-hand side has {len(B)} rows and the matrix {len(self.place)}"
+        if len(B) != self.order:
+            message = f"the right-hand side has {len(B)} rows and the matrix {self.order}"
             raise ValueError(message)
         columns = B if B.ndim == 2 else B[:, None]
         solution = np.empty(columns.shape, order="F")
         for block in column_blocks(*columns.shape):
             with self._turn:
-                solution[:, block] = self.handle.solve(self._padded(columns[:, block]))[self.place]
+                solution[:, block] = _solved(self.handle, columns[:, block])
         return solution.reshape(B.shape)
 
     def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
@@ -62,50 +88,37 @@ class PardisoFactorization:
 
         Notes
         -----
-        Columns that vanish outside ``last`` take part in the last front of the factor alone, by
-        Y = L⁻¹B and YᵀY. The complete substitution of one random combination of them checks it.
+        Of many sparse columns the Schur complement of the bordered matrix, which the substitution
+        of one random combination checks; a substitution for each where that does not fit into the
+        memory that is free, which is logged.
         """
-        by_row = sp.csr_array(columns)
-        if not self._confines(by_row):
-            return solved_gram(self.solve, columns)
-        halves = self._halves(by_row.tocsc())
-        gram: Matrix = halves.T @ halves
-        if agrees(gram, columns, self.solve):
-            return gram
+        if sp.issparse(columns) and columns.shape[1] > FEW:
+            upper = self.handle.upper[: self.order, : self.order]
+            try:
+                gram = schur_gram(upper, columns)
+            except NotDefiniteError:  # where rows are eliminated in another order
+                return solved_gram(self.solve, columns)
+            except NotEnoughMemoryError as error:
+                _log.warning("%d ports are solved for one by one, for %s", columns.shape[1], error)
+                return solved_gram(self.solve, columns)
+            if self._agrees(gram, upper, columns):
+                return gram
         return solved_gram(self.solve, columns)
 
-    def _confines(self, columns: SparseMatrix) -> bool:
-        return bool(self.last.any() and not _touched(columns)[~self.last].any())
-
-    def _halves(self, columns: SparseMatrix) -> Matrix:
-        """Return the rows ``last`` of L⁻¹B, where all others vanish."""
-        last = self.place[self.last]
-        halves = np.empty((len(last), columns.shape[1]))
-        for block in column_blocks(*columns.shape):
-            some = columns[:, block]
-            shape = (self.handle.n, some.shape[1])
-            some = sp.csc_array((some.data, self.place[some.indices], some.indptr), shape=shape)
-            # In PARDISO's order of numbers at once: turning a dense block around takes as long as
-            # the substitution.
-            padded = some.toarray(order="F")
-            with self._turn:
-                halves[:, block] = self.handle.forward(padded)[last]
-        return halves
-
-    def _padded(self, columns: Matrix) -> Matrix:
-        padded = np.zeros((self.handle.n, columns.shape[1]), order="F")
-        padded[self.place] = columns
-        return padded
+    def _agrees(self, gram: Matrix, upper: SparseMatrix, columns: SparseMatrix) -> bool:
+        """Compare Bᵀ A⁻¹ B with one substitution, of a random combination of columns."""
+        probe = np.random.default_rng(0).standard_normal(columns.shape[1])
+        forces = columns @ probe
+        moved = self.solve(forces)
+        rest = forces - upper @ moved - upper.T @ moved + upper.diagonal() * moved
+        expected, uncertain = columns.T @ moved, columns.T @ self.solve(rest)
+        difference = np.abs(gram @ probe - expected).max()
+        allowed = AGREEMENT * np.abs(expected).max() + UNCERTAIN * np.abs(uncertain).max()
+        return bool(difference <= allowed)
 
 
-def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> PardisoFactorization:
+def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
     """Factorize a symmetric positive definite matrix.
-
-    Parameters
-    ----------
-    ports : (n_port, n)
-        Rows between which the inverse will be wanted. Where it pays, the degrees of freedom they
-        touch are eliminated last.
 
     Raises
     ------
@@ -116,14 +129,47 @@ def factorize_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> Par
     """
     if not A.diagonal().min(initial=np.inf) > 0:
         raise NotDefiniteError  # and PARDISO wants every diagonal entry stored
-    handle, place, last = _analysed(A, ports)
+    handle = PardisoHandle(*upper_blocks(node_blocks(A)))
     try:
-        require_memory(_expected(handle, A))
+        require_memory(_expected(handle, A.shape[0]))
         handle.factorize()
     except BaseException:
         handle.release()
         raise
-    return PardisoFactorization(handle=handle, place=place, last=last)
+    return PardisoFactorization(order=A.shape[0], handle=handle)
+
+
+def schur_gram(upper: SparseMatrix, columns: SparseMatrix) -> Matrix:
+    """Return Bᵀ A⁻¹ B (k, k) for sparse B (n, k) and the upper triangle of A.
+
+    Raises
+    ------
+    NotDefiniteError
+        If a pivot is not positive.
+    NotEnoughMemoryError
+        If the factor would not fit into the memory that is free.
+    """
+    handle = _bordered(upper, columns)
+    try:
+        require_memory(_expected(handle, *columns.shape))
+        gram = handle.schur_complement()
+    finally:
+        handle.release()
+    return np.negative(gram, out=gram)
+
+
+def _bordered(upper: SparseMatrix, columns: SparseMatrix) -> PardisoHandle:
+    """Analyse [[A, B], [Bᵀ, 0]] for the upper triangle of A, with a pair of rows on its own."""
+    k = columns.shape[1]
+    rows = sp.block_array([[upper, None, columns], [None, PAIR, None]], format="csr")
+    rows.sort_indices()
+    end = np.arange(k)
+    return PardisoHandle(
+        np.append(rows.data, np.zeros(k))[:, None, None],
+        np.append(rows.indices, rows.shape[0] + end).astype(np.int32),
+        np.append(rows.indptr, rows.indptr[-1] + 1 + end).astype(np.int32),
+        border=k,
+    )
 
 
 def count_negative_pardiso(A: SparseMatrix) -> int:
@@ -137,14 +183,13 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
         If the factor would not fit into the memory that is free.
     """
     upper = upper_blocks(node_blocks(_with_diagonal(A)))
-    nowhere = np.zeros(len(upper[2]) - 1, dtype=bool)
-    handle = PardisoHandle(*upper, nowhere, INDEFINITE)
+    handle = PardisoHandle(*upper, kind=INDEFINITE)
     try:
-        require_memory(_expected(handle, A))
+        require_memory(_expected(handle, A.shape[0]))
         handle.factorize()
         if handle.perturbed:
             raise NotDefiniteError
-        check_signs(A, lambda b: _solved(handle, b))
+        check_signs(A, lambda b: _solved(handle, b[:, None])[:, 0])
         return handle.negative
     except NotDefiniteError:
         reason = "the matrix is singular but for round-off"
@@ -153,21 +198,32 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
         handle.release()
 
 
-def estimate_pardiso(A: SparseMatrix, ports: SparseMatrix | None = None) -> FactorMemory:
+def estimate_pardiso(A: SparseMatrix) -> FactorMemory:
     """Tell what :func:`factorize_pardiso` would take, from the pattern alone."""
-    handle, *_ = _analysed(_with_diagonal(A), ports)
+    handle = PardisoHandle(*upper_blocks(node_blocks(_with_diagonal(A))))
     try:
-        return _expected(handle, A)
+        return _expected(handle, A.shape[0])
     finally:
         handle.release()
 
 
-def _expected(handle: PardisoHandle, A: SparseMatrix) -> FactorMemory:
+def estimate_gram_pardiso(A: SparseMatrix, columns: SparseMatrix) -> int:
+    """Tell the most bytes that Bᵀ A⁻¹ B takes beyond the factors of A, from the pattern alone."""
+    if columns.shape[1] <= FEW:
+        return 8 * int(columns.shape[1]) ** 2
+    handle = _bordered(sp.triu(_with_diagonal(A), format="csr"), columns)
+    try:
+        return _expected(handle, *columns.shape).peak
+    finally:
+        handle.release()
+
+
+def _expected(handle: PardisoHandle, order: int, n_port: int = 0) -> FactorMemory:
     return FactorMemory(
         backend="pardiso",
-        order=A.shape[0],
+        order=order,
         factor=handle.expected_memory,
-        peak=handle.peak,
+        peak=handle.peak + 8 * n_port**2,
         counted=True,
     )
 
@@ -179,37 +235,9 @@ def _with_diagonal(A: SparseMatrix) -> SparseMatrix:
     return stored
 
 
-def _solved(handle: PardisoHandle, b: Vector) -> Vector:
-    """Solve for one right-hand side, padded to whole blocks."""
-    padded = np.zeros((handle.n, 1), order="F")
-    padded[: len(b), 0] = b
-    solution: Vector = handle.solve(padded)[: len(b), 0]
+def _solved(handle: PardisoHandle, columns: Matrix) -> Matrix:
+    """Solve for right-hand sides, padded to whole blocks."""
+    padded = np.zeros((handle.n, columns.shape[1]), order="F")
+    padded[: len(columns)] = columns
+    solution: Matrix = handle.solve(padded)[: len(columns)]
     return solution
-
-
-def _analysed(A: SparseMatrix, ports: SparseMatrix | None) -> tuple[PardisoHandle, Indices, Mask]:
-    """Analyse the pattern; return the place of its rows, and those to be eliminated last."""
-    n = A.shape[0]
-    nowhere = np.zeros(n, dtype=bool)
-    if ports is not None and n:
-        touched = _touched(ports.T)
-        form, last, place = blocks_with_last(A, touched)
-        handle, size = PardisoHandle(*upper_blocks(form), last), form.blocksize[0]
-        if _pays(handle.entries, size * int(np.count_nonzero(last)), ports.shape[0]):
-            return handle, place, touched
-        handle.release()
-    blocks = node_blocks(A)
-    handle = PardisoHandle(*upper_blocks(blocks), np.zeros(len(blocks.indptr) - 1, dtype=bool))
-    return handle, np.arange(n), nowhere
-
-
-def _pays(entries: int, front: int, n_port: int) -> bool:
-    """Compare the Cholesky of a dense last front with the substitutions it makes unnecessary."""
-    inner = entries - front**2 / 2
-    return front**3 / 3 < 4 * inner * n_port
-
-
-def _touched(columns: SparseMatrix) -> Mask:
-    """Return which rows of sparse columns hold anything."""
-    touched: Mask = np.diff(columns.tocsr().indptr) > 0
-    return touched

@@ -1,7 +1,7 @@
 """Entries of an inverse between a few ports: Q A⁻¹ Qᵀ."""
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.linalg.compressed import CompressedCompliance, compress, symmetrized
+from faying.linalg.compressed import CompressedCompliance, compress
 from faying.linalg.factorization import Factorization, MatrixFactorization
 from faying.linalg.substitution import solved_gram
 
@@ -11,12 +11,12 @@ def port_compliance(ports: SparseMatrix | Matrix, factor: Factorization) -> Matr
 
     Notes
     -----
-    At most one back-substitution per port, in blocks of bounded memory; far less where the
-    factorization was told its ports (:func:`faying.linalg.factorization.factorize`).
+    At most one back-substitution per port, in blocks of bounded memory; of many sparse ports by
+    PARDISO one more factorization instead (:mod:`faying.linalg.pardiso`).
     """
     if isinstance(factor, MatrixFactorization):
-        return symmetrized(factor.gram(ports.T))
-    return symmetrized(solved_gram(factor.solve, ports.T))
+        return factor.gram(ports.T)
+    return solved_gram(factor.solve, ports.T)
 
 
 def compressed_port_compliance(

@@ -63,7 +63,7 @@ class SuperluFactorization:
         return solved_gram(self.solve, columns)
 
 
-def factorize_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> SuperluFactorization:  # noqa: ARG001  SuperLU cannot use the ports
+def factorize_superlu(A: SparseMatrix) -> SuperluFactorization:
     """Factorize a symmetric matrix, definite or not.
 
     Raises
@@ -85,7 +85,7 @@ def factorize_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> Sup
     return SuperluFactorization(factors=factors, order=order)
 
 
-def estimate_superlu(A: SparseMatrix, ports: SparseMatrix | None = None) -> FactorMemory:  # noqa: ARG001  as above
+def estimate_superlu(A: SparseMatrix) -> FactorMemory:
     """Tell about what :func:`factorize_superlu` would take, from the order alone."""
     n = A.shape[0]
     most = n * (n + 1)  # L and U, both with their diagonal

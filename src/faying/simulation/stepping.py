@@ -7,13 +7,12 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Matrix, SparseMatrix, Vector
+from faying._typing import Matrix, Vector
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
-from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.threads import threads_for
 from faying.simulation.compiled import (
@@ -77,7 +76,7 @@ def transient_solver(
     if compiled:
         check_compiler()
     scheme = ImplicitEuler() if integrator is None else integrator
-    effective = factorize(scheme.effective_matrix(system, step), ports=_dense_ports(system))
+    effective = factorize(scheme.effective_matrix(system, step))
     return TransientSolver(
         system=system,
         scheme=scheme,
@@ -87,14 +86,6 @@ def transient_solver(
         compiled=compiled,
         warn=warn,
     )
-
-
-def _dense_ports(system: System) -> SparseMatrix | None:
-    """Return the pairs of a full model whose compliance fits in memory as a whole."""
-    ports, contact = system.contact.relative_operator, system.contact
-    if isinstance(ports, np.ndarray) or not pairs_fit(ports.shape[0], contact.dense_budget):
-        return None
-    return ports
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
