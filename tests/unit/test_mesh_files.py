@@ -225,6 +225,39 @@ def test_pyramids_with_mid_side_nodes(tmp_path, monkeypatch):
     np.testing.assert_array_equal(block.nodes, [range(13)])
 
 
+def test_meshes_of_a_salome_file_are_joined_and_their_groups_have_names(tmp_path):
+    """Two bricks over each other, each a mesh of its own; one has solids without a group.
+
+    Both know the groups by name, so that the mesh tells them apart.
+    """
+    h5py = pytest.importorskip("h5py", reason="MED is read with h5py")
+    places = SOLIDS["hex8"].reference_nodes
+    bricks = np.arange(8)[None]
+    with h5py.File(tmp_path / "two.med", "w") as both:
+        for z, name in enumerate(("low", "up")):
+            cells = [("hexahedron", bricks), ("quad", np.arange(4)[None])]
+            tags = [np.array([-1 if z else 0]), np.array([-2])]
+            mesh = meshio.Mesh(
+                places + np.array([0, 0, 2.0 * z]), cells, cell_data={"cell_tags": tags}
+            )
+            mesh.cell_tags = {-1: ["body"], -2: ["foot"]}
+            meshio.med.write(tmp_path / "one.med", mesh)
+            with h5py.File(tmp_path / "one.med") as one:
+                for folder in ("ENS_MAA", "FAS"):
+                    (own,) = one[folder]
+                    one.copy(f"{folder}/{own}", both.require_group(folder), name=name)
+    found = read_mesh_file(tmp_path / "two.med", materials=MATERIALS)
+    assert [len(block.ids) for block in found.mesh.blocks] == [1, 1]
+    assert {name: ids.tolist() for name, ids in found.mesh.element_sets.items()} == {
+        "low": [1],
+        "up/body": [2],
+    }
+    assert set(found.face_sets) == {"low/foot", "up/foot"}
+    np.testing.assert_array_equal(found.mesh.nodes[8:], places + np.array([0, 0, 2]))
+    alone = read_mesh_file(tmp_path / "one.med", materials=MATERIALS)
+    assert set(alone.mesh.element_sets) == {"body"}
+
+
 def test_ungrouped_solids_are_one_group(tmp_path):
     mesh = fragmented("tet10")
     bare = meshio.Mesh(mesh.points, mesh.cells)

@@ -14,6 +14,7 @@ from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.files.contents import reason_of
 from faying.io.aster_mail import read_mail
+from faying.io.med_files import read_med
 from faying.io.mesh_groups import FACE_KINDS, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.elements import SOLIDS
@@ -137,7 +138,7 @@ def _read(path: Path) -> Any:
             contextlib.redirect_stderr(said),
             np.errstate(all="ignore"),
         ):
-            return meshio.read(path)
+            return read_med(path) if path.suffix.lower() == ".med" else meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio's readers raise whatever a damaged file meets
         reason = " ".join(said.getvalue().split())[:200] or reason_of(error)
         message = (
