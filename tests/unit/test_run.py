@@ -10,7 +10,10 @@ import pytest
 
 from faying.exceptions import ConvergenceError, StudyError
 from faying.export import vtu
+from faying.joint import structure
+from faying.simulation.solution_parts import arrays_of
 from faying.simulation.transient import solve_transient
+from faying.sources import lap_joint
 from faying.study import (
     case_solution,
     cases,
@@ -24,6 +27,7 @@ from faying.study import (
     worker_tasks,
 )
 from faying.study.checkpoint import open_checkpoint
+from faying.study.kept_preload import check_same_joint
 from faying.study.loads import case_load
 from faying.study.schema import read_study
 from faying.study.store import read_results
@@ -367,6 +371,52 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
     # Full, craig-bampton, 2 × jim-a, 2 × jim-b, compliance and the half step, each once.
     assert len(solved) == 8
     assert not (tmp_path / "unfinished").exists()
+
+
+PLAIN = """
+[model]
+source = "lap-joint"
+lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
+[[bolt]]
+name = "bolt"
+preload = 5e3
+"""
+
+
+@pytest.mark.parametrize(
+    "more", ["[sticking]\nstiffness = 1e6", '[[interface]]\nname = "joint"\nfriction = 0.3']
+)
+def test_a_resumed_run_does_not_tighten_again(tmp_path, monkeypatch, more):
+    path = tmp_path / "plain.toml"
+    path.write_text(PLAIN + more)
+    study, stages = read_study(path), progress.Stages(None)
+    before = offline.prepare_joint(study, stages, open_checkpoint(tmp_path, "", resume=False))
+    for name in ("tighten", "tighten_with_friction", "solve_static", "rest_state"):
+        monkeypatch.setattr(offline, name, _raise(AssertionError(name)))
+    monkeypatch.setattr(structure, "port_compliance", _raise(AssertionError("compliance")))
+    after = offline.prepare_joint(study, stages, open_checkpoint(tmp_path, "", resume=True))
+    for one, other in ((before.preload, after.preload), (before.rest, after.rest)):
+        assert one.name == other.name
+        for name, values in arrays_of(one).items():
+            np.testing.assert_array_equal(getattr(other, name), values)
+    assert {name: bolt.initial_force for name, bolt in after.model.bolts.items()} == {
+        name: bolt.initial_force for name, bolt in before.model.bolts.items()
+    }
+    assert after.tightening.stages == before.tightening.stages
+    np.testing.assert_array_equal(after.tightening.bolt_forces, before.tightening.bolt_forces)
+    paths = [[load.bolt_forces for load in one.preload_path] for one in (before, after)]
+    assert paths[0] == paths[1]
+
+
+def test_resuming_with_another_deck_is_refused(tmp_path):
+    """What was computed of one mesh says nothing of another, whatever the study's text."""
+    folder = tmp_path / "out"
+    checkpoint = open_checkpoint(folder, "", resume=False)
+    joints = [lap_joint(element_size=size, hole_radius=0.0) for size in (10.0, 5.0)]
+    check_same_joint(checkpoint, joints[0])
+    check_same_joint(open_checkpoint(folder, "", resume=True), joints[0])
+    with pytest.raises(StudyError, match="belongs to another joint: a deck, mesh or matrix"):
+        check_same_joint(checkpoint, joints[1])
 
 
 def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monkeypatch):

@@ -185,6 +185,10 @@ class Structure:
             return port_compliance(self._held_ports, self.interior_factor)
         return compressed_port_compliance(self._held_ports, self.interior_factor, self.places)
 
+    def take_held_compliance(self, compliance: Matrix) -> None:
+        """Use a compliance with the boundary held that was formed before; it is not checked."""
+        vars(self)["held_compliance"] = frozen(compliance)
+
     @cached_property
     def _held_ports(self) -> SparseMatrix:
         """P at the interior (n_relative, n_interior)."""

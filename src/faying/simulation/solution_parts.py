@@ -55,6 +55,12 @@ def joined(solutions: Sequence[Solution]) -> Solution:
     return replace(solutions[-1], **arrays)
 
 
+def arrays_of(solution: Solution) -> dict[str, Any]:
+    """Return everything in a static solution that is numbers, by its name."""
+    values = {name: getattr(solution, name) for name in OF_EACH_STATE}
+    return {name: np.asarray(value) for name, value in values.items() if value is not None}
+
+
 def check_points(system: System, state: Solution) -> None:
     """Refuse a state with other contact points than a joint has.
 

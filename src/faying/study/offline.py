@@ -27,6 +27,13 @@ from faying.simulation.static import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.without_friction import smooth_joint
 from faying.study.checkpoint import Checkpoint
+from faying.study.kept_preload import (
+    Tightened,
+    check_same_joint,
+    keep_compliance,
+    kept_state,
+    kept_tightening,
+)
 from faying.study.load_model import LoadedModel, build_loaded, check_interfaces, load_model
 from faying.study.loads import check_loads, is_trained, training_box
 from faying.study.path_cases import has_friction, rest_state
@@ -67,8 +74,15 @@ class PreparedJoint:
     preload_path: tuple[Load, ...] = ()
 
 
-def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
+def prepare_joint(
+    study: Study, stages: Stages, checkpoint: Checkpoint | None = None
+) -> PreparedJoint:
     """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
+
+    Parameters
+    ----------
+    checkpoint
+        Where bolts and states are kept, and taken from where they are there.
 
     Raises
     ------
@@ -81,23 +95,31 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
         check_loads(study, model)
         _ = model.K  # formed here, lest another stage be said to take as long
-    _condense(model, stages)
+        if checkpoint is not None:
+            check_same_joint(checkpoint, model)
+    _condense(model, stages, checkpoint, "compliance")
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
     if has_friction(model):
-        return _rubbing_joint(study, loaded, model, forces, stages)
+        return _rubbing_joint(study, loaded, model, forces, stages, checkpoint)
     with stages.stage("preload"):
-        tightening = tighten(model, forces)
-        model = model.with_bolt_forces(tightening.initial_forces)
-        preload = solve_static(model)
+        free = model
+        tightening, _ = kept_tightening(
+            checkpoint, "tightening", lambda: (tighten(free, forces), ())
+        )
+        locked = model = free.with_bolt_forces(tightening.initial_forces)
+        preload = kept_state(checkpoint, "preload", locked, lambda: solve_static(locked))
     if study.sticking is not None:
         sticking = Sticking(threshold=study.sticking.threshold, stiffness=study.sticking.stiffness)
         tied = with_sticking(model, sticking)
-        _condense(tied, stages)
+        _condense(tied, stages, checkpoint, "compliance of tied parts")
         with stages.stage("preload"):
-            again = tighten(tied, forces, increments=1)
+            again, _ = kept_tightening(
+                checkpoint, "tightening again", lambda: (tighten(tied, forces, increments=1), ())
+            )
             model = tied.with_bolt_forces(again.initial_forces)
     with stages.stage("preload"):
-        rest = solve_static(model)
+        final = model
+        rest = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
     with stages.stage("frequencies"):
         period = _longest_period(model, rest)
     return PreparedJoint(
@@ -111,23 +133,30 @@ def prepare_joint(study: Study, stages: Stages) -> PreparedJoint:
 
 
 def _rubbing_joint(
-    study: Study, loaded: LoadedModel, model: Model, forces: Mapping[str, float], stages: Stages
+    study: Study,
+    loaded: LoadedModel,
+    model: Model,
+    forces: Mapping[str, float],
+    stages: Stages,
+    checkpoint: Checkpoint | None,
 ) -> PreparedJoint:
     """Tighten the bolts of a joint with friction, along a path or as if there were none."""
+
+    def tightened() -> Tightened:
+        if not study.friction_during_preload:
+            return tighten(smooth_joint(model), forces), ()
+        found = tighten_with_friction(model, forces)
+        return found.tightening, found.loads
+
     with stages.stage("preload"):
-        path: tuple[Load, ...] = ()
-        if study.friction_during_preload:
-            found = tighten_with_friction(model, forces)
-            tightening, path = found.tightening, found.loads
-        else:
-            tightening = tighten(smooth_joint(model), forces)
-        model = model.with_bolt_forces(tightening.initial_forces)
-        rest = rest_state(model, path)
+        tightening, path = kept_tightening(checkpoint, "tightening", tightened)
+        locked = model.with_bolt_forces(tightening.initial_forces)
+        rest = kept_state(checkpoint, "rest", locked, lambda: rest_state(locked, path))
     with stages.stage("frequencies"):
-        period = _longest_period(model, rest)
+        period = _longest_period(locked, rest)
     return PreparedJoint(
         loaded=loaded,
-        model=model,
+        model=locked,
         tightening=tightening,
         preload=rest,
         rest=rest,
@@ -143,11 +172,12 @@ def _longest_period(model: Model, rest: Solution) -> float:
     return 1.0 / float(preloaded_frequencies(model, 1, state=rest)[0])
 
 
-def _condense(model: Model, stages: Stages) -> None:
+def _condense(model: Model, stages: Stages, checkpoint: Checkpoint | None, key: str) -> None:
     """Factorize and form the interface compliance; the structure keeps both."""
     with stages.stage("factorization"):
         _ = model.structure.boundary_factor
     with stages.stage("compliance"):
+        keep_compliance(checkpoint, key, model.structure)
         contact = model.static_contact
         _ = contact.frictional if has_friction(model) else contact.space
 

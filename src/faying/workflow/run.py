@@ -92,7 +92,7 @@ def _computed(
     """Compute everything, and say whether all of it converged."""
     if executor is not None:
         compute_pieces(study, executor, checkpoint, stages)
-    joint = prepare_joint(study, stages)
+    joint = prepare_joint(study, stages, checkpoint)
     chosen = normal_modes_of(study, joint, stages, checkpoint)
     trained = build_bases(study, joint, chosen.modes, stages, checkpoint)
     choices = choose_counts(study, joint.model, trained, stages)

@@ -1,0 +1,105 @@
+"""The preloaded joint in the checkpoint of a run: bolts and states, however they were computed."""
+
+from collections.abc import Callable, Sequence
+from hashlib import blake2b
+from typing import Any
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import StudyError
+from faying.execution.checkpoint import Checkpoint
+from faying.joint.model import Model
+from faying.joint.structure import Structure
+from faying.joint.system import System
+from faying.simulation.load import Load
+from faying.simulation.preload import Tightening
+from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import arrays_of
+
+Tightened = tuple[Tightening, Sequence[Load]]
+"""How bolts were tightened, and the loads of the path by which, if there was one."""
+
+
+def check_same_joint(checkpoint: Checkpoint, model: Model) -> None:
+    """Refuse to go on with what was computed of another joint: a deck may have changed since.
+
+    Raises
+    ------
+    StudyError
+    """
+    contact, found = model.contact, blake2b(digest_size=16)
+    arrays = [model.K.data, model.K.indices, model.M.data, contact.interpolation.data]
+    arrays += [contact.weights, contact.initial_gap, model.pattern_forces]
+    arrays += [one.elongation for one in model.bolts.values()]
+    for array in arrays:
+        found.update(array.tobytes())
+    mark = np.array(f"{found.hexdigest()} {dict(contact.laws)}")
+    if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
+        message = (
+            f"{checkpoint.folder} belongs to another joint: a deck, mesh or matrix of the study "
+            "has changed since; run without --resume to start afresh"
+        )
+        raise StudyError(message)
+
+
+def keep_compliance(checkpoint: Checkpoint | None, key: str, structure: Structure) -> None:
+    """Let a structure take its compliance between pairs from a run before, or keep it for one.
+
+    Compressed compliances are formed anew: they are made of more than one array.
+    """
+    if checkpoint is None or not structure.is_kept_whole:
+        return
+    kept = checkpoint.bundle(key, lambda: {"held": np.asarray(structure.held_compliance)})
+    structure.take_held_compliance(kept["held"])
+
+
+def kept_tightening(
+    checkpoint: Checkpoint | None, key: str, compute: Callable[[], Tightened]
+) -> tuple[Tightening, tuple[Load, ...]]:
+    """Return how bolts were tightened as it is kept under a key, or compute and keep it."""
+    if checkpoint is None:
+        tightening, loads = compute()
+        return tightening, tuple(loads)
+
+    def arrays() -> dict[str, Matrix]:
+        found, path = compute()
+        turned = [[load.bolt_forces[bolt] for bolt in found.bolts] for load in path]
+        return {
+            "bolts": np.array(found.bolts, dtype=str),
+            "initial_forces": np.array([found.initial_forces[bolt] for bolt in found.bolts]),
+            "stages": np.array(found.stages, dtype=str),
+            "bolt_forces": found.bolt_forces,
+            "path": np.array(turned, dtype=float).reshape(len(turned), len(found.bolts)),
+            "names": np.array([load.name for load in path], dtype=str),
+        }
+
+    kept = checkpoint.bundle(key, arrays)
+    bolts = tuple(kept["bolts"].tolist())
+    tightening = Tightening(
+        initial_forces=dict(zip(bolts, kept["initial_forces"].tolist(), strict=True)),
+        bolts=bolts,
+        stages=tuple(kept["stages"].tolist()),
+        bolt_forces=kept["bolt_forces"],
+    )
+    return tightening, tuple(
+        Load(name=name, bolt_forces=dict(zip(bolts, row, strict=True)))
+        for name, row in zip(kept["names"].tolist(), kept["path"].tolist(), strict=True)
+    )
+
+
+def kept_state(
+    checkpoint: Checkpoint | None, key: str, system: System, compute: Callable[[], Solution]
+) -> Solution:
+    """Return a static state of a joint as it is kept under a key, or compute and keep it."""
+    if checkpoint is None:
+        return compute()
+
+    def arrays() -> dict[str, Matrix]:
+        found = compute()
+        return {"name": np.array(found.name), **arrays_of(found)}
+
+    kept: dict[str, Any] = {
+        name: value[()] for name, value in checkpoint.bundle(key, arrays).items()
+    }
+    return Solution(name=str(kept.pop("name")), system=system, **kept)
