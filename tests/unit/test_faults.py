@@ -1,6 +1,8 @@
 """What happens to a run: full disks, folders that are gone or taken, Ctrl-C, names with markup."""
 
 import io
+import os
+import re
 import resource
 import signal
 import subprocess
@@ -11,9 +13,12 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+import typer
 from rich.console import Console
 
 from fake_results import fake_results
+from faying.cli import progress
+from faying.cli.interruption import resumable
 from faying.cli.outcome import show_outcome
 from faying.exceptions import FormatError, StudyError
 from faying.export.vtu import write_interface_vtu
@@ -72,8 +77,9 @@ def test_full_disk(study, limit):
     """The stamp, the summary or the results do not fit; nothing is left half written."""
     ended = call(study, limit=limit)
     assert ended.returncode == 2, ended.stderr
-    assert ended.stderr.startswith("faying: cannot ")
-    assert ended.stderr.count("\n") == 1
+    *stages, said = ended.stderr.splitlines()
+    assert said.startswith("faying: cannot ")
+    assert all(re.match(r" +\d+:\d\d  \w", line) for line in stages)
     assert not [path for path in (study.parent / "out").rglob("*") if path.name.startswith(".")]
     again = call(study, "--resume")
     assert again.returncode == 0, again.stderr
@@ -149,7 +155,10 @@ def test_next_run_removes_what_killed_ones_left(study):
             process.communicate()
 
 
-def test_interrupted_run_says_how_to_go_on(study):
+@pytest.mark.parametrize(
+    ("stop", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
+)
+def test_interrupted_run_says_how_to_go_on(study, stop, status):
     """Long enough to be met: a step response of a million steps."""
     text = study.read_text().replace(
         'kind = "static"', 'kind = "step"\nstep = 1e-6\nduration = 0.1'
@@ -169,13 +178,59 @@ def test_interrupted_run_says_how_to_go_on(study):
         time.sleep(0.05)
     time.sleep(0.5)
     try:
-        process.send_signal(signal.SIGINT)
+        process.send_signal(stop)
         said = process.communicate(timeout=60)[1]
     finally:
         process.kill()
-    assert process.returncode == 130, said
+    assert process.returncode == status, said
     assert "Traceback" not in said
     assert said.endswith("  faying run study.toml --out 'a folder' --resume\n")
+
+
+@pytest.mark.parametrize(
+    ("stop", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
+)
+def test_a_command_interrupted_early_says_how_to_begin_again(tmp_path, capsys, stop, status):
+    """Before anything is kept, as while a deck is read."""
+
+    def stopped():
+        with resumable(["faying", "run", "a b.toml"], tmp_path):
+            os.kill(os.getpid(), stop)
+            time.sleep(5)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(typer.Exit) as ended:
+            stopped()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert ended.value.exit_code == status
+    said = "Interrupted; nothing was finished yet. Begin again with\n  faying run 'a b.toml'\n"
+    assert capsys.readouterr().err == said
+
+
+def test_a_run_without_a_terminal_tells_its_stages(study):
+    """A line as each begins: what is read in a log while it runs."""
+    lines = call(study).stderr.splitlines()
+    stages = [re.fullmatch(r" *(\d+):(\d\d)  (\S.*)", line).groups() for line in lines]
+    times = [60 * int(minutes) + int(seconds) for minutes, seconds, _ in stages]
+    assert times == sorted(times)
+    names = [name for _, _, name in stages]
+    assert names[:4] == ["assembly", "factorization", "compliance", "preload"]
+    assert names.index("preload") < names.index("files")
+
+
+def test_lines_tell_how_much_is_done(capsys, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
+    lines = progress.Lines()
+    task = lines.add_task("steps", total=100)
+    for _ in range(70):
+        now[0] += 1.0
+        lines.advance(task)
+    assert capsys.readouterr().err == (
+        "   0:00  steps\n   0:31  steps: 31 of 100\n   1:02  steps: 62 of 100\n"
+    )
 
 
 def test_folder_that_vanishes(tmp_path):

@@ -45,7 +45,7 @@ def check(
     checked, bare = study_or_deck(study, ignore or ()), is_bare(study)
     if out is not None:
         usable_folder(out)
-    with progress_bar(Console(stderr=True)) as bar, naming_tables(checked):
+    with progress_bar(Console(stderr=True), lines=False) as bar, naming_tables(checked):
         file = checked.model.file
         stage = bar.add_task(f"Reading {file.name}" if file else "Reading the model", total=None)
         loaded = load_model(checked)

@@ -1,6 +1,5 @@
 """``faying run``: compute a study."""
 
-import shlex
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
@@ -9,6 +8,7 @@ from typing import Annotated
 import typer
 
 from faying.cli.arguments import StudyPath, shared_executor, usable_folder
+from faying.cli.interruption import resumable
 from faying.exceptions import StudyError
 
 NOT_CONVERGED = 1
@@ -16,9 +16,6 @@ NOT_CONVERGED = 1
 
 NOT_MET = 3
 """Exit status of a joint that does not hold what its study demands."""
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells have it."""
 
 
 def run(
@@ -47,6 +44,11 @@ def compute(
     path: Path, out: Path, *, resume: bool, workers: int = 1, scheduler: str | None = None
 ) -> None:
     """Run the study of a file into a folder and exit with 1 if something did not converge."""
+    with resumable(["faying", "run", str(path), "--out", str(out)], out):
+        _compute(path, out, resume=resume, workers=workers, scheduler=scheduler)
+
+
+def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: str | None) -> None:
     since = perf_counter()  # importing what computes takes a second
     from faying.study.schema import read_study
 
@@ -62,20 +64,13 @@ def compute(
     from faying.study.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
 
-    console = Console(stderr=True)
-    try:
-        with ExitStack() as stack:
-            executor = shared_executor(workers, scheduler, stack)
-            progress = stack.enter_context(progress_bar(console))
-            stack.enter_context(naming_tables(study))
-            result = run_study(
-                study, out, resume=resume, progress=progress, executor=executor, since=since
-            )
-    except KeyboardInterrupt:
-        again = shlex.join(["faying", "run", str(path), "--out", str(out), "--resume"])
-        message = f"Interrupted; what is finished is kept in {out / 'unfinished'}. Go on with"
-        typer.echo(f"{message}\n  {again}", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+    with ExitStack() as stack:
+        executor = shared_executor(workers, scheduler, stack)
+        progress = stack.enter_context(progress_bar(Console(stderr=True)))
+        stack.enter_context(naming_tables(study))
+        result = run_study(
+            study, out, resume=resume, progress=progress, executor=executor, since=since
+        )
     show_outcome(result.summary, out, Console(markup=False))
     for warning in result.summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)

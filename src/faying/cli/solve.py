@@ -1,6 +1,5 @@
 """``faying solve``: many loads on a reduced model, without the full one."""
 
-import shlex
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -8,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from faying.cli.arguments import shared_executor, usable_folder
-from faying.cli.run import INTERRUPTED, NOT_CONVERGED, NOT_MET
+from faying.cli.interruption import resumable
+from faying.cli.run import NOT_CONVERGED, NOT_MET
 from faying.exceptions import StudyError
 
 if TYPE_CHECKING:
@@ -66,33 +66,34 @@ def solve(
     ] = None,
 ) -> None:
     """Solve many loads on a reduced model: metrics of all, fields of the worst, envelopes."""
-    from rich.console import Console
-
-    from faying.cli.outcome import met
-    from faying.cli.progress import progress_bar
-    from faying.reduction.model_reader import load, preload_path_of, study_of
-    from faying.simulation.integrators import named_integrator
-    from faying.study.load_set import read_loads
-    from faying.study.requirement_rules import requirements_of
-    from faying.study.schema import stored_requirement
-    from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
-
     folder = out or Path(f"{loads.stem}-solved")
-    if step is not None and not 0 < step < float("inf"):
-        message = f"--step is {step:g}; give a positive time"
-        raise StudyError(message)
-    rom = load(model)
-    wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
-    usable_folder(folder)
-    tightened = preload_path_of(model)
-    options = SolveOptions(
-        worst=worst,
-        named=tuple(keep or ()),
-        certificates=certificates,
-        table=table,
-        requirements=requirements_of(wanted.requirement or stored_requirement(study_of(model))),
-    )
-    try:
+    command = ["faying", "solve", str(model), str(loads), "--out", str(folder)]
+    with resumable(command, folder, ", and the other options as before"):
+        from rich.console import Console
+
+        from faying.cli.outcome import met
+        from faying.cli.progress import progress_bar
+        from faying.reduction.model_reader import load, preload_path_of, study_of
+        from faying.simulation.integrators import named_integrator
+        from faying.study.load_set import read_loads
+        from faying.study.requirement_rules import requirements_of
+        from faying.study.schema import stored_requirement
+        from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
+
+        if step is not None and not 0 < step < float("inf"):
+            message = f"--step is {step:g}; give a positive time"
+            raise StudyError(message)
+        rom = load(model)
+        wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
+        usable_folder(folder)
+        tightened = preload_path_of(model)
+        options = SolveOptions(
+            worst=worst,
+            named=tuple(keep or ()),
+            certificates=certificates,
+            table=table,
+            requirements=requirements_of(wanted.requirement or stored_requirement(study_of(model))),
+        )
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)
             bar = stack.enter_context(progress_bar(Console(stderr=True), remaining=True))
@@ -106,11 +107,6 @@ def solve(
                 progress=bar,
                 executor=executor,
             )
-    except KeyboardInterrupt:
-        again = shlex.join(["faying", "solve", str(model), str(loads), "--out", str(folder)])
-        message = f"Interrupted; what is finished is kept in {folder / 'unfinished'}. Go on with"
-        typer.echo(f"{message}\n  {again} --resume, and the other options as before", err=True)
-        raise typer.Exit(INTERRUPTED) from None
     _show(result.summary, folder)
     if not result.converged:
         message = f"Some cases did not converge; {folder / 'summary.json'} names them"

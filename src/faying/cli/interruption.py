@@ -1,0 +1,56 @@
+"""How to go on with a command that Ctrl-C or SIGTERM has stopped."""
+
+import shlex
+import signal
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn
+
+import typer
+
+INTERRUPTED, TERMINATED = 130, 143
+"""Exit status after Ctrl-C and after SIGTERM, as shells have it."""
+
+
+class _Terminated(KeyboardInterrupt):
+    """SIGTERM: batch systems send it before they kill."""
+
+
+def _terminate(_signal: int, _frame: FrameType | None) -> NoReturn:
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a second one ends it at once
+    raise _Terminated
+
+
+@contextmanager
+def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterator[None]:
+    """Say how to go on with a command that is stopped, and end with the status of the signal.
+
+    Parameters
+    ----------
+    command
+        What was given, without ``--resume``.
+    folder
+        Whose ``unfinished`` keeps what is finished.
+    others
+        What else to give.
+    """
+    try:
+        before = signal.signal(signal.SIGTERM, _terminate)
+    except ValueError:  # not the main thread, which alone hears signals
+        before = None
+    try:
+        yield
+    except KeyboardInterrupt as stopped:
+        kept = folder / "unfinished"
+        again = shlex.join([*command, *(["--resume"] if kept.exists() else [])]) + others
+        said = f"what is finished is kept in {kept}. Go on with"
+        if not kept.exists():
+            said = "nothing was finished yet. Begin again with"
+        typer.echo(f"Interrupted; {said}\n  {again}", err=True)
+        status = TERMINATED if isinstance(stopped, _Terminated) else INTERRUPTED
+        raise typer.Exit(status) from None
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGTERM, before)
