@@ -299,6 +299,8 @@ def _friction(
 
 def _body_friction(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]) -> float:
     """Return the coefficient of friction that a body gives."""
+    if card.cards.name == "BCSURF":
+        return 0.0
     if card.cards.name != "BCBODY1":
         return friction_coefficient(card, 5)
     properties = by_id(cards, "BCBDPRP").get(card.integer(1, 0))
@@ -308,7 +310,7 @@ def _body_friction(cards: Mapping[str, Cards], card: Card, ignored: dict[str, No
 
 def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
     found: dict[int, Card] = {}
-    for name in ("BCBODY", "BCBODY1"):
+    for name in ("BCBODY", "BCBODY1", "BCSURF"):
         for number, card in by_id(cards, name).items():
             if number in found:
                 text = f"body {number} is already defined at {found[number].where()}; renumber one"
@@ -330,6 +332,8 @@ def _region(
         text = f"contact body {number} is not a BCBODY or BCBODY1 of the deck; define it"
         raise user.error(text)
     card = bodies[number]
+    if card.cards.name == "BCSURF":
+        return regions[-number]
     new = card.cards.name == "BCBODY1"
     dimension, behaviour, region = (2, 3, 4) if new else (1, 2, 3)
     if card.text(dimension) not in ("", "3D"):

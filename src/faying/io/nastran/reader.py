@@ -102,7 +102,7 @@ _READ = frozenset(
         # contact and bolts, read behind the structure
         *("BSURF", "BSURFS", "BCPROP", "BCPROPS", "BCTSET", "BCTADD", "BCTPARM", "BCTPARA"),
         *("BCRPARA", "BGSET", "BGADD", "BGPARM", "BGPARA", "BCTABLE", "BCTABL1", "BCONECT"),
-        *("BCBODY", "BCBODY1", "BCBDPRP", "BCONPRG", "BCONPRP", "BCPARA"),
+        *("BCBODY", "BCBODY1", "BCSURF", "BCBDPRP", "BCONPRG", "BCONPRP", "BCPARA"),
         *("BOLT", "BOLTFOR", "BOLTLD", "BOLTFRC", "BOLTSEQ"),
     )
 )

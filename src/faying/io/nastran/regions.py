@@ -59,8 +59,15 @@ class Region:
         return FaceSet(kind=kinds[0], nodes=self.facets[:, : counts[0]])
 
 
+_SIDES = {
+    **{"S1": (0, 1, 2), "S2": (4, 5, 6), "S3": (0, 1, 5)},
+    **{"S4": (1, 2, 6), "S5": (2, 3, 7), "S6": (3, 0, 4)},
+}
+"""Three corners of the sides of CHEXA that BCSURF names."""
+
+
 def read_regions(cards: Mapping[str, Cards], grids: Grids, solids: Solids) -> dict[int, Region]:
-    """Read contact regions by id.
+    """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs.
 
     Raises
     ------
@@ -87,7 +94,46 @@ def read_regions(cards: Mapping[str, Cards], grids: Grids, solids: Solids) -> di
     for card in cards.get("BSURFS", ()):
         facets = _facets(card, grids, solids)
         _add(found, card, Region(card=card, name=f"bsurfs:{card.integer(0)}", facets=facets))
+    for card in cards.get("BCSURF", ()):
+        facets = _sides(card, solids)
+        found[-card.integer(0)] = Region(card=card, name=f"bcsurf:{card.integer(0)}", facets=facets)
     return found
+
+
+def _sides(card: Card, solids: Solids) -> Indices:
+    """Faces (n, 8) of rows with an element, the side of it, and ELEM."""
+    rows = [[card.text(j + k) for k in range(8)] for j in range(8, len(card), 8)]
+    named = [row for row in rows if any(row)]
+    bricks = [one for one in solids.blocks if one.kind in ("hex8", "hex20")]
+    found = [numbers.integer(row[0]) for row in named]
+    for row, element in zip(named, found, strict=True):
+        odd = element is None or row[1] not in _SIDES or row[2:] != ["ELEM", *[""] * 5]
+        if odd or card.text(4) != "FACE":
+            text = (
+                f"'{', '.join(filter(None, row))}'; supported are rows of a CHEXA, its side S1 to "
+                "S6 and ELEM, behind FACE; name faces by BSURFS"
+            )
+            raise card.error(text, 8)
+    sides = np.array([list(_SIDES[row[1]]) for row in named], dtype=np.int64).reshape(-1, 3)
+    elements = np.array(found, dtype=np.int64)
+    nodes = np.full((len(elements), 3), -1, dtype=np.int64)
+    for block in bricks:
+        order = np.argsort(block.ids, kind="stable")
+        row = order[np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)]
+        here = np.flatnonzero(block.ids[row] == elements)
+        nodes[here] = block.nodes[row[here][:, None], sides[here]]
+    missing = np.flatnonzero(nodes[:, 0] < 0)
+    if missing.size:
+        text = f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS"
+        raise card.error(text, 8)
+
+    def fits(here: Indices, _: str, kind: str, corners: Indices) -> Mask:
+        del kind
+        among = (nodes[here][:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
+        return np.asarray(among)
+
+    faces, _ = find_faces(bricks, elements, fits)
+    return np.unique(faces, axis=0)
 
 
 def _add(found: dict[int, Region], card: Card, region: Region) -> None:
