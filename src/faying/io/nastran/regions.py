@@ -119,9 +119,9 @@ def _sides(card: Card, solids: Solids) -> Indices:
     nodes = np.full((len(elements), 3), -1, dtype=np.int64)
     for block in bricks:
         order = np.argsort(block.ids, kind="stable")
-        row = order[np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)]
-        here = np.flatnonzero(block.ids[row] == elements)
-        nodes[here] = block.nodes[row[here][:, None], sides[here]]
+        at = order[np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)]
+        here = np.flatnonzero(block.ids[at] == elements)
+        nodes[here] = block.nodes[at[here][:, None], sides[here]]
     missing = np.flatnonzero(nodes[:, 0] < 0)
     if missing.size:
         text = f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS"
