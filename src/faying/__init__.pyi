@@ -32,7 +32,6 @@ from faying.assessment.slip_reserve import slip_reserve as slip_reserve
 from faying.assessment.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments
-from faying.assessment.worst_case import worst_case_load as worst_case_load
 from faying.contact.laws import ExponentialClosure as ExponentialClosure
 from faying.contact.laws import PowerClosure as PowerClosure
 from faying.contact.laws import TableClosure as TableClosure

@@ -45,7 +45,6 @@ from faying.study.validation_record import (
     LoadSpaceResult,
     PenaltyRecord,
     ValidationRecord,
-    WorstCaseRecord,
 )
 
 GROUPS = {
@@ -82,7 +81,6 @@ GROUPS = {
     "/validation/load_space": LoadSpaceRecord,
     "/validation/load_space/methods/METHOD/N": LoadSpaceResult,
     "/validation/load_space/best_possible": BestPossible,
-    "/validation/worst_cases/METHOD": WorstCaseRecord,
     "/validation/penalty": PenaltyRecord,
     "/validation/penalty/sweep": PenaltySweep,
     "/validation/choices/METHOD": JointModeChoice,

@@ -59,7 +59,6 @@ levels = 2
 dynamics = false
 
 [validation]
-box = [{ deck_load = "8", min = -1.0, max = 1.0 }]
 unseen_loads = 3
 penalty_sweep = false
 
@@ -144,7 +143,6 @@ def test_results_are_those_of_the_model_in_python(results, model):
     assert results.cases["one"].methods["compliance"][0].accuracy.max_relative_error < 1e-9
     # Trained with the load itself; 3e-4 is measured, 0.21 where forces at the tip train instead.
     assert results.cases["one"].methods["jim-b"][3].accuracy.max_relative_error < 3e-3
-    assert list(results.validation.worst_cases["compliance"].forces) == ["8"]
 
 
 def test_only_loads_that_are_used_become_ports(results):
@@ -242,14 +240,14 @@ ONE = "{ deck_load = 8, value = 1.0 }"
     [
         (
             '{ deck_load = "77", value = 1.0 }',
-            ["'deck_load' in [[load_case]] number 1, forces number 1 of study.toml (line 41)",
+            ["'deck_load' in [[load_case]] number 1, forces number 1 of study.toml (line 40)",
              "joint.bdf has no load '77'; did you mean '7'?"],
         ),
         ('{ deck_load = "gust", value = 1.0 }', ["no load 'gust'; known are '7', '8'"]),
         ('{ deck_load = "9", value = 1.0 }', ["no load '9'; left out: load set 9 (", "ACCEL1"]),
         (
             '{ deck_load = "8", boundary = "tip", value = 1.0 }',
-            ["[[load_case]] number 1, forces number 1 of study.toml (line 41)",
+            ["[[load_case]] number 1, forces number 1 of study.toml (line 40)",
              "found 'deck_load' and 'boundary'; a load is one or the other"],
         ),
         ('{ boundary = "tip", value = 1.0 }', ["missing key 'component'", "or 'deck_load'"]),

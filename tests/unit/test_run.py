@@ -61,9 +61,6 @@ box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
 levels = 3
 steps_per_period = 20
 
-[validation]
-box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
-
 [[load_case]]
 name = "bend"
 kind = "static"
@@ -119,7 +116,6 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     opening = bend["reference"]["opening"]["joint"]
     mesh_error = summary["load_cases"]["jump"]["reference"]["mesh_error"]["joint"]
     assert 0 < mesh_error["field"] < mesh_error["largest"] < 1
-    assert 0 < mesh_error["peak"] <= mesh_error["largest"]
     assert set(opening) == {"opened_fraction", "closed_fraction", "max_gap", "max_gap_point"}
     # The joint is pressed around the bolt alone, so most of its area is open without any load.
     assert opening["opened_fraction"] < bend["reference"]["open_fraction"]
@@ -199,7 +195,6 @@ def test_a_certified_bound_is_never_below_the_error(finished):
 def test_results_hold_what_the_run_validated(finished):
     validation = read_results(finished / "results.h5").validation
     assert validation.load_space.methods["compliance"][0].worst_error < 1e-8
-    assert validation.worst_cases["jim-a"].joint_modes == 4
     assert validation.penalty.recommended > 0
     assert np.all(np.diff(validation.penalty.sweep.penalties) > 0)
 
@@ -226,9 +221,9 @@ def test_the_time_step_check_compares_fields_of_the_full_model(study, finished):
 def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
     path = tmp_path / "tiny.toml"
     path.write_text(
-        STUDY.replace("[validation]", "[validation]\nhalf_step = false").replace(
-            '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"', '"compliance"'
-        )
+        STUDY.replace(
+            "[[load_case]]", "[validation]\nhalf_step = false\n\n[[load_case]]", 1
+        ).replace('"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
     )
     assert run(read_study(path), tmp_path / "out").converged
     jump = read_results(tmp_path / "out" / "results.h5").cases["jump"]
@@ -261,7 +256,6 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
 
     for module, name in (
         (validation, "penalty_sweep"),
-        (validation, "worst_case_load"),
         (validation, "best_possible_errors"),
         (cases, "certifier"),
         (transient_judge, "recover_pressure"),
@@ -277,7 +271,6 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
     said = "\n".join(results.omissions)
     for extra in (
         "penalty sweep: ValueError: nobody foresaw this",
-        "worst-case search, jim-a: ",
         "unseen loads: ",
         "certified bounds: ",
         "jump, compliance/0, recovered pressures: ",
@@ -478,7 +471,6 @@ def test_hard_contact_with_a_training_box(tmp_path):
         "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
     )
     text = text.replace('"jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
-    text = text[: text.index("[validation]")] + text[text.index("[[load_case]]") :]
     path = tmp_path / "hard.toml"
     path.write_text(text)
     assert run(read_study(path), tmp_path).converged

@@ -9,7 +9,6 @@ import faying as fy
 from faying.assessment.certificate import certifier, certify
 from faying.assessment.choose import choose_joint_modes
 from faying.assessment.tresca import certify_increments
-from faying.assessment.worst_case import worst_case_load
 from faying.exceptions import ModelError
 from faying.reduction.recovery import static_displacements
 
@@ -182,35 +181,6 @@ def test_chosen_joint_modes_meet_the_tolerance(preloaded, bases):
     true = energy_norm(model, difference) / energy_norm(model, exact.contact_forces)
     assert true.max() <= choice.bounds[-1] <= 0.05
     assert not choose_joint_modes(model, bases["jim-b"], loads, 1e-6).met
-
-
-def test_worst_case_is_worse_than_random_loads(preloaded, bases):
-    model = locked(preloaded, 1e5)
-    rom = fy.reduce(model, bases["jim-b"].with_joint_modes(10))
-    worst = worst_case_load(rom, BOX, samples=20, seed=4)
-    again = worst_case_load(rom, BOX, samples=20, seed=4)
-    assert worst.load.forces == again.load.forces
-    for key, (low, high) in BOX.ranges.items():
-        assert low <= worst.load.forces[key] <= high
-    judge = certifier(model)
-    cases = fy.solve_static_cases(rom, BOX.random_loads(model, 50, seed=5))
-    random = judge.certify_inputs(cases.inputs, cases.pressure).energy_error
-    assert worst.bound >= random.max()
-    difference = worst.reduced.contact_forces - worst.exact.contact_forces
-    true = energy_norm(model, difference) / energy_norm(model, worst.exact.contact_forces)
-    assert worst.bound >= true > 0.5 * worst.bound
-
-
-def test_nothing_is_searched_where_a_model_is_exact_to_round_off(preloaded, bases):
-    rom = fy.reduce(preloaded, bases["craig-bampton"], compliance=True)
-    worst = worst_case_load(rom, BOX, samples=20, seed=4)
-    assert worst.within_round_off
-    corners = 2 ** (len(BOX.ranges) + 1)  # and preload factors
-    assert worst.evaluations == corners + 1 + 20
-    assert worst.load.forces == {key: low for key, (low, _) in BOX.ranges.items()}
-    assert worst.bound < 1e-7
-    poor = fy.reduce(preloaded, bases["craig-bampton"])
-    assert not worst_case_load(poor, BOX, samples=20, seed=4).within_round_off
 
 
 def test_wrong_input_is_refused(preloaded, bases):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.facets import gauss_rule, shape_functions, surface
 from faying.interface.interface import Interface
@@ -17,19 +17,16 @@ from faying.interface.interface import Interface
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Smoothing:
-    """Averaging to the pairs, reading at the points, and which points are neighbours.
+    """Averaging to the pairs, and reading at the points.
 
     Attributes
     ----------
     average : (n_pair, n_point)
     read : (n_point, n_pair)
-    facets : (n_face, n_pair)
-        One where a pair is a node of a facet.
     """
 
     average: SparseMatrix
     read: SparseMatrix
-    facets: SparseMatrix
 
     @classmethod
     def of(cls, interface: Interface, nodes: Matrix) -> "Smoothing":
@@ -49,21 +46,12 @@ class Smoothing:
         return cls(
             average=sp.csr_array(average),
             read=sp.csr_array(interface.point_shape),
-            facets=_incidence(faces, len(interface.pairs)),
         )
 
     def smoothed(self, pressure: Vector) -> Vector:
         """Return a pressure (n_point,) after averaging and reading; none is negative."""
         smooth: Vector = np.maximum(self.read @ (self.average @ pressure), 0.0)
         return smooth
-
-    def around(self, point: int) -> Mask:
-        """Return which points (n_point,) lie on the facets that touch the facets of one of them."""
-        seen = sp.csr_array((self.read != 0).astype(float))
-        own = np.asarray(seen[[point]].toarray()).ravel()
-        pairs = self.facets.T @ (self.facets @ own > 0).astype(float) > 0
-        near: Mask = seen @ (~pairs).astype(float) == 0
-        return near
 
 
 def _at_gauss_points(
@@ -82,18 +70,3 @@ def _at_gauss_points(
         shapes.append(sp.csr_array((entries, (rows, columns)), shape=size))
         areas.append(surface(kind, nodes[found.minus], rule).areas.ravel())
     return sp.csr_array(sp.vstack(shapes)), np.concatenate(areas)
-
-
-def _incidence(faces: list[tuple[str, Indices]], n_pair: int) -> SparseMatrix:
-    rows = [
-        sp.csr_array(
-            (
-                np.ones(pairs.size),
-                pairs.ravel(),
-                np.arange(0, pairs.size + 1, pairs.shape[1]),
-            ),
-            shape=(len(pairs), n_pair),
-        )
-        for _, pairs in faces
-    ]
-    return sp.csr_array(sp.vstack(rows))

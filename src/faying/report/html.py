@@ -39,7 +39,7 @@ from faying.report.tables import (
     stage_table,
     timing_table,
 )
-from faying.report.unseen_loads import choice_table, load_space_table, worst_case_table
+from faying.report.unseen_loads import choice_table, load_space_table
 from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
@@ -140,7 +140,6 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         friction=friction_table(results),
         cases=_sections(results, figures),
         unseen=load_space_table(results),
-        worst_cases=worst_case_table(results),
         choices=choice_table(results),
         timings=timing_table(results),
         stages=stage_table(results),

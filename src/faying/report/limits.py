@@ -59,17 +59,15 @@ def _mesh(results: Results) -> Iterator[str]:
             yield f"{name}: what the mesh does to its pressures could not be estimated."
             continue
         field, where = max(((error.field, case.name) for error, case in found))
-        peak, case = max(((error.peak, case.name) for error, case in found))
         yield (
             f"{name}: estimated from this mesh alone, its pressures are off by "
             f"{percent(field)} of the peak in the root mean square ({where}), single points by up "
-            f"to {percent(max(error.largest for error, _ in found))}, the peak by up to "
-            f"{percent(peak)} ({case})."
+            f"to {percent(max(error.largest for error, _ in found))}."
         )
         if record.quadrature == "nodal":
             yield "Under nodal quadrature the truth was up to three times the estimate."
     yield (
-        "This is an estimate, no bound; refine the interface and compare before relying on a peak. "
+        "This is an estimate, no bound, and none of the peak: refine the interface and compare. "
         "A peak at a sharp edge grows with every refinement."
     )
 

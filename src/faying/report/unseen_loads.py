@@ -1,11 +1,9 @@
-"""Tables of what a run found beyond its load cases: unseen loads, worst loads, mode counts."""
+"""Tables of what a run found beyond its load cases: unseen loads, mode counts."""
 
-from faying.report.quantities import number, percent
+from faying.report.quantities import percent
 from faying.report.tables import Cell, Table, table
 from faying.report.verdict import grade
 from faying.study.results import Results
-from faying.study.validation_record import WorstCaseRecord
-from faying.units import Units, units_of
 
 
 def load_space_table(results: Results) -> Table:
@@ -24,40 +22,6 @@ def load_space_table(results: Results) -> Table:
     return table(
         ("method", "joint modes", "median load's max error", "worst load's max error"), rows
     )
-
-
-def worst_case_table(results: Results) -> Table:
-    """Return the load each method gets most wrong; no rows without a validation box."""
-    units = units_of(results.units)
-    rows = (
-        (
-            name,
-            f"{case.joint_modes}" if case.joint_modes else "none",
-            _worst_load(case, units),
-            percent(case.bound),
-            Cell(text=percent(case.max_relative_error), grade=grade(case.max_relative_error)),
-            percent(case.certified_bound),
-            f"{case.evaluations}",
-        )
-        for name, case in results.validation.worst_cases.items()
-    )
-    columns = (
-        "method", "joint modes", "worst load found", "certified energy error there",
-        "max error there, by a full solution", "certified max error there", "loads searched",
-    )  # fmt: skip
-    return table(columns, rows)
-
-
-def _worst_load(case: WorstCaseRecord, units: Units) -> str:
-    if case.within_round_off:
-        return "none: exact to round-off at all"
-    return ", ".join(_force(key, value, units) for key, value in case.forces.items())
-
-
-def _force(target: str, value: float, units: Units) -> str:
-    is_moment = target.rpartition(".")[2].startswith("M")
-    unit = f"{units.force}·{units.length}" if is_moment else units.force
-    return f"{target} = {number(value)} {unit}"
 
 
 def choice_table(results: Results) -> Table:

@@ -257,8 +257,7 @@ def _mesh_error(results: Results) -> str:
         return ""
     return (
         f", which the mesh alone is estimated to make {percent(max(one.field for one in errors))} "
-        f"of the peak in the root mean square and {percent(max(one.peak for one in errors))} of "
-        "the peak itself"
+        "of the peak in the root mean square"
     )
 
 
@@ -312,7 +311,4 @@ def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
     found = results.validation
     sizes = found.load_space.methods.get(verdict.method, {}) if found.load_space else {}
     errors = [sizes[verdict.joint_modes].worst_error] if verdict.joint_modes in sizes else []
-    worst = found.worst_cases.get(verdict.method)
-    if worst is not None and worst.joint_modes == verdict.joint_modes:
-        errors.append(worst.max_relative_error)
     return max(errors, default=0.0)

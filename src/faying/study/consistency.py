@@ -59,8 +59,6 @@ def loadings(study: Study) -> Iterator[tuple[Location, Loading]]:
             yield ("load_case", i, "forces", j), force
     for i, side in enumerate(study.reduction.training.box):
         yield ("reduction", "training", "box", i), side
-    for i, side in enumerate(study.validation.box):
-        yield ("validation", "box", i), side
 
 
 def _load_targets(study: Study) -> Iterator[Problem]:

@@ -16,7 +16,6 @@ from faying.study.tables import (
     LoadCaseSection,
     Study,
     TrainingSection,
-    ValidationSection,
 )
 
 
@@ -61,14 +60,6 @@ def training_box(training: TrainingSection) -> LoadBox:
     )
 
 
-def validation_box(validation: ValidationSection) -> LoadBox:
-    """Return the box in which the worst loads are searched."""
-    return LoadBox(
-        ranges={side.target: (side.min, side.max) for side in validation.box},
-        preload_factors=validation.preload_factors,
-    )
-
-
 def check_loads(study: Study, model: Model) -> None:
     """Refuse what :func:`check_targets` does, and motions or modes without mass.
 
@@ -108,8 +99,7 @@ def check_targets(study: Study, model: Model) -> None:
     check_requirements(study, model)
     start = np.zeros(1)
     training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
-    worst = Load({side.target: 0.0 for side in study.validation.box}, name="validation")
-    for load in (*map(case_load, study.load_cases), training, worst):
+    for load in (*map(case_load, study.load_cases), training):
         load.inputs(model, start)
 
 

@@ -2,9 +2,10 @@
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from types import MappingProxyType
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     AfterValidator,
@@ -31,12 +32,20 @@ from faying.study.ranges import (
 )
 
 
-def check_names(data: dict[str, Any], known: Iterable[str]) -> None:
-    """Refuse the first key that is not known, naming the nearest one that is."""
+def check_names(
+    data: dict[str, Any], known: Iterable[str], gone: Mapping[str, str] = MappingProxyType({})
+) -> None:
+    """Refuse the first key that is not known, naming the nearest one that is.
+
+    Parameters
+    ----------
+    gone
+        Keys that were, and what to do about them.
+    """
     known = list(known)
     for key in data:
         if key not in known:
-            remedy = nearest(key, known)
+            remedy = gone.get(key) or nearest(key, known)
             context = {"key": key, "remedy": remedy}
             raise PydanticCustomError(UNKNOWN_KEY, "{key}: {remedy}", context)
 
@@ -45,13 +54,14 @@ class Section(BaseModel):
     """A table of the study file: immutable, and no key that is not known."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+    gone: ClassVar[Mapping[str, str]] = {}
 
     @model_validator(mode="before")
     @classmethod
     def _known_keys_only(cls, data: Any) -> Any:
         if isinstance(data, dict):
             fields = cls.model_fields.items()
-            check_names(data, [field.alias or name for name, field in fields])
+            check_names(data, [field.alias or name for name, field in fields], cls.gone)
         return data
 
 

@@ -37,7 +37,6 @@ from faying.study.validation_record import (
     LoadSpaceResult,
     PenaltyRecord,
     ValidationRecord,
-    WorstCaseRecord,
 )
 
 STORED = (
@@ -74,7 +73,6 @@ STORED = (
     LoadSpaceRecord,
     LoadSpaceResult,
     BestPossible,
-    WorstCaseRecord,
     PenaltyRecord,
     PenaltySweep,
     JointModeChoice,

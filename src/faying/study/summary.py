@@ -114,8 +114,6 @@ def _validation(found: ValidationRecord) -> dict[str, Any]:
             name: {str(count): asdict(errors) for count, errors in sizes.items()}
             for name, sizes in found.load_space.methods.items()
         }
-    if found.worst_cases:
-        summary["worst_cases"] = {name: asdict(case) for name, case in found.worst_cases.items()}
     if found.penalty is not None:
         summary["penalty"] = {
             "recommended": found.penalty.recommended,

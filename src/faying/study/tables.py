@@ -5,7 +5,7 @@ What single values must be is said here; what they must be together, in faying.s
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
@@ -320,10 +320,6 @@ class ValidationSection(Section):
 
     Attributes
     ----------
-    box
-        Loads among which each method's worst is searched by certificates; no search without.
-    preload_factors
-        Smallest and largest multiple of the bolt forces in that search.
     unseen_loads
         Random loads of the training box at which every method is compared with the full model;
         twice as many more make the floor under all linear bases. 0 is none.
@@ -336,8 +332,10 @@ class ValidationSection(Section):
         the worst static cases; or the reduced one alone. None decides by the size of the model.
     """
 
-    box: tuple[BoxSide, ...] = ()
-    preload_factors: PreloadFactors = (1.0,)
+    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("box", "preload_factors"),
+        "remove it: searches found milder loads than random ones and are gone",
+    )
     unseen_loads: CountOrNone = 100
     penalty_sweep: Switch = True
     half_step: Switch = True

@@ -1,4 +1,4 @@
-"""What a study says beyond its load cases: a load space, its worst load, and the penalty."""
+"""What a study says beyond its load cases: a load space, and the penalty."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -9,17 +9,15 @@ from faying.assessment.best_possible import best_possible_errors, best_possible_
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_advice import UnitNames, recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep
-from faying.assessment.worst_case import WorstCase, worst_case_load
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis
 from faying.reduction.method import CLASSIC, Method
 from faying.reduction.methods import METHODS
-from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import AT_REST, solve_static, solve_static_cases
 from faying.study.extras import Extras
-from faying.study.loads import case_load, training_box, validation_box
+from faying.study.loads import case_load, training_box
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
@@ -29,7 +27,6 @@ from faying.study.validation_record import (
     LoadSpaceResult,
     PenaltyRecord,
     ValidationRecord,
-    WorstCaseRecord,
 )
 from faying.units import units_of
 
@@ -56,27 +53,16 @@ def validate(
     What fails is absent, and named among the extras.
     """
     space = None
-    worst: dict[str, WorstCaseRecord] = {}
     count = study.validation.unseen_loads
     if study.reduction.training.box and count:
         with stages.stage("unseen loads"), extras.attempt("unseen loads"):
             box = training_box(study.reduction.training)
             space = _load_space(joint.model, box, count, models, trained.bases[CLASSIC], extras)
-    if study.validation.box:
-        with stages.stage("worst-case search", len(models)) as advance:
-            box = validation_box(study.validation)
-            for name, sizes in models.items():
-                count = max(sizes)
-                largest = sizes[count]
-                if isinstance(largest, ReducedModel):
-                    with extras.attempt(f"worst-case search, {name}"):
-                        worst[name] = _worst(largest, count, box)
-                advance(1)
     sweep = None
     if study.validation.penalty_sweep and not has_friction(joint.model):
         with stages.stage("penalty sweep"), extras.attempt("penalty sweep"):
             sweep = _penalty(study, joint.model, trained, models)
-    return ValidationRecord(load_space=space, worst_cases=worst, penalty=sweep, choices=choices)
+    return ValidationRecord(load_space=space, penalty=sweep, choices=choices)
 
 
 def _load_space(
@@ -108,25 +94,6 @@ def _load_space(
         if np.isfinite(model.contact.penalty).all()
         else None,
     )
-
-
-def _worst(rom: ReducedModel, count: int, box: LoadBox) -> WorstCaseRecord:
-    """Search the worst load of one reduced model."""
-    found = worst_case_load(rom, box)
-    return WorstCaseRecord(
-        joint_modes=count,
-        forces=_constants(found),
-        bolt_forces=dict(found.load.bolt_forces),
-        bound=found.bound,
-        certified_bound=float(found.certificate.max_relative_error),
-        max_relative_error=found.accuracy.max_relative_error,
-        evaluations=found.evaluations,
-        within_round_off=found.within_round_off,
-    )
-
-
-def _constants(found: WorstCase) -> dict[str, float]:
-    return {key: value for key, value in found.load.forces.items() if isinstance(value, float)}
 
 
 def _penalty(

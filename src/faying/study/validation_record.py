@@ -47,40 +47,6 @@ class LoadSpaceRecord:
     best_possible_gap: BestPossible | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
-class WorstCaseRecord:
-    """The load of the validation box that a method gets most wrong.
-
-    Attributes
-    ----------
-    joint_modes : [1]
-        Joint modes of the basis.
-    forces : [force]
-        ``boundary.component`` to force or moment, deck load to factor.
-    bolt_forces : [force]
-        Initial bolt forces there.
-    bound : [1]
-        Certified energy error, which the search maximizes.
-    certified_bound : [1]
-        Certified bound of the relative pressure error.
-    max_relative_error : [1]
-        The true error, confirmed by one full solution.
-    evaluations : [1]
-        Loads judged by their certificate, without full solution.
-    within_round_off
-        Whether the method is exact to round-off at all of them, so that none is worst.
-    """
-
-    joint_modes: int
-    forces: Mapping[str, float]
-    bolt_forces: Mapping[str, float]
-    bound: float
-    certified_bound: float
-    max_relative_error: float
-    evaluations: int
-    within_round_off: bool = False
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PenaltyRecord:
     """What the contact stiffness does to the study's static load cases.
@@ -111,8 +77,6 @@ class ValidationRecord:
     ----------
     load_space
         Methods at random loads of the training box; None without one.
-    worst_cases
-        Method name to the load it gets most wrong; empty without a validation box.
     penalty
         What the contact stiffness does; None where that was switched off.
     choices
@@ -120,6 +84,5 @@ class ValidationRecord:
     """
 
     load_space: LoadSpaceRecord | None = None
-    worst_cases: Mapping[str, WorstCaseRecord] = field(default_factory=dict)
     penalty: PenaltyRecord | None = None
     choices: Mapping[str, JointModeChoice] = field(default_factory=dict)
