@@ -16,8 +16,11 @@ from faying.contact.frictional import FrictionalContact
 from faying.contact.laws import Coulomb, Curve, Hard, Penalty
 from faying.exceptions import ModelError, StudyError
 from faying.export.formats import export
+from faying.joint.system import input_forces
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.integrators import EnergyDecaying, ImplicitEuler
+from faying.simulation.solution import Solution
+from faying.simulation.static import relative_forces
 
 STIFFNESS = 2e5
 PRELOAD = 8e3
@@ -119,7 +122,24 @@ def test_every_law_holds_on_every_road(road, name, friction, tmp_path):
         with pytest.raises(ModelError, match="interface 'joint' has "):
             ROADS[road](model, tmp_path)
         return
-    check_law(law, ROADS[road](model, tmp_path), friction)
+    found = ROADS[road](model, tmp_path)
+    check_law(law, found, friction)
+    if isinstance(found, Solution) and found.times is None:
+        check_balance(found)
+
+
+def check_balance(found):
+    """K u = f + Pᵀ Gᵀ λ with all components of the forces that are told, and g = g₀ + G u."""
+    system = found.system
+    states = np.atleast_2d(found.states)
+    if system.contact.residual_compliance is None:
+        gap = states @ system.contact.gap_operator.T + system.contact.initial_gap
+        # Round-off of displacements of 0.1.
+        np.testing.assert_allclose(np.atleast_2d(found.gap), gap, rtol=0, atol=1e-10)
+    contact = relative_forces(system, found.contact_forces, found.shear_forces)
+    applied = input_forces(system, found.inputs) + contact
+    left = (system.K @ states.T).T - applied
+    assert np.abs(left).max() < 1e-8 * np.abs(applied).max()  # round-off of K u
 
 
 def check_law(law, found, friction):
