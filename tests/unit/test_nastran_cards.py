@@ -403,7 +403,6 @@ def test_couplings(read: Read) -> None:
         ("RBE2,1,1,123,99", "GRID 99 is not"),
         ("RBE2,1,1,123,1", "other than its independent"),
         ("RBE3,1,,1,123,1.,123,2\n,UM,2,123", "a UM set"),
-        ("RBE3,1,,1,123,1.,123,2,1.\n,12,3", "different components"),
         ("RBE3,1,,1,123,1,123,2", "'1' stands where a positive real weight"),
     ],
 )

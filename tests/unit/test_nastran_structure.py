@@ -158,6 +158,32 @@ def test_rigid_elements_that_are_refused(read: Read, card: str, message: str) ->
         read(card)
 
 
+def test_groups_of_an_average_have_components_of_their_own(read: Read) -> None:
+    """The least squares of what enters, weight by weight, rotations at the mean distance."""
+    assembly = read(
+        "RBE3,9,,5,123456,1.,123,1,2,\n,2.5,12,3,.7,1235,4",
+        "CBAR,8,1,1,4,0.,0.,1.\nPBAR,1,9,1.,1.,1.,1.",
+    )
+    used = np.zeros((5, 6), dtype=bool)
+    used[:4, :3] = used[[0, 3, 4]] = True
+    T = constrain(assembly, used.ravel()).transformation.toarray()
+    entering = {0: (0, 1, 2), 1: (0, 1, 2), 2: (0, 1), 3: (0, 1, 2, 4)}
+    weights = [1.0, 1.0, 2.5, 0.7]
+    nodes = assembly.mesh.nodes
+    distance = np.linalg.norm(nodes[:4] - nodes[4], axis=1).mean()
+    motions = rigid_body_motions(nodes, nodes[4]).reshape(5, 6, 6)
+    rows, places = [], []
+    for node, own in entering.items():
+        for c in own:
+            rows.append(motions[node, c] * (w := weights[node] ** 0.5 * (distance if c > 2 else 1)))
+            places.append((6 * node + c, w))
+    pinned = np.linalg.pinv(np.array(rows))
+    wanted = np.zeros((6, 30))
+    for k, (dof, w) in enumerate(places):
+        wanted[:, dof] = w * pinned[:, k]
+    np.testing.assert_allclose(T[24:], wanted @ T, atol=1e-13)
+
+
 def test_a_rigid_rod_keeps_its_length(read: Read) -> None:
     (equation,) = read("RROD,1,1,5,,3").equations
     assert equation.terms[0][:2] == (4, 2)

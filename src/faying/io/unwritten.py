@@ -16,6 +16,9 @@ def refuse_unwritten(assembly: Assembly) -> None:
         "shells": assembly.shells,
         "bushes": assembly.bushes,
         "scalar masses": assembly.scalar_masses,
+        "average couplings of different components": [
+            one for one in assembly.average_couplings if one.entering is not None
+        ],
         "materials whose directions differ": [
             one for one in assembly.materials.values() if one.law is not None
         ],

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen
 from faying.model.material import Material as Material
 from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock, ShellSection
@@ -186,6 +186,8 @@ class AverageCoupling:
         Components 0..5 of ``nodes`` that enter the average.
     reference_components
         Components of the reference node that are tied.
+    entering : (n, 6)
+        Which of them enter of each node; None if all do.
     """
 
     id: int
@@ -194,10 +196,13 @@ class AverageCoupling:
     weights: Vector
     components: tuple[int, ...] = (0, 1, 2)
     reference_components: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
+    entering: Mask | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
         object.__setattr__(self, "weights", frozen(self.weights))
+        if self.entering is not None:
+            object.__setattr__(self, "entering", frozen(self.entering, bool))
 
 
 @dataclass(frozen=True, kw_only=True)

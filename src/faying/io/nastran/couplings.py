@@ -26,13 +26,13 @@ def _check_frames(card: Card, grids: Grids, nodes: Indices, tied: tuple[int, ...
 
 
 def read_average_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[AverageCoupling]:
-    """Read RBE3 with one set of components for all averaged nodes.
+    """Read RBE3.
 
     Raises
     ------
     FormatError
-        If a UM set is given, nodes of different groups have different components, or single
-        components are averaged in a displacement coordinate system that is not the basic one.
+        If a UM set is given, or single components are averaged in a displacement coordinate system
+        that is not the basic one.
     """
     return [_average(card, grids) for card in cards.get("RBE3", ())]
 
@@ -50,26 +50,30 @@ def _average(card: Card, grids: Grids) -> AverageCoupling:
         raise card.error(text)
     if "ALPHA" in texts:
         texts = texts[: texts.index("ALPHA")]
-    averaged, ids, weights = _groups(card, texts)
+    chosen, ids, weights = _groups(card, texts)
     nodes = grids.several(card, ids)
     if reference in nodes or len(np.unique(nodes)) < len(nodes):
         text = "a node is averaged twice or is the reference node itself; remove it"
         raise card.error(text)
-    _check_frames(card, grids, nodes, averaged)
+    union = tuple(sorted({c for own in chosen for c in own}))
+    apart = len(set(chosen)) > 1
+    for own in set(chosen):
+        _check_frames(card, grids, nodes[[own == one for one in chosen]], own)
     _check_frames(card, grids, np.array([reference]), tied)
     return AverageCoupling(
         id=card.integer(0),
         reference=reference,
         nodes=nodes,
         weights=np.array(weights),
-        components=averaged,
+        components=union if apart else chosen[0],
         reference_components=tied,
+        entering=np.array([[c in own for c in range(6)] for own in chosen]) if apart else None,
     )
 
 
-def _groups(card: Card, texts: list[str]) -> tuple[tuple[int, ...], list[int], list[float]]:
-    """Components, node ids and weights from WT, C, G, G, ..., WT, C, G, ...; weights are reals."""
-    averaged: set[tuple[int, ...]] = set()
+def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[int], list[float]]:
+    """Components, ids and weights of nodes from WT, C, G, G, ..., WT, C, G, ..."""
+    averaged: list[tuple[int, ...]] = []
     ids: list[int] = []
     weights: list[float] = []
     i = 0
@@ -78,7 +82,7 @@ def _groups(card: Card, texts: list[str]) -> tuple[tuple[int, ...], list[int], l
         if weight is None or numbers.integer(texts[i]) is not None or not weight > 0:
             text = f"'{texts[i]}' stands where a positive real weight is expected"
             raise card.error(text)
-        averaged.add(components(texts[i + 1] if i + 1 < len(texts) else "", card.error))
+        own = components(texts[i + 1] if i + 1 < len(texts) else "", card.error)
         last = i + 2
         while last < len(texts) and (
             texts[last] == "THRU" or numbers.integer(texts[last]) is not None
@@ -86,14 +90,10 @@ def _groups(card: Card, texts: list[str]) -> tuple[tuple[int, ...], list[int], l
             last += 1
         group = id_list(card, texts[i + 2 : last])
         ids += group
+        averaged += [own] * len(group)
         weights += [weight] * len(group)
         i = last
-    if not ids or len(averaged) > 1:
-        text = (
-            "groups of nodes with different components are not supported; give one set of "
-            "components for all averaged nodes"
-            if ids
-            else "it averages no nodes"
-        )
+    if not ids:
+        text = "it averages no nodes"
         raise card.error(text)
-    return averaged.pop(), ids, weights
+    return averaged, ids, weights

@@ -84,6 +84,8 @@ def _average(
     dofs = (6 * coupling.nodes[:, None] + components).ravel()
     counted = existing[dofs] | (dofs % 6 < 3)
     weight = np.outer(weights, importance).ravel() * counted
+    if coupling.entering is not None:
+        weight = weight * coupling.entering[:, components].ravel()
     inverse, loose = _inverse(motions.T @ (weight[:, None] * motions))
     reference = _motions(to_reference[None], size)[0, tied]
     _check_determined(assembly, coupling, tied[np.abs(reference @ loose).max(1, initial=0) > 1e-6])
