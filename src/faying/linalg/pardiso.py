@@ -26,10 +26,10 @@ from faying.linalg.substitution import column_blocks, solved_gram
 
 _log = logging.getLogger("faying")
 
-FEW = 200
+FEW = 100
 """Ports up to which a substitution for each takes less than a second factorization.
 
-As much at 150 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
+As much at 110 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
 """
 
 AGREEMENT = 1e-9

@@ -216,8 +216,7 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
 def _residual_compliance(model: Model, basis: Basis, stiffness: Matrix) -> Compliance:
     seen = model.structure.relative_operator @ basis.of_kind(*VANISHING)
     flexibility = np.asarray(np.linalg.inv(stiffness), dtype=np.float64)
-    residual = plus(model.structure.held_compliance, seen, -flexibility)
-    return frozen(residual) if isinstance(residual, np.ndarray) else residual
+    return plus(model.structure.held_compliance, seen, -flexibility)
 
 
 def full_displacement(model: Model, solution: Solution) -> Matrix:
