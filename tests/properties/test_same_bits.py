@@ -54,7 +54,6 @@ periods = 0.5
 steps_per_period = 40
 
 [validation]
-box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
 unseen_loads = 4
 
 [output]

@@ -113,16 +113,18 @@ def test_two_safeties_against_slip_are_told_apart(results):
     """By sums friction carries all of the load; followed, the bolt carries its share of it."""
     found = results.assessment
     opening, sums, sliding = found.verdicts
-    clamp = found.interfaces["joint"].slip.clamp_force["pull"]
+    slip = found.interfaces["joint"].slip
+    assert list(slip.safety) == ["pull", "shake, forth", "shake, back"]
     # The pull's line of action goes through the centre of pressure, by symmetry.
-    assert sums.value == pytest.approx(0.2 * clamp / 600.0, rel=1e-6)
-    assert (sums.requirement, sums.place, sums.case) == ("min_slip_safety", "joint", "pull")
+    assert slip.safety["pull"] == pytest.approx(0.2 * slip.clamp_force["pull"] / 600.0, rel=1e-6)
+    assert sums.value == slip.safety["shake, forth"]
+    assert (sums.requirement, sums.place, sums.case) == ("min_slip_safety", "joint", "shake, forth")
     reserves = {name: results.cases[name].reserve for name in ("pull", "shake")}
     assert {one.slides for one in reserves.values()} == {"joint"}
     assert (sliding.requirement, sliding.place) == ("min_sliding_factor", "joint")
     assert sliding.value == min(one.gross_slip for one in reserves.values())
     # All slips along one motion by nine tenths: without much of a bolt that is nearly the same.
-    assert sliding.value > 0.89 * sums.value
+    assert sliding.value > 0.89 * slip.safety["pull"]
     assert opening.requirement == "min_opening_factor"
     assert found.interfaces["joint"].opening == {"pull": reserves["pull"].openings[0]}
 

@@ -13,7 +13,7 @@ from faying.assessment.requirements import OPEN_BELOW
 from faying.contact.condensed import CondensedContact
 from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
-from faying.exceptions import ModelError
+from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
@@ -120,7 +120,7 @@ def opening_factors(
     if not isinstance(condensed, CondensedContact) or condensed.order <= MOST_EXACT:
         try:
             path = input_path(system, inputs)
-        except ModelError:  # forces that are not unique, of hard contact
+        except (ModelError, ConvergenceError):  # hard contact without unique forces, round-off
             pass
         else:
             shares = pressed_shares(areas, path.closed[0], system.contact.weights)

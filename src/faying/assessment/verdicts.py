@@ -207,8 +207,8 @@ NO_FRICTION = "it is judged by static loads and cycles of joints with friction, 
 """Why nothing is known of sliding where no load is followed with friction."""
 
 NO_SLIP = (
-    "it is judged by static loads and a coefficient, that of the interface or slip_friction, and "
-    "one of both is missing"
+    "it is judged by static loads or cycles, and a coefficient, that of the interface or "
+    "slip_friction, and one of both is missing"
 )
 """Why nothing is known of slip where no load and coefficient tells of it."""
 

@@ -21,6 +21,7 @@ from faying.joint.model import Model
 from faying.joint.tangential import tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import Load
 from faying.simulation.without_friction import pressures_without_friction
 from faying.study.comparison import increments
 from faying.study.extras import Extras
@@ -74,7 +75,7 @@ def assess_run(
             wanted,
             {**_paths(joint, smooth, wanted, extras), **_rubbed_paths(static, reserves)},
             reserves,
-            _demands(joint, static, wanted),
+            _demands(joint, study, wanted),
         )
         threads = {
             bolt.name: Thread(**bolt.thread.model_dump())
@@ -152,19 +153,30 @@ def _intervals(
     return {}
 
 
+ENDS = ("forth", "back")
+"""What the ends of the largest cycle are called, at plus and minus its amplitude."""
+
+
 def _demands(
-    joint: PreparedJoint, static: list[LoadCaseSection], wanted: Requirements
+    joint: PreparedJoint, study: Study, wanted: Requirements
 ) -> dict[tuple[str, str], SlipDemand]:
-    """Return the friction that static load cases need, as if there were none."""
-    model = joint.model
-    if not static:
+    """Return the friction that static load cases and ends of cycles need, as if there were none."""
+    model, loads = joint.model, list[Load]()
+    for case in study.load_cases:
+        load, most = case_load(case), max(case.amplitudes or (1.0,))
+        if case.kind == "static":
+            loads.append(load)
+        elif case.kind == "cycle":
+            for end, factor in zip(ENDS, (most, -most), strict=True):
+                loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
+    if not loads:
         return {}
     known = {name: one.law.friction for name, one in model.interfaces.items()}
     smooth = [name for name, friction in known.items() if not friction > 0]
     coefficients = {name: friction for name, friction in known.items() if friction > 0}
     coefficients |= slip_coefficients(wanted.slip_friction, smooth)
-    names, start = [case.name for case in static], np.zeros(1)
-    inputs = np.concatenate([case_load(case).inputs(model, start) for case in static])
+    names, start = [load.name for load in loads], np.zeros(1)
+    inputs = np.concatenate([load.inputs(model, start) for load in loads])
     pressure = pressures_without_friction(model, inputs)
     rows, surfaces = tangential_rows(model), contact_surfaces(model)
     return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)

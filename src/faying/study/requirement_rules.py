@@ -47,7 +47,7 @@ def not_judged(study: Study, model: Model) -> Iterator[str]:
     rubbing = len(smooth) < len(model.interfaces)
     followed = rubbing and kinds & {"static", "cycle"}
     known = rubbing or wanted.slip_friction is not None
-    if wanted.min_slip_safety is not None and not (known and "static" in kinds):
+    if wanted.min_slip_safety is not None and not (known and kinds & {"static", "cycle"}):
         yield f"min_slip_safety cannot be judged: {NO_SLIP}"
     if wanted.min_sliding_factor is not None and not followed:
         yield f"min_sliding_factor cannot be judged: {NO_FRICTION}"
