@@ -10,7 +10,8 @@ from faying.exceptions import FormatError, ModelError
 from faying.io.abaqus import read_deck, read_joint
 from faying.io.abaqus.written_contact import contact_lines
 from faying.model.description import JointDescription
-from faying.model.elements import SOLIDS
+from faying.model.elements import SOLIDS, block_element
+from faying.model.elements.stiffness import stiffness_blocks
 from faying.model.matrices import assemble_matrices
 from faying.study.load_model import load_model
 from faying.study.schema import read_study
@@ -266,6 +267,24 @@ def test_formulation_follows_the_element_type(read):
     reduced = read(DECK.replace("TYPE=C3D8,", "TYPE=C3D8R,")).assembly
     assert reduced.element == "reduced"
     assert any("2 C3D8R: uniform strain with the hourglass" in note for note in reduced.ignored)
+
+
+def test_bricks_of_uniform_strain_are_those_of_the_program_of_the_deck(read):
+    """Abaqus' hourglass springs are a fifth of CalculiX's, which reads no *PREPRINT."""
+    text = DECK.replace("TYPE=C3D8,", "TYPE=C3D8R,")
+    energies = []
+    for head, formulation in (("", "reduced"), ("*PREPRINT, ECHO=NO\n", "reduced-abaqus")):
+        assembly = read(head + text).assembly
+        assert assembly.element == formulation
+        assert any("2 C3D8R: uniform strain with the hourglass" in n for n in assembly.ignored)
+        nodes = assembly.mesh.nodes[assembly.mesh.blocks[0].nodes[:1]]
+        saddle = np.prod(nodes[0] - nodes[0].mean(axis=0), axis=1)
+        element = block_element(assembly.mesh.blocks[0], assembly.element)
+        blocks = stiffness_blocks(element, nodes, np.ones(1), np.ones(1))
+        energies.append(saddle @ blocks[0, :, :, 0, 0] @ saddle)
+    assert energies[0] == pytest.approx(5 * energies[1], rel=1e-9)  # rounding
+    mixed = read("*PREPRINT\n" + edited(("TYPE=C3D8,", "TYPE=C3D8R,"))).assembly.mesh
+    assert [block.formulation for block in mixed.blocks] == ["reduced-abaqus", "standard"]
 
 
 @pytest.mark.parametrize(

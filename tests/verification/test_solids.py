@@ -24,6 +24,7 @@ FORMULATIONS = [
     ("hex8", "standard"),
     ("hex8", "incompatible"),
     ("hex8", "reduced"),
+    ("hex8", "reduced-abaqus"),
     ("hex20", "standard"),
     ("hex20", "reduced"),
     ("tet4", "standard"),

@@ -107,7 +107,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     assembly = Assembly(
         mesh=mesh,
         materials=of_property,
-        element=formulation(elements.solids, ignored),
+        element=formulation(deck, elements.solids, ignored),
         beams=(
             *read_beams(deck, elements, by_element, named, ignored),
             *read_trusses(deck, elements, by_element, named, nodes.coordinates),

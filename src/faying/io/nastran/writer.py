@@ -211,7 +211,7 @@ def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
 
 def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterator[str]:
     formulation = block.formulation or (assembly.element if block.kind == "hex8" else "")
-    if block.formulation or formulation == "reduced":
+    if block.formulation or formulation.startswith("reduced"):
         message = (
             f"element {block.ids[0]} is a {formulation} {block.kind}, which Nastran has not, "
             "or not beside others; give the model one formulation, or write a CalculiX deck"

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from faying.exceptions import ModelError
 from faying.model.elements.hex8 import HEX8
 from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
-from faying.model.elements.hex8_reduced import HEX8_REDUCED
+from faying.model.elements.hex8_reduced import HEX8_REDUCED, HEX8_REDUCED_ABAQUS
 from faying.model.elements.hex20 import HEX20
 from faying.model.elements.hex20_reduced import HEX20_REDUCED
 from faying.model.elements.pyramid5 import PYRAMID5
@@ -27,11 +27,17 @@ SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
 """Mesh cell kind to its standard element."""
 
 HEX8_FORMULATIONS: Mapping[str, SolidElement] = MappingProxyType(
-    {element.formulation: element for element in (HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED)}
+    {
+        element.formulation: element
+        for element in (HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX8_REDUCED_ABAQUS)
+    }
 )
 """Values of ``Assembly.element`` and the eight-node brick each stands for."""
 
-ALL_SOLIDS = (*SOLIDS.values(), HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX20_REDUCED)
+ALL_SOLIDS = (
+    *SOLIDS.values(),
+    *(HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX8_REDUCED_ABAQUS, HEX20_REDUCED),
+)
 """Every element in every formulation."""
 
 _VARIANTS = {(element.kind, element.formulation): element for element in ALL_SOLIDS}

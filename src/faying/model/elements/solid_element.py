@@ -47,6 +47,8 @@ class SolidElement:
         stiffness: points (n_quad, 3) to (n_quad, 3, n_mode); None if there are none.
     hourglass_patterns : (n_node, n_pattern)
         Motions that springs hold where the mean strain alone has stiffness; None elsewhere.
+    hourglass_share
+        Stiffness of these springs over E V Σ |b_i|², b_i the mean gradient of shape function i.
     """
 
     kind: str
@@ -61,6 +63,7 @@ class SolidElement:
     formulation: str = "standard"
     internal_gradients: Callable[[Matrix], Matrix] | None = None
     hourglass_patterns: Matrix | None = None
+    hourglass_share: float = 5e-4
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reference_nodes", frozen(self.reference_nodes))

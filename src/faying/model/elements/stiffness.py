@@ -56,7 +56,8 @@ def stiffness_blocks(
     blocks = _isotropic(products, lame, shear) if tensors is None else _general(products, tensors)
     if element.hourglass_patterns is not None:
         youngs = shear * (3 * lame + 2 * shear) / (lame + shear)
-        springs = _hourglass(element.hourglass_patterns, coordinates, gradients[:, 0], youngs)
+        scale = element.hourglass_share * youngs
+        springs = _hourglass(element.hourglass_patterns, coordinates, gradients[:, 0], scale)
         for a in range(3):
             blocks[..., a, a] += springs
     return _condense(blocks, element.n_nodes) if n_shape > element.n_nodes else blocks
@@ -135,11 +136,7 @@ def _mean_gradients(element: SolidElement, coordinates: Matrix, gradients: Matri
     return np.asarray((total / np.sqrt(weights.sum(axis=1))[:, None, None])[:, None])
 
 
-HOURGLASS_SHARE = 5e-4
-"""Stiffness of the hourglass springs over E V Σ |b_i|², as in CalculiX 2.20."""
-
-
-def _hourglass(patterns: Matrix, coordinates: Matrix, means: Matrix, youngs: Vector) -> Matrix:
+def _hourglass(patterns: Matrix, coordinates: Matrix, means: Matrix, scale: Vector) -> Matrix:
     """Return the stiffness (n_cell, n_node, n_node) that holds what uniform strain does not see.
 
     Patterns are made orthogonal to linear motions: γ = h - b · (x · h).
@@ -148,8 +145,8 @@ def _hourglass(patterns: Matrix, coordinates: Matrix, means: Matrix, youngs: Vec
     # b · x is one in each direction, so this is the root of the volume that scales the means.
     root = np.einsum("ean,ena->e", means, coordinates) / 3
     gamma = patterns - np.einsum("ean,ema->enm", means, moments) / root[:, None, None]
-    scale = HOURGLASS_SHARE * youngs * np.einsum("ean,ean->e", means, means)
-    return np.asarray(scale[:, None, None] * (gamma @ gamma.swapaxes(1, 2)))
+    springs = scale * np.einsum("ean,ean->e", means, means)
+    return np.asarray(springs[:, None, None] * (gamma @ gamma.swapaxes(1, 2)))
 
 
 def _internal_gradients(element: SolidElement, coordinates: Matrix, scale: Matrix) -> Matrix:
