@@ -464,3 +464,44 @@ def test_aerodynamics_and_radiation_are_left_out(read: Read) -> None:
     notes = read("AECOMP,W,AELIST,1", "MONPNT3,A,B", "CAERO7,1", "RADCAV,1").ignored
     assert any("AECOMP" in note and "CAERO7" in note and "aerodynamics" in note for note in notes)
     assert any("RADCAV" in note and "heat" in note for note in notes)
+
+
+BRICK = (
+    "".join(
+        f"GRID,{k + 11},,{x}.,{y}.,{z}.\n"
+        for k, (x, y, z) in enumerate(
+            [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 2), (1, 0, 2), (1, 1, 2), (0, 1, 2)]
+        )
+    )
+    + "CHEXA,1,1,11,12,13,14,15,16\n,17,18\nPSOLID,1,9\n"
+    + "GRID,21,,1.,0.,.5\nGRID,22,,1.,1.,.5\nGRID,23,,2.,1.,.5\nGRID,24,,2.,0.,.5\n"
+    + "CQUAD4,5,2,21,24,23,22\nPSHELL,2,9,.1,9\n"
+)
+
+
+@pytest.mark.parametrize("card", ["RSSCON,9,ELEM,5,1", "RSSCON,9,GRID,21,12,16,22,13,17"])
+def test_an_edge_of_a_shell_is_clamped_to_a_solid(read: Read, card: str) -> None:
+    """A quarter of the way up the face; a deck of MSC's moves 2 % less than in its op2."""
+    assembly = read(BRICK + card)
+    used = np.zeros((len(assembly.mesh.nodes), 6), dtype=bool)
+    used[5:13, :3] = used[13:] = True
+    T = constrain(assembly, used.ravel()).transformation.toarray().reshape(-1, 6, 8 * 3 + 24 - 10)
+    for shell, low, high in ((13, 6, 10), (14, 7, 11)):
+        np.testing.assert_allclose(T[shell, :3], 0.75 * T[low, :3] + 0.25 * T[high, :3], atol=1e-14)
+        np.testing.assert_allclose(T[shell, 3], (T[low, 1] - T[high, 1]) / 2, atol=1e-14)
+        np.testing.assert_allclose(T[shell, 4], (T[high, 0] - T[low, 0]) / 2, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("card", "message"),
+    [
+        ("RSSCON,9,ELEM,5,99", "element 99 is no solid"),
+        ("RSSCON,9,ELEM,99,1", "element 99 is no shell"),
+        ("RSSCON,9,ELEM,5,1,,5,1", "one shell with one solid"),
+        ("RSSCON,9,GRID,21,12,12", "are one"),
+        ("GRID,31,,5.,5.,5.\nCTRIA3,6,2,31,23,24\nRSSCON,9,ELEM,6,1", "no edge of shell 6 lies on"),
+    ],
+)
+def test_edges_that_cannot_be_clamped(read: Read, card: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read(BRICK + card)

@@ -43,6 +43,7 @@ from faying.io.nastran.rods import read_rods
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
+from faying.io.nastran.shell_to_solid import read_shell_to_solid
 from faying.io.nastran.shells import SHELL_CARDS, read_shells
 from faying.io.nastran.solid_bolts import control_grids
 from faying.io.nastran.solid_materials import ANISOTROPIC, read_anisotropic
@@ -68,7 +69,7 @@ ELEMENTS = (
     *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CBEND", "CONM1", "CONM2"),
     *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
 )
-RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT")
+RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT", "RSSCON")
 TEMPERATURES = ("TEMP", "TEMPD", "TEMPP1", "TEMPRB")
 UNREAD_TEMPERATURES = (
     *("TEMPG", "TEMPN1", "TEMPP3", "TEMPF", "TEMPBC", "TEMPADD", "TEMPT", "TEMPB3", "TEMPEX"),
@@ -219,6 +220,7 @@ def read_parts(
             equations=(
                 *straight.equations(),
                 *rigid_equations,
+                *read_shell_to_solid(cards, grids, solids, shells.blocks),
                 *ends.equations,
                 *read_equations(cards, grids, control, ignored),
             ),

@@ -141,7 +141,7 @@ def _rrod(card: Card, grids: Grids) -> Equation:
     columns = [(node, c) for node in nodes for c in range(3)]
     candidates = [columns.index(one) for one in _supports([(tied[0][0], tied[0][1][0])], grids)]
     # Each equation is solved for the largest of the basic components that make up its dependent.
-    (equation,) = _solved(card, np.append(-line, line)[None], np.array(candidates), columns)
+    (equation,) = solved(card, np.append(-line, line)[None], np.array(candidates), columns)
     return equation
 
 
@@ -191,7 +191,7 @@ def rigid_equations(
                 for c, factor in _factors(other, grids):
                     rows[number, place[other[0], c]] += value * factor
     candidates = np.array(sorted(place[one] for one in set(_supports(tied, grids))))
-    yield from _solved(card, rows, candidates, columns)
+    yield from solved(card, rows, candidates, columns)
 
 
 def _supports(places: Sequence[Place], grids: Grids) -> list[Place]:
@@ -204,10 +204,16 @@ def _factors(place: Place, grids: Grids) -> list[tuple[int, float]]:
     return [(c, float(direction[c])) for c in np.flatnonzero(direction).tolist()]
 
 
-def _solved(
+def solved(
     card: Card, rows: Matrix, candidates: Indices, columns: Sequence[Place]
 ) -> Iterator[Equation]:
-    """Solve equations for as many of the candidates, the best conditioned ones."""
+    """Solve equations for as many of the candidates, the best conditioned ones.
+
+    Raises
+    ------
+    FormatError
+        If they are also independent.
+    """
     _, R, order = scipy.linalg.qr(rows[:, candidates], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(rows) or not pivots[-1] > _SINGULAR * pivots[0]:
