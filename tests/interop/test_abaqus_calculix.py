@@ -8,7 +8,7 @@ import pytest
 from calculix_runs import displacements, needs_calculix, solved
 
 import faying as fy
-from faying.io.abaqus import read_joint
+from faying.io.abaqus import read_deck, read_joint
 
 pytestmark = needs_calculix
 
@@ -155,6 +155,19 @@ def test_couplings_with_moments(tmp_path, how):
         ]
     )  # fmt: skip
     compare(tmp_path, text, without=(9001, 9002) if how == "distributing" else (9002,))
+
+
+def test_the_last_section_of_an_element_counts(tmp_path):
+    text = "\n".join(
+        [
+            block("C3D8"), "*MATERIAL, NAME=SOFT", "*ELASTIC", "30000., 0.2",
+            "*ELSET, ELSET=SOME", "3, 4, 5", "*SOLID SECTION, ELSET=SOME, MATERIAL=SOFT",
+            "*BOUNDARY", "HELD, 1, 3", "*STEP", "*STATIC", "*CLOAD", "END, 2, 3.5",
+            "*NODE PRINT, NSET=NALL", "U", "*END STEP", "",
+        ]
+    )  # fmt: skip
+    compare(tmp_path, text)
+    assert any("of 3 elements (the first 3)" in n for n in read_deck(tmp_path / "job.inp").ignored)
 
 
 def test_rigid_bodies_that_share_a_rotation_and_name_no_reference(tmp_path):

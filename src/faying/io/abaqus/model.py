@@ -80,7 +80,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     temperatures = read_temperatures(deck, dofs, amplitudes)
     used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
     named = materials.read_materials(deck, temperatures.uniform(np.unique(used)), ignored)
-    solids, of_property = read_solid_sections(deck, elements, by_element, named)
+    solids, of_property = read_solid_sections(deck, elements, by_element, named, ignored)
     note_controls(deck, elements.solids, ignored)
     note_masses(deck, elements.solids, ignored)
     mesh = Mesh(

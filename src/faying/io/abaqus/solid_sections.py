@@ -53,14 +53,18 @@ def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Materi
 
 
 def read_solid_sections(
-    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
+    deck: Deck,
+    elements: Elements,
+    sets: NamedSets,
+    materials: Mapping[str, Material],
+    ignored: list[str],
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
     """Return blocks of cells, whose properties number the sections from 1, and their materials.
 
     Raises
     ------
     FormatError
-        If a solid has no section, or two.
+        If a solid has no section.
     """
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
     section = np.zeros(len(ids), dtype=np.int64)
@@ -75,11 +79,11 @@ def read_solid_sections(
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
         again = np.flatnonzero(chosen & (section > 0))
         if again.size:
-            message = (
-                f"element {ids[again[0]]} has a section already (section {section[again[0]]}); "
-                "give each solid one section"
+            ignored.append(
+                f"{keyword.where()}: *SOLID SECTION of {len(again)} elements (the first "
+                f"{ids[again[0]]}) that have one already: the last counts, as in CalculiX; Abaqus "
+                "refuses such a deck"
             )
-            raise keyword.error(message)
         section[chosen] = number
         used[number] = find_material(materials, keyword)
         own, law = used[number], used[number].law
