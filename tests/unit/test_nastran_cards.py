@@ -306,6 +306,14 @@ def test_sections_that_are_open_on_a_side(
         read("CBAR,1,5,1,2,0.,1.,0.", f"PBARL,5,9,,{kind}\n,1.,2.,20.,1.")
 
 
+def test_properties_of_other_materials_that_no_element_names(read: Read) -> None:
+    """As those of an optimization; MAT8 is none of beams."""
+    assembly = read("PBARL,5,8,,BAR\n,1.,2.", "MAT8,8,1.,1.,.3")
+    assert "PBARL 5, without a MAT1, that no element names" in assembly.ignored
+    with pytest.raises(FormatError, match="material 8 is not a MAT1"):
+        read("PBARL,5,8,,BAR\n,1.,2.", "MAT8,8,1.,1.,.3", "CBAR,1,5,1,2,0.,1.,0.")
+
+
 def test_mass_per_length_of_beams(read: Read) -> None:
     cards = {
         "PBAR,5,9,2.,3.,4.,5.,.1": "CBAR",

@@ -61,6 +61,8 @@ def read_sections(
         ("PBEAM", "CBEAM", _pbeam),
         ("PBEAML", "CBEAM", _pbeaml),
     )
+    lines = [card for name in ("CBAR", "CBEAM", "BAROR", "BEAMOR") for card in cards.get(name, ())]
+    used = {card.integer(1, 0) or card.integer(0, 0) for card in lines}
     for name, element, read in readers:
         for card in cards.get(name, ()):
             number = card.integer(0)
@@ -69,6 +71,9 @@ def read_sections(
                 text = f"property {number} is already defined at {before}; renumber one"
                 raise card.error(text)
             origin[element, number] = card
+            if number not in used and card.integer(1) not in materials:
+                ignored.append(f"{name} {number}, without a MAT1, that no element names")
+                continue
             material = material_of(card, 1, materials)
             section, angle = principal(card, _checked(card, read(card, material)))
             factor = factors.get(card.integer(1), 1.0)
