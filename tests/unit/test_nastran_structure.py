@@ -505,3 +505,39 @@ def test_an_edge_of_a_shell_is_clamped_to_a_solid(read: Read, card: str) -> None
 def test_edges_that_cannot_be_clamped(read: Read, card: str, message: str) -> None:
     with pytest.raises(FormatError, match=message):
         read(BRICK + card)
+
+
+FLEXIBLE = "Z,2.,.5,.1,3.,.2,4."
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_elements_given_by_their_flexibility(read: Read, rigid: bool) -> None:
+    """GENEL between node 5 and node 1: K (u_i - S u_d) of components 1, 2, 6."""
+    held = "1,1,1,2,1,3\n,1,4,1,5,1,6" if rigid else "1,1,1,2"
+    S = "" if rigid else "\n,S,1.,.5,0.,2.,-1.,0."
+    assembly = read(f"GENEL,7,,5,1,5,2,5,6\n,UD,,{held}\n,{FLEXIBLE}{S}")
+    K = assemble_matrices(assembly).K.toarray()
+    flexibility = np.array([[2.0, 0.5, 0.1], [0.5, 3.0, 0.2], [0.1, 0.2, 4.0]])
+    places, across = [24, 25, 29, 0, 1], np.array([[1.0, 0.5], [0.0, 2.0], [-1.0, 0.0]])
+    if rigid:
+        places = [24, 25, 29, *range(6)]
+        across = rigid_body_motions(assembly.mesh.nodes, assembly.mesh.nodes[0])[[24, 25, 29]]
+    both = np.hstack([np.eye(3), -across])
+    wanted = np.zeros_like(K)
+    wanted[np.ix_(places, places)] = both.T @ np.linalg.inv(flexibility) @ both
+    np.testing.assert_allclose(K, wanted, atol=1e-14 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(
+    ("card", "message"),
+    [
+        ("GENEL,7,,5,1,5,2\n,Z,1.,2.", "Z has 2 numbers; 3 are expected"),
+        ("GENEL,7,,5,1,5,2\n,Z,1.,1.,1.", "cannot be inverted"),
+        ("GENEL,7,,5,1\n,UD,,1,1\n,K,1.", "1 components in UD and no S"),
+        ("GENEL,7,,6,1\n,K,1.\nGRID,6,,1.,2.,3.,7", "without a displacement system"),
+        ("GENEL,7,,99,1\n,K,1.", "GRID 99 is not in the deck"),
+    ],
+)
+def test_elements_of_numbers_that_are_refused(read: Read, card: str, message: str) -> None:
+    with pytest.raises(FormatError, match=message):
+        read(card)

@@ -21,6 +21,7 @@ from faying.io.nastran.coordinates import ON_AXIS
 from faying.io.nastran.couplings import read_average_couplings
 from faying.io.nastran.directed_loads import DIRECTED
 from faying.io.nastran.equations import read_equations
+from faying.io.nastran.general_elements import read_general_elements
 from faying.io.nastran.grids import Grids, read_grids
 from faying.io.nastran.layers import SHELL_PROPERTIES
 from faying.io.nastran.left_out import CARDS, USERS
@@ -66,7 +67,19 @@ from faying.model.mesh import Mesh
 ELEMENTS = (
     *SOLID_CARDS,
     *SHELL_CARDS,
-    *("CBAR", "CBEAM", "CROD", "CONROD", "CTUBE", "CBUSH", "CBUSH1D", "CBEND", "CONM1", "CONM2"),
+    *(
+        "CBAR",
+        "CBEAM",
+        "CROD",
+        "CONROD",
+        "CTUBE",
+        "CBUSH",
+        "CBUSH1D",
+        "CBEND",
+        "CONM1",
+        "CONM2",
+        "GENEL",
+    ),
     *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
 )
 RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT", "RSSCON")
@@ -208,7 +221,7 @@ def read_parts(
             beams=(*beams, *read_rods(cards, grids, materials, factors, factor)),
             shells=shells.blocks,
             shell_sections=shells.sections,
-            springs=tuple(springs),
+            springs=(*springs, *read_general_elements(cards, grids)),
             bushes=(
                 *turned,
                 *read_bushes(cards, grids, factor, ignored),
