@@ -263,6 +263,7 @@ def judged(
         verdicts=tuple(
             verdicts(wanted, surfaces, bolts, rest, cases, interfaces, known, reserves or {})
         ),
+        open_below=wanted.open_share,
     )
 
 

@@ -8,7 +8,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.clamp_range import CertifiedClamps, ClampRange
 from faying.assessment.preload_scatter import Spread
-from faying.assessment.requirements import Verdict
+from faying.assessment.requirements import OPEN_BELOW, Verdict
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.thread import ThreadStress
 
@@ -173,12 +173,15 @@ class Assessment:
         Requirements, each where it is nearest to failing.
     scatter
         What scatter of the preloads does to static load cases, where that was asked for.
+    open_below : [1]
+        Share of the area pressed at rest below which an area is open.
     """
 
     bolts: Mapping[str, BoltAssessment]
     interfaces: Mapping[str, InterfaceAssessment]
     verdicts: tuple[Verdict, ...] = ()
     scatter: tuple[Spread, ...] = ()
+    open_below: float = OPEN_BELOW
 
     @property
     def met(self) -> bool:

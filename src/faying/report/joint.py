@@ -8,9 +8,9 @@ from faying._typing import Vector
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import BoltAssessment, InterfaceAssessment
 from faying.assessment.preload_scatter import Spread
-from faying.assessment.requirements import Verdict
+from faying.assessment.requirements import OPEN_BELOW, Verdict
 from faying.assessment.slip_demand import SlipDemand
-from faying.report.quantities import number, place, quantity
+from faying.report.quantities import number, percent, place, quantity
 from faying.report.tables import Cell, Table, table, told
 from faying.study.declared import barely_held, missing_contacts
 from faying.study.results import Results
@@ -22,7 +22,11 @@ MEANINGS = {
     "max_pressure": ("largest pressure", "at most", "force/length²"),
     "max_nodal_pressure": ("largest average around a node", "at most", "force/length²"),
     "no_opening_within": ("smallest pressure around the bolt", "nothing open within", "length"),
-    "min_opening_factor": ("opens at", "at least", "1"),
+    "min_opening_factor": (
+        "opens (too little of what the preload presses is left) at",
+        "at least",
+        "1",
+    ),
     "min_slip_safety": ("safety against slip S_G, bolts without shear", "at least", ""),
     "min_sliding_factor": ("slides as a whole at", "at least", "1"),
     "closed_ring": ("smallest pressure on the ring", "at least", "force/length²"),
@@ -111,9 +115,10 @@ def interface_judgement(results: Results) -> Table:
     """Return what the interfaces see over all load cases."""
     units = units_of(results.units)
     found = {} if results.assessment is None else results.assessment.interfaces
+    share = OPEN_BELOW if results.assessment is None else results.assessment.open_below
     columns = (
-        "interface", "largest pressure", "smallest area under pressure", "opens at",
-        "nothing pressed from",
+        "interface", "largest pressure", "smallest area under pressure",
+        f"below {percent(share)} of what the preload presses from", "nothing pressed from",
     )  # fmt: skip
     rows = [(name, *_interface(name, one, results, units)) for name, one in found.items()]
     return told(table(columns, rows))

@@ -59,6 +59,9 @@ def assess_run(
         intervals = _intervals(joint, smooth, cases, extras)
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
+        demands: dict[tuple[str, str], SlipDemand] = {}
+        with extras.attempt("slip by sums"):
+            demands = _demands(joint, study, wanted)
         found = judged(
             contact_surfaces(model),
             model.bolts,
@@ -75,7 +78,7 @@ def assess_run(
             wanted,
             {**_paths(joint, smooth, wanted, extras), **_rubbed_paths(static, reserves)},
             reserves,
-            _demands(joint, study, wanted),
+            demands,
         )
         threads = {
             bolt.name: Thread(**bolt.thread.model_dump())
