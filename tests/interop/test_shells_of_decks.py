@@ -165,6 +165,19 @@ def test_shells_in_contact_touch_half_a_thickness_off_their_nodes(side, tmp_path
     np.testing.assert_allclose(found, wanted, rtol=0, atol=0.006 * np.abs(wanted).max())
 
 
+@needs_calculix
+def test_shells_held_by_an_elastic_layer(tmp_path):
+    text, plate = plate_on_a_block("SPOS")
+    layer = text.replace("OVERCLOSURE=LINEAR\n1.E5", "OVERCLOSURE=TIED\n1.E5\n*FRICTION\n0.1, 1.E3")
+    theirs = displacements(tmp_path, layer)[-1]
+    assembly = read_deck(tmp_path / "job.inp")
+    assert any("ties of shells hold their nodes" in note for note in assembly.ignored)
+    found = solved(assembly)[assembly.mesh.node_index(np.array(plate)), :3]
+    wanted = np.array([theirs[i] for i in plate])
+    # 1.8 %: the layer holds the middle of the plate here, its lower face there.
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=0.03 * np.abs(wanted).max())
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -173,7 +186,7 @@ def test_shells_in_contact_touch_half_a_thickness_off_their_nodes(side, tmp_path
             "ADJUST=0.1",
             "ADJUST is not supported with surfaces of shells",
         ),
-        ("OVERCLOSURE=LINEAR", "OVERCLOSURE=TIED", "ties of shells are not supported"),
+        ("OVERCLOSURE=LINEAR\n1.E5", "OVERCLOSURE=TIED", "ties of shells are not supported"),
     ],
 )
 def test_what_surfaces_of_shells_do_not_take(old, new, message, tmp_path):

@@ -86,7 +86,10 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     of_nodes = [tie for tie in ties if not tie.slave.facets]
     of_facets = [tie for tie in ties if tie.slave.facets]
     for tie in ties:
-        if tie.slave.height or tie.master.height:
+        if not (tie.slave.height or tie.master.height):
+            continue
+        ignored.append(f"{tie.name}: ties of shells hold their nodes, half a thickness off")
+        if tie.stiffness is None:
             message = "ties of shells are not supported, whose rotations they tie; share nodes"
             raise tie.keyword.error(message)
     for tie in of_nodes:
@@ -104,7 +107,7 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
             minus=tie.slave.name,
             plus=tie.master.name,
             meshes="non-matching",
-            search_distance=_tolerance(assembly, tie),
+            search_distance=_tolerance(assembly, tie) + tie.slave.height + tie.master.height,
         )
         for tie in of_facets
     }
