@@ -60,6 +60,15 @@ def test_bolt_sequences_that_are_not_selected(deck: Deck) -> None:
         deck(f"SOL 101\nCEND\nBOLTLD=4\nBEGIN BULK\n{bolt}")
 
 
+def test_added_masses_that_are_not_selected(deck: Deck) -> None:
+    mass = "NSM1,3,PBAR,2,.5\n"
+    assembly = deck(f"SOL 103\nCEND\nBEGIN BULK\n{mass}")
+    assert "1 NSM1: case control selects none by NSM" in assembly.ignored
+    for control in ("SOL 103\nCEND\nNSM=3\nBEGIN BULK\n", ""):
+        with pytest.raises(FormatError, match="NSM1: the card is not supported"):
+            deck(control + mass)
+
+
 def test_what_only_statics_hold_is_said(deck: Deck) -> None:
     assembly = deck("SOL 103\nCEND\nBEGIN BULK\nSUPORT,1,123456\n")
     assert any(note.startswith("1 SUPORT: statics of Nastran hold") for note in assembly.ignored)

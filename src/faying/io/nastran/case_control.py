@@ -11,7 +11,7 @@ from faying.io.line_texts import joined
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
 _HEAT = re.compile(rb"^\s*(SOL\s+(HEAT|53|61|74|89|153|159)\b|APP\s+HEAT)")
-_SETS = frozenset(("SPC", "MPC", "LOAD", "DEFORM", "BCSET", "BGSET", "BOLTLD"))
+_SETS = frozenset(("SPC", "MPC", "LOAD", "DEFORM", "BCSET", "BGSET", "BOLTLD", "NSM"))
 _ABBREVIATED = ("SUBCASE", "TEMPERATURE", "DEFORM", "BCONTACT", "BOLTLD", "ANALYSIS")
 _TEMPERATURES = {
     **{"": ("load", "material"), "BOTH": ("load", "material"), "LOAD": ("load",)},
@@ -46,6 +46,8 @@ class CaseControl:
         Sets of temperatures by what for: ``"load"``, ``"initial"``, ``"material"``.
     deform
         Set of DEFORM.
+    added_mass
+        Set of NSM.
     present
         Whether the deck has a case control section (CEND, or selections), so that what is not
         selected is not active.
@@ -62,6 +64,7 @@ class CaseControl:
     glue: int | None = None
     temperatures: Mapping[str, int] = field(default_factory=dict)
     deform: int | None = None
+    added_mass: int | None = None
     present: bool = False
     heat: bool = False
 
@@ -178,6 +181,7 @@ def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:
             if f"temperature {use}" in numbers
         },
         deform=numbers.get("DEFORM"),
+        added_mass=numbers.get("NSM"),
         present=present,
     )
 

@@ -68,6 +68,9 @@ _REMEDIES = {
     "PLSOLID": "use PSOLID",
 }
 
+ADDED_MASS = ("NSM", "NSM1", "NSML", "NSML1", "NSMADD")
+"""Masses beside those of properties, which case control selects."""
+
 USERS: Mapping[str, tuple[str, ...]] = {
     "PLPLANE": ("CQUAD", "CQUAD4", "CQUAD8", "CQUADX", "CTRIA3", "CTRIA6", "CTRIAX"),
     "PGAP": ("CGAP",),

@@ -24,7 +24,7 @@ from faying.io.nastran.equations import read_equations
 from faying.io.nastran.general_elements import read_general_elements
 from faying.io.nastran.grids import Grids, read_grids
 from faying.io.nastran.layers import SHELL_PROPERTIES
-from faying.io.nastran.left_out import CARDS, USERS
+from faying.io.nastran.left_out import ADDED_MASS, CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses, without_rotation
 from faying.io.nastran.materials import (
@@ -173,7 +173,7 @@ def read_parts(
     cards = bulk.cards()
     ignored: list[str] = []
     control = read_case_control(source.control, ignored, subcase)
-    _check_supported(cards, ignored, ignore, path)
+    _check_supported(cards, control, ignored, ignore, path)
     # Overflow is caught by the finiteness checks, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"):
         parameters = read_cards(parameter_lines(source.control))
@@ -274,14 +274,18 @@ def _refuse_by_names(path: Path, subcase: int | None, ignore: frozenset[str]) ->
     try:
         source = read_source(path, TellingLines(passed_over=_PASSED_OVER))
         cards = read_cards(source.bulk).cards()
-        read_case_control(source.control, [], subcase)
+        control = read_case_control(source.control, [], subcase)
     except FormatError:
         return  # of the whole deck the same is told with all that stands in front of it
-    _check_supported(cards, [], ignore, path)
+    _check_supported(cards, control, [], ignore, path)
 
 
 def _check_supported(
-    cards: Mapping[str, Cards], ignored: list[str], ignore: frozenset[str], path: Path
+    cards: Mapping[str, Cards],
+    control: CaseControl,
+    ignored: list[str],
+    ignore: frozenset[str],
+    path: Path,
 ) -> None:
     """Refuse cards that may change the structure, all at once; note what is left out."""
     named = materials_named(cards)
@@ -291,6 +295,9 @@ def _check_supported(
             continue
         if name in USERS and not any(user in cards for user in USERS[name]):
             ignored.append(f"{len(found)} {name} that no element names")
+            continue
+        if name in ADDED_MASS and control.present and control.added_mass is None:
+            ignored.append(f"{len(found)} {name}: case control selects none by NSM")
             continue
         first = 0
         if name in MATERIALS:
