@@ -128,6 +128,10 @@ def compared(path: Path, limit: int) -> tuple[str, float]:
     described = read_joint(path, step=1)
     if not statics and described.interfaces:
         return "frequencies under contact", np.nan
+    if described.bolts and not described.interfaces:
+        return "bolts without contact", np.nan
+    if statics and not set(theirs.displacements) & set(described.assembly.mesh.node_ids.tolist()):
+        return "no displacements kept", np.nan
     if statics:
         found = _statics(path, described, theirs, limit)
     else:
