@@ -18,6 +18,7 @@ from faying.export.formats import export
 from faying.report.figures.slip import plot_slip_states
 from faying.report.friction_table import friction_table
 from faying.report.html import write_report
+from faying.report.joint import slip_judgement
 from faying.report.quantities import number
 from faying.report.slip import slip_sentence, slipping
 from faying.report.style import new_figure
@@ -125,6 +126,9 @@ def test_two_safeties_against_slip_are_told_apart(results):
     assert sliding.value == min(one.gross_slip for one in reserves.values())
     # All slips along one motion by nine tenths: without much of a bolt that is nearly the same.
     assert sliding.value > 0.89 * slip.safety["pull"]
+    (row,) = slip_judgement(results).rows
+    assert row[-1].text == f"{number(sliding.value)} times {sliding.case}"
+    assert row[-2].text == number(sums.value)
     assert opening.requirement == "min_opening_factor"
     assert found.interfaces["joint"].opening == {"pull": reserves["pull"].openings[0]}
 

@@ -163,17 +163,31 @@ def slip_judgement(results: Results) -> Table:
     interfaces = {} if results.assessment is None else results.assessment.interfaces
     columns = (
         "slip of", "friction needed at most", "tangential force there", "clamp force there",
-        "judged with", "safety S_G",
+        "judged with", "safety S_G, bolts without shear", "slides, bolts with theirs, from",
     )  # fmt: skip
     rows: list[tuple[str, ...]] = []
     for name, one in interfaces.items():
         if one.slip is None:
             continue
-        rows.append((name, *_slip(one.slip, force)))
+        rows.append((name, *_slip(one.slip, force), _least(_sliding(results, name))))
         near = {b: area.slip_around[name] for b, area in bolts.items() if name in area.slip_around}
         if len(near) > 1 and not one.slip.unknown:
-            rows += [(f"{name} around {bolt}", *_slip(area, force)) for bolt, area in near.items()]
-    return table(columns, rows)
+            rows += [
+                (f"{name} around {bolt}", *_slip(area, force), "—") for bolt, area in near.items()
+            ]
+    return told(table(columns, rows))
+
+
+def _sliding(results: Results, interface: str) -> dict[str, float]:
+    """Return the load cases followed with friction, with the factor at which an interface slides.
+
+    Of several interfaces the first one that does is told.
+    """
+    return {
+        name: one.gross_slip if one.gross_slip and one.slides == interface else np.inf
+        for name, case in results.cases.items()
+        if (one := case.reserve) is not None and results.interfaces[interface].friction > 0
+    }
 
 
 def _slip(one: SlipDemand, unit: str) -> Iterator[str]:
