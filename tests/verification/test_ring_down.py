@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.assessment import stuck_modes
+from faying.assessment import ring_down, stuck_modes
+from faying.assessment.decay import Decay
 from faying.assessment.stuck_modes import stuck_mode
 from faying.exceptions import ModelError
+from faying.simulation.cycles import MOST_CYCLES
 
 BETA = 3e-7
 
@@ -67,6 +69,41 @@ def test_the_sign_of_a_mode_is_not_the_eigensolvers(rom, monkeypatch):
     assert abs(up[0] / other[0] - 1) > 0.1
 
 
+def test_a_joint_that_settles_is_not_damped_by_what_friction_takes():
+    """Pulled and let go before, it slips on in every cycle, by energy that was left in it."""
+    slippery = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    slippery = slippery.with_bolt_forces({"bolt": 8e3}).with_friction(0.05)
+    rom = fy.reduce(slippery, fy.craig_bampton(slippery, normal_modes=10), compliance=True)
+    path = [fy.Load({"tip.Fx": 200.0 * pull}) for pull in (0, 1, 2, 3, 4, 5, 4, 3, 2, 1, 0)]
+    curve = fy.backbone(rom, 1, [0.01], initial=fy.solve_path(rom, path), increments=12)
+    assert curve.cycles[0] == MOST_CYCLES
+    assert not curve.stationary[0]
+    assert "cycles still changed after 30" in curve.remarks[-1]
+    options = {"path": path, "increments": 3, "periods": 3, "steps_per_period": 60}
+    free = fy.ring_down(rom, 1, 0.01, **options)
+    assert len(free.energies) == MOST_CYCLES
+    assert "cycles still changed after 30" in free.remarks[0]
+    # Twelve increments a cycle: 11 % are measured, where friction takes 11 times as much.
+    assert curve.damping_ratio[0] == pytest.approx(free.decay.damping_ratio.mean(), rel=0.15)
+    assert curve.energy_per_cycle[0] > 5 * curve.loop_area[0]
+    # Let go at once, its first swings differ.
+    fresh = fy.ring_down(rom, 1, 0.01, **options, cycles=0)
+    assert fresh.decay.damping_ratio[0] < 0.8 * free.decay.damping_ratio[0]
+
+
+def test_a_swing_that_grows_is_remarked(rom, monkeypatch):
+    decays = Decay(
+        times=np.zeros(2),
+        amplitude=np.ones(2),
+        frequency=np.ones(2),
+        damping_ratio=np.array([0.01, -0.0055]),
+    )
+    monkeypatch.setattr(ring_down, "free_decay", lambda *_: decays)
+    options = {"increments": 1, "cycles": 0, "periods": 3, "steps_per_period": 20}
+    (remark,) = fy.ring_down(rom, 2, 1e-4, **options).remarks
+    assert "the swing grew in 1 of 2 periods" in remark
+
+
 @pytest.mark.slow
 def test_a_mode_that_slips_dies_out_as_its_cycles_say(rom):
     found = fy.ring_down(rom, 2, 0.05, at="tip.uy")
@@ -94,6 +131,7 @@ def test_loads_that_stay_stay(rom):
         ((0, 0.1), {}, "there is no mode 0; modes are whole numbers from 1"),
         ((1, -0.1), {}, r"the amplitude is -0\.1; give a positive number"),
         ((1, 0.1), {"increments": 0}, "found 0 increments; give one or more"),
+        ((1, 0.1), {"cycles": -1}, "found -1 cycles; give none or more"),
         ((1, 0.1), {"periods": 1.0}, "found 1 periods of 100 steps; give 3 periods or more of 20"),
         ((1, 0.1), {"at": "top"}, "mode 1: there is no boundary 'top'; the boundaries are tip"),
     ],

@@ -40,13 +40,14 @@ class Backbone(Shown):
     damping_ratio : (n,) [1]
         Of friction and of the damping matrix C together.
     friction_damping : (n,) [1]
-        Its share of friction.
+        Its share of friction; of ``loop_area`` where cycles are not stationary.
     linear_damping : (n,) [1]
         Its share of the damping matrix.
     energy_per_cycle : (n,) [force·length]
         Energy that friction takes, by slip.
     loop_area : (n,) [force·length]
-        The same by the loop of load and displacement; both agree as increments shrink.
+        Area of the loop of load and displacement. Both agree as increments shrink where cycles are
+        stationary; where not, friction takes energy besides that was in the tightened joint.
     stick_share : (n,) [1]
         Least share of the closed area that sticks during the cycle.
     macroslip : (n,) [1]

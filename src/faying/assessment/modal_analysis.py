@@ -5,7 +5,8 @@ q = φᵀ M (u − u₀), full cycles ±α give
 
     ω²(α) = α / q,    ζ(α) = D(α) / (2 π α q),                                                (F5)
 
-with D the energy that friction takes in a cycle and q half of what it goes through (Festjens,
+with D the energy that friction takes in a repeating cycle, else the area of the loop of load and
+displacement, and q half of what it goes through (Festjens,
 Chevallier & Dion 2013 and Lacayo & Allen 2019).
 """
 
@@ -86,7 +87,9 @@ class ModalAnalysis:
         system, load, modal = self.swing.system, column("load"), column("modal")
         energy, first = column("energy"), column("first_modal")
         circular = np.sqrt(load / modal)
-        friction = energy / (2 * np.pi * load * modal)
+        # A cycle that does not repeat settles besides, by energy that the vibration does not lose.
+        taken = np.where(column("stationary"), energy, column("loop"))
+        friction = taken / (2 * np.pi * load * modal)
         linear = float(self.shape.shape @ (system.C @ self.shape.shape)) / (2 * circular)
         # Masing: both halves of a loop are its first loading, twice as large.
         lost = 8 * column("first_loop") - 4 * load * first
@@ -297,6 +300,8 @@ def _remarks(
         reach = with_unit(max(changing), unit)
         remarks.append(
             f"cycles still changed after {MOST_CYCLES} at {len(changing)} of {len(rows)} "
-            f"amplitudes, the largest of them {reach}"
+            f"amplitudes, the largest of them {reach}: the joint settles there by energy that "
+            "tightening and loads have left in it, and damping is that of the loops, not of what "
+            "friction takes"
         )
     return tuple(remarks)

@@ -214,7 +214,7 @@ class Swing:
             modal=(modal[-1] - modal[half]) / 2,
             reached=np.ptp(self._at([before, *steps], loads)) / 2,
             energy=energy if energy > NO_LOSS * load * np.ptp(modal) else 0.0,
-            loop=float(np.trapezoid(loads, modal)),
+            loop=-float(np.trapezoid(modal, loads)),
             stick_share=float(sticking[:, 0].min()),
             macroslip=bool(sticking[:, 1].any()),
             cycles=count,

@@ -1,7 +1,7 @@
 """Ring-down of a mode of a joint with friction: what cycles of its backbone are checked by."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -14,6 +14,7 @@ from faying.exceptions import ModelError, naming
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
 from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.integrator import Integrator
 from faying.simulation.load import Load
@@ -44,6 +45,10 @@ class RingDown:
         Frequency and damping ratio of ``motion``, period by period.
     solution
         The transient, of the system with the inertia load of the mode beside its own loads.
+    energies : (n_cycle,) [force·length]
+        What friction took in each cycle before the joint was let go.
+    remarks : (n_remark,)
+        What a reader should know.
     """
 
     mode: int
@@ -52,9 +57,12 @@ class RingDown:
     motion: Vector
     decay: Decay
     solution: Solution
+    energies: Vector = field(default_factory=lambda: np.zeros(0))
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "motion", frozen(self.motion))
+        object.__setattr__(self, "energies", frozen(self.energies))
 
 
 def ring_down(
@@ -65,6 +73,7 @@ def ring_down(
     at: str | None = None,
     path: Sequence[Load] = (Load(),),
     increments: int = 20,
+    cycles: int | None = None,
     periods: float = 4.0,
     steps_per_period: int = 100,
     integrator: Integrator | None = None,
@@ -72,8 +81,9 @@ def ring_down(
 ) -> RingDown:
     """Displace a joint in one of its modes, let it go, and take its damping from the decay.
 
-    The preloaded joint is loaded by α M φ in increments, as in :func:`faying.backbone`; without
-    that load it rings down in the mode φ and in whatever friction makes vibrate besides.
+    The preloaded joint is loaded by α M φ, to and fro until its cycles repeat, as in
+    :func:`faying.backbone`; without that load it rings down in the mode φ and in whatever friction
+    makes vibrate besides.
 
     Parameters
     ----------
@@ -90,7 +100,10 @@ def ring_down(
         Loads that lead to the joint about which it vibrates; the last one stays on. By default the
         bolts are tightened with friction in one increment.
     increments
-        In which the mode is loaded.
+        In which the mode is loaded, a quarter of a cycle.
+    cycles
+        Before the joint is let go; by default until they repeat, 30 at most. A joint that is let
+        go without them settles while it rings down: its first swings slip as later ones do not.
     periods, steps_per_period
         Of small vibrations: how long, and how fine the steps are.
     integrator
@@ -121,7 +134,7 @@ def ring_down(
     >>> bool((found.decay.damping_ratio > 0).all())
     True
     """
-    _check(system, mode, amplitude, increments, periods, steps_per_period)
+    _check(system, mode, amplitude, increments, cycles, periods, steps_per_period)
     rest = solve_path(system, path)
     found = stuck_mode(system, rest, mode)
     with naming(f"mode {mode}"):
@@ -134,6 +147,14 @@ def ring_down(
     shares = np.arange(1, increments + 1) / increments
     rise = [replace(last, forces={**last.forces, name: load * share}) for share in shares.tolist()]
     displaced = solve_path(pushed, [*path, *rise])
+    to_and_fro = np.concatenate([1 - shares, -shares, shares - 1, shares]) * load
+    cycle = [replace(last, forces={**last.forces, name: one}) for one in to_and_fro.tolist()]
+    energies = list[float]()
+    while len(energies) < (MOST_CYCLES if cycles is None else cycles):
+        displaced = solve_path(pushed, cycle, initial=displaced, compiled=compiled)
+        energies.append(float(np.sum(displaced.dissipation)))
+        if cycles is None and _repeats(energies, load**2 / circular**2):
+            break
     solution = solve_transient(
         pushed,
         last,
@@ -144,14 +165,43 @@ def ring_down(
         compiled=compiled,
     )
     motion = measure.unit * ((solution.states - rest.states[-1]) @ inertia.forces)
+    decay = free_decay(np.asarray(solution.times), motion)
     return RingDown(
         mode=mode,
         small_frequency=found.frequency,
         measured_at=measure.name,
         motion=motion,
-        decay=free_decay(np.asarray(solution.times), motion),
+        decay=decay,
         solution=solution,
+        energies=np.array(energies),
+        remarks=_remarks(decay, energies, cycles, load**2 / circular**2),
     )
+
+
+def _repeats(energies: Sequence[float], work: float) -> bool:
+    """Say whether the last cycle took what the one before did, or nothing."""
+    before, now = [np.inf, *energies][-2:]
+    return bool(abs(now - before) <= STATIONARY * now or now <= NO_LOSS * work)
+
+
+def _remarks(
+    decay: Decay, energies: Sequence[float], cycles: int | None, work: float
+) -> tuple[str, ...]:
+    remarks = []
+    if cycles is None and not _repeats(energies, work):
+        less = 1 - energies[-1] / energies[-2]
+        remarks.append(
+            f"cycles still changed after {MOST_CYCLES}, in the last one friction took {less:.1%} "
+            "less than in the one before: part of the decay is the joint settling"
+        )
+    grown = int(np.count_nonzero(decay.damping_ratio <= 0))
+    if grown:
+        remarks.append(
+            f"the swing grew in {grown} of {len(decay.damping_ratio)} periods, to which other "
+            "modes gave energy or in which they are seen: damping ratios of single periods mean "
+            "nothing here; take smaller amplitudes, or the mean over many periods"
+        )
+    return tuple(remarks)
 
 
 def _check(
@@ -159,6 +209,7 @@ def _check(
     mode: int,
     amplitude: float,
     increments: int,
+    cycles: int | None,
     periods: float,
     steps_per_period: int,
 ) -> None:
@@ -171,6 +222,8 @@ def _check(
         wrong.append(f"the amplitude is {amplitude:g}; give a positive number")
     if increments < 1:
         wrong.append(f"found {increments} increments; give one or more")
+    if cycles is not None and cycles < 0:
+        wrong.append(f"found {cycles} cycles; give none or more")
     if not FEWEST_PERIODS <= periods < np.inf or steps_per_period < 20:
         wrong.append(
             f"found {periods:g} periods of {steps_per_period} steps; give {FEWEST_PERIODS} periods "
