@@ -12,7 +12,6 @@ tightens, then the load in one increment as CalculiX takes it, and in ten as stu
 """
 
 import argparse
-import importlib.util
 import os
 import re
 import resource
@@ -105,7 +104,7 @@ def with_friction(description, repeat: int) -> None:
         ),
     )
     theirs, everything = [], []
-    spent = {(count, compiled): [] for compiled in kinds() for count in (1, 10)}
+    spent = {count: [] for count in (1, 10)}
     for _ in range(repeat):
         theirs.append(calculix(rubbing))
         start = time.process_time()
@@ -117,18 +116,17 @@ def with_friction(description, repeat: int) -> None:
         for load in cases(100):
             fy.solve_path(rom, [load], initial=tight)
         everything.append((time.process_time() - start) / 100)
-        for (count, compiled), times in spent.items():
-            fy.solve_path(rom, [fy.Load(FORCES)], initial=tight, compiled=compiled)
+        for count, times in spent.items():
             start = time.process_time()
             for load in cases(20):
                 steps = [load.scaled(k / count) for k in range(1, count + 1)]
-                fy.solve_path(rom, steps, initial=tight, compiled=compiled)
+                fy.solve_path(rom, steps, initial=tight)
             times.append((time.process_time() - start) / 20)
     write(f"\n| friction {FRICTION} | processor time | CalculiX over it |\n|---|---|---|\n")
     seconds = [run.seconds for run in theirs]
     write(f"| CalculiX, preload and LC2 | {statistics.median(seconds):.2f} s | 1 |\n")
-    for (count, compiled), times in spent.items():
-        how = f"{count} increment{'s' * (count > 1)}{', compiled' * compiled}"
+    for count, times in spent.items():
+        how = f"{count} increment{'s' * (count > 1)}"
         row(f"faying, one six-component load, model at hand, {how}", times, seconds)
     row("faying, 100 loads with assembly, tightening and basis, per load", everything, seconds)
     solved = fy.solve_path(rom, [fy.Load(FORCES)], initial=tight)
@@ -136,11 +134,6 @@ def with_friction(description, repeat: int) -> None:
     difference = np.abs(ours - other).max() / np.abs(other).max()
     write(f"\nLC2 in one increment: {int(solved.iterations[0])} Newton steps, {closed(solved)}; ")
     write(f"tip of CalculiX {other}, difference {difference:.0e}\n")
-
-
-def kinds() -> tuple[bool, ...]:
-    """Return whether increments are compiled, as far as they can be."""
-    return (False, True) if importlib.util.find_spec("numba") else (False,)
 
 
 def closed(path) -> str:

@@ -5,10 +5,9 @@
 SIZE is an element size in mm: 2.5 (default) is the default cantilever. Prints processor time, the
 least of several runs, because other work on the machine can only add to it: of a warm increment
 of a path, of cycles of 50 increments in three modes, of their backbones at 20 amplitudes, of a
-search for the slip reserve, and of a step of the reduced model, in Python and compiled (extra
-``compiled``), with the Newton steps of each; and of the same static loads and steps without
-friction. Of joints of more than a thousand points one cycle of 20 increments is measured, no
-backbone and no slip reserve, and everything once.
+search for the slip reserve, and of a step of the reduced model, with the Newton steps of each;
+and of the same static loads and steps without friction. Of joints of more than a thousand points
+one cycle of 20 increments is measured, no backbone and no slip reserve, and everything once.
 """
 
 import os
@@ -63,80 +62,58 @@ def rows(model: fy.Model, smooth: fy.Model, runs: int, steps: int) -> list[tuple
         tight = fy.solve_path(joint, [fy.Load()])
         for name, load in LOADS.items():
             loads = [load.scaled(float(factor)) for factor in factors]
-            for compiled in (False,) if which else (False, True):
 
-                def walk(
-                    loads: list[fy.Load] = loads,
-                    joint: fy.Model = joint,
-                    tight: Any = tight,
-                    compiled: bool = compiled,
-                ) -> Any:
-                    return fy.solve_path(joint, loads, initial=tight, compiled=compiled)
+            def walk(
+                loads: list[fy.Load] = loads, joint: fy.Model = joint, tight: Any = tight
+            ) -> Any:
+                return fy.solve_path(joint, loads, initial=tight)
 
-                if compiled:
-                    walk()
-                ms, path = least(walk, runs)
-                label = f"{'compiled ' if compiled else ''}increment, {name}{which}"
-                found.append((label, ms / len(loads), f"{path.iterations.mean():.1f}"))
+            ms, path = least(walk, runs)
+            steps_each = f"{path.iterations.mean():.1f}"
+            found.append((f"increment, {name}{which}", ms / len(loads), steps_each))
         rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=20), compliance=True)
         start = fy.solve_path(rom, [fy.Load()])
-        for compiled in (False, True):
 
-            def steps_of(
-                number: int,
-                rom: fy.ReducedModel = rom,
-                start: Any = start,
-                compiled: bool = compiled,
-            ) -> Any:
-                duration = number * 1e-5
-                return fy.solve_transient(
-                    rom, both, step=1e-5, duration=duration, initial=start, compiled=compiled
-                )
+        def steps_of(number: int, rom: fy.ReducedModel = rom, start: Any = start) -> Any:
+            return fy.solve_transient(rom, both, step=1e-5, duration=number * 1e-5, initial=start)
 
-            steps_of(2)
-            once, _ = least(lambda steps_of=steps_of: steps_of(1), runs)
-            ms, motion = least(lambda steps_of=steps_of: steps_of(steps), runs)
-            taken = f"{motion.iterations[1:].mean():.1f}"
-            label = f"{'compiled ' if compiled else ''}reduced step{which}"
-            found.append((label, (ms - once) / (steps - 1), taken))
+        steps_of(2)
+        once, _ = least(lambda steps_of=steps_of: steps_of(1), runs)
+        ms, motion = least(lambda steps_of=steps_of: steps_of(steps), runs)
+        taken = f"{motion.iterations[1:].mean():.1f}"
+        found.append((f"reduced step{which}", (ms - once) / (steps - 1), taken))
     return found
 
 
 def large_cycle(model: fy.Model) -> list[tuple[str, float, str]]:
     """Return what cycles of mode 1 of a large joint cost."""
-    tight, found = fy.solve_path(model, [fy.Load()]), []
-    for compiled in (False, True):
+    tight = fy.solve_path(model, [fy.Load()])
 
-        def curve(levels: Any, compiled: bool = compiled) -> Any:
-            return fy.backbone(model, 1, levels, initial=tight, increments=20, compiled=compiled)
+    def curve(levels: Any) -> Any:
+        return fy.backbone(model, 1, levels, initial=tight, increments=20)
 
-        once, _ = least(lambda curve=curve: curve([BACKBONES[1][0]]), 1)
-        ms, swung = least(lambda curve=curve: curve([BACKBONES[1][0], AMPLITUDES[1]]), 1)
-        walked = float(swung.cycles[1]) + 0.25
-        label = f"{'compiled ' if compiled else ''}cycle of 20, mode 1"
-        found.append((label, (ms - once) / walked, f"{walked:g} cycles"))
-    return found
+    once, _ = least(lambda: curve([BACKBONES[1][0]]), 1)
+    ms, swung = least(lambda: curve([BACKBONES[1][0], AMPLITUDES[1]]), 1)
+    walked = float(swung.cycles[1]) + 0.25
+    return [("cycle of 20, mode 1", (ms - once) / walked, f"{walked:g} cycles")]
 
 
 def cycles(model: fy.Model) -> list[tuple[str, float, str]]:
     """Return what cycles, backbones and a search for the slip reserve cost, and the cycles."""
     tight, found = fy.solve_path(model, [fy.Load()]), []
 
-    def curve(mode: int, levels: Any, compiled: bool | None) -> Any:
-        return fy.backbone(model, mode, levels, initial=tight, compiled=compiled)
+    def curve(mode: int, levels: Any) -> Any:
+        return fy.backbone(model, mode, levels, initial=tight)
 
     for mode, amplitude in AMPLITUDES.items():
-        for compiled in (False, True):
-            # What modes and the first loading take is taken off: a second amplitude does them once.
-            small = BACKBONES[mode][0]
-            once, _ = least(lambda m=mode, s=small, c=compiled: curve(m, [s], c))
-            both = [small, amplitude]
-            ms, swung = least(lambda m=mode, b=both, c=compiled: curve(m, b, c))
-            walked = float(swung.cycles[1]) + 0.25
-            label = f"{'compiled ' if compiled else ''}cycle of 50, mode {mode}"
-            found.append((label, (ms - once) / walked, f"{walked:g} cycles"))
+        # What modes and the first loading take is taken off: a second amplitude does them once.
+        small = BACKBONES[mode][0]
+        once, _ = least(lambda m=mode, s=small: curve(m, [s]))
+        ms, swung = least(lambda m=mode, b=(small, amplitude): curve(m, b))
+        walked = float(swung.cycles[1]) + 0.25
+        found.append((f"cycle of 50, mode {mode}", (ms - once) / walked, f"{walked:g} cycles"))
     for mode, ends in BACKBONES.items():
-        ms, swung = least(lambda m=mode, e=ends: curve(m, np.geomspace(*e, 20), None), 1)
+        ms, swung = least(lambda m=mode, e=ends: curve(m, np.geomspace(*e, 20)), 1)
         found.append((f"backbone of 20, mode {mode}", ms, f"{swung.cycles.sum()} cycles"))
     ms, _ = least(lambda: fy.slip_reserve(model, LOADS["pull"], tight), 1)
     found.append(("slip reserve, pull", ms, ""))

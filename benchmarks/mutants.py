@@ -41,7 +41,6 @@ _CONTACT = ("tests/verification/test_contact_problem.py", *_LAWS)
 _MOTION = ("tests/verification/test_transient.py", "tests/verification/test_energy_decaying.py")
 _STEPS = ("tests/unit/test_integrator_steps.py",)
 _INCREMENTS = ("tests/unit/test_increments.py",)
-_BEGINNINGS = ("tests/unit/test_where_increments_begin.py",)
 _PATHS = ("tests/unit/test_paths.py",)
 _REDUCTION = ("tests/unit/test_basis.py",)
 TARGETS: dict[str, tuple[str, ...]] = {
@@ -55,18 +54,16 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "contact/newton_steps.py": ("tests/unit/test_newton_steps.py",),
     "contact/frictional.py": _INCREMENTS,
     "contact/fixed_bounds.py": ("tests/unit/test_fixed_bounds.py",),
-    "contact/predictor.py": _BEGINNINGS,
-    "contact/laws_at_points.py": _BEGINNINGS,
-    "contact/compiled_frictional.py": _INCREMENTS,
-    "contact/compiled_points.py": _INCREMENTS,
-    "contact/compiled_increments.py": _INCREMENTS,
+    "contact/yielding.py": _INCREMENTS,
+    "contact/glued_pairs.py": ("tests/unit/test_glued_pairs.py",),
+    "contact/laws_at_points.py": ("tests/unit/test_laws_at_points.py",),
     "simulation/integrators/implicit_euler.py": _STEPS,
     "simulation/integrators/generalized_alpha.py": _STEPS,
     "simulation/integrators/energy_decaying.py": _STEPS,
     "simulation/integrators/spectral_radius.py": _STEPS,
     "simulation/step_contact.py": ("tests/unit/test_step_contact.py",),
     "simulation/path.py": _PATHS,
-    "simulation/path_solver.py": _PATHS,
+    "simulation/bolts_by_force.py": (*_PATHS, "tests/verification/test_bolts.py"),
     "simulation/cycles.py": _PATHS,
     "simulation/frictional_preload.py": _PATHS,
     "simulation/without_friction.py": _PATHS,

@@ -6,9 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 
 import faying as fy
-from faying.contact.compiled_frictional import CompiledFrictionalContact
+from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.frictional import FrictionalContact
+from faying.contact.increment import Increment
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ConvergenceError
 from faying.simulation.path import PathStep, follow
@@ -27,7 +28,6 @@ class Outcome:
     residual: float  # natural, over the largest force; computed anew
     parts: bool  # the increment was halved
     refused: str = ""
-    left: bool = False  # to Python, by the compiled solver
 
 
 class Joints:
@@ -98,32 +98,27 @@ def small_path(rng):
     return "few points", FrictionalContact(contact=contact, S=S), steps @ way
 
 
-class Counted:
-    """A solver in Python that counts what it is left by a compiled one."""
-
-    def __init__(self, plain):
-        self.plain, self.calls = plain, 0
-
-    def __getattr__(self, name):
-        return getattr(self.plain, name)
-
-    def solve(self, z_free, start=None, similar=None):
-        self.calls += start is not None
-        return self.plain.solve(z_free, start, similar)
+def solver_of(plain):
+    """The solver that paths take: for displacements where every point yields, else for forces."""
+    return CondensedContact(contact=plain.contact, compliance=plain.S).increments
 
 
-def outcomes(index, joints, *, compiled=False):
-    """Solve the path of an index, and judge every increment by the law written out again.
+def unstressed(solver):
+    """Where a path begins."""
+    n, moved = solver.contact.n_points, np.zeros(len(solver.S))
+    nothing = Increment(
+        forces=np.zeros((3, n)), slack=np.zeros((3, n)), moved=moved, iterations=0, residual=0.0
+    )
+    return PathStep(relative=moved, increment=nothing, slip=np.zeros((2, n)))
 
-    Compiled ones are solved about the state after the first increment, which closes contact.
-    """
+
+def outcomes(index, joints, *, by_forces=False):
+    """Solve the path of an index, and judge every increment by the law written out again."""
     rng = np.random.default_rng(index)
     kind, plain, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
-    n, solver, counted = plain.contact.n_points, plain, Counted(plain)
-    nothing = Increment(forces=np.zeros((3, n)), slack=np.zeros((3, n)), iterations=0, residual=0.0)
-    here = PathStep(relative=np.zeros(len(plain.S)), increment=nothing, slip=np.zeros((2, n)))
+    solver, here = plain if by_forces else solver_of(plain), unstressed(plain)
     for target in relatives:
-        before, calls = here, counted.calls
+        before = here
         try:
             (here,) = follow(solver, [target], here)
         except ConvergenceError as error:
@@ -131,17 +126,13 @@ def outcomes(index, joints, *, compiled=False):
             return
         parts = here.iterations != here.increment.iterations
         start = here.slip - here.increment.slack[1:] if parts else before.slip
-        residual, left = natural_residual(plain, here, start), counted.calls > calls
-        yield Outcome(kind, here.iterations, residual, parts=parts, left=left)
-        if compiled and solver is plain and here.increment.forces.any():
-            solver = CompiledFrictionalContact(counted, here.increment.forces)
+        residual = natural_residual(plain, here, start)
+        yield Outcome(kind, here.iterations, residual, parts=parts)
 
 
 def walked(solver, relatives):
     """Yield the end of each increment of a path, and the slip that it began with."""
-    n = solver.contact.n_points
-    nothing = Increment(forces=np.zeros((3, n)), slack=np.zeros((3, n)), iterations=0, residual=0.0)
-    here = PathStep(relative=np.zeros(len(solver.S)), increment=nothing, slip=np.zeros((2, n)))
+    here = unstressed(solver)
     for target in relatives:
         (here,) = follow(solver, [target], here)
         yield here, here.slip - here.increment.slack[1:]

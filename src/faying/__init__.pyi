@@ -74,8 +74,8 @@ from faying.simulation.preload import Sticking as Sticking
 from faying.simulation.preload import preload as preload
 from faying.simulation.preload import tighten as tighten
 from faying.simulation.solution import Solution as Solution
-from faying.simulation.static import solve_static as solve_static
 from faying.simulation.static import solve_static_cases as solve_static_cases
+from faying.simulation.static_case import solve_static as solve_static
 from faying.simulation.transient import solve_transient as solve_transient
 from faying.simulation.transient import solve_transient_cases as solve_transient_cases
 from faying.sources import from_matrices as from_matrices

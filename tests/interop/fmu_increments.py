@@ -5,7 +5,8 @@ import ctypes
 import numpy as np
 import scipy.sparse as sp
 
-from faying.contact.frictional import SOLVED, Increment
+from faying.contact.frictional import SOLVED
+from faying.contact.increment import Increment
 from faying.exceptions import ConvergenceError
 
 
@@ -32,17 +33,16 @@ class IncrementsInC:
         sizes = ctypes.c_size_t(n), ctypes.c_size_t(r)
         self.solver = ctypes.c_void_p(self.library.make_solver(*sizes, *pointers(*given)))
 
-    def solve(self, z_free, start=None, similar=None):
-        x = np.zeros_like(z_free) if start is None else np.array(start, order="C")
+    def solve(self, free, offset, start=None):
+        z_free = self.contact.moved(free) + offset
+        x = np.zeros_like(z_free) if start is None else np.array(start.forces, order="C")
         z_free, slack = np.ascontiguousarray(z_free), np.empty_like(x)
         left = self.library.solve_increment(self.solver, *pointers(z_free, x, slack))
         if not left <= SOLVED:
             message = f"an increment with friction was not solved (residual {left:.1e})"
             raise ConvergenceError(message)
-        return Increment(forces=x, slack=slack, iterations=1, residual=left)
-
-    def gap(self, increment):
-        return self.plain.gap(increment)
+        moved = self.plain.moved(free, x)
+        return Increment(forces=x, slack=slack, moved=moved, iterations=1, residual=left)
 
     def close(self):
         self.library.free_solver(self.solver)

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from fmu_increments import IncrementsInC
 
-from faying.contact.frictional import Increment
 from faying.exceptions import ConvergenceError
 from faying.export.fmu import archive, library
-from faying.simulation.path import PathStep, follow
-from random_friction import INCREMENTS, Joints, natural_residual, small_path
+from faying.simulation.path import follow
+from random_friction import INCREMENTS, Joints, natural_residual, small_path, unstressed
 
 pytestmark = pytest.mark.skipif(
     library.compiler() is None, reason="there is no C compiler (apt install gcc)"
@@ -27,11 +26,9 @@ def compiled(tmp_path_factory):
     return target
 
 
-def steps_of(solver, relatives, plain):
+def steps_of(solver, relatives):
     """Yield where a path stands before and after each of its increments."""
-    n = plain.contact.n_points
-    nothing = Increment(forces=np.zeros((3, n)), slack=np.zeros((3, n)), iterations=0, residual=0.0)
-    here = PathStep(relative=np.zeros(len(plain.S)), increment=nothing, slip=np.zeros((2, n)))
+    here = unstressed(solver)
     for target in relatives:
         before = here
         (here,) = follow(solver, [target], here)
@@ -48,7 +45,7 @@ def test_increments_obey_the_law(compiled):
         rng = np.random.default_rng(index)
         _, plain, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
         solver = IncrementsInC(compiled, plain)
-        for before, here in steps_of(solver, relatives, plain):
+        for before, here in steps_of(solver, relatives):
             halved = here.iterations != here.increment.iterations
             slip = here.slip - here.increment.slack[1:] if halved else before.slip
             # To this increments are solved, or refused.
@@ -67,7 +64,7 @@ def test_what_yields_is_solved_as_ours_solves_it(compiled):
         if not plain.D.all():
             continue
         solver = IncrementsInC(compiled, plain)
-        both = [[here for _, here in steps_of(one, relatives, plain)] for one in (solver, plain)]
+        both = [[here for _, here in steps_of(one, relatives)] for one in (solver, plain)]
         for theirs, ours in zip(*both, strict=True):
             wanted = ours.increment.forces
             apart = np.abs(theirs.increment.forces - wanted).max()
@@ -86,5 +83,5 @@ def test_what_we_refuse_is_refused(compiled, index):
     _, plain, relatives = small_path(rng)
     solver = IncrementsInC(compiled, plain)
     with pytest.raises(ConvergenceError):
-        list(steps_of(solver, relatives, plain))
+        list(steps_of(solver, relatives))
     solver.close()

@@ -395,9 +395,8 @@ def test_two_curved_interfaces_come_back(tmp_path):
     assert run(study, tmp_path / "out").converged
     results = results_of(tmp_path / "out")
     model = prepare_joint(study, Stages(None)).model
-    assert model.port_compliance.n_relative == 3 * sum(
-        len(joint.pairs) for joint in model.interfaces.values()
-    )
+    n_pair = sum(len(joint.pairs) for joint in model.interfaces.values())
+    assert n_pair < model.port_compliance.n_relative < 3 * n_pair
     rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=4), compliance=True)
     times, force = 1e-4 * np.arange(11), -10.0 * np.arange(11) / 10
     path = write_csv(tmp_path / "force.csv", {"time": times, "tip.Fz": force})

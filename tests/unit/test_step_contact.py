@@ -14,7 +14,6 @@ from faying.simulation.frictional_step import FrictionalEnd, FrictionalMean
 from faying.simulation.step_contact import (
     EndContact,
     MeanContact,
-    compiled_contact,
     end_contact,
     mean_contact,
 )
@@ -185,15 +184,3 @@ def test_contact_with_friction_is_solved_as_increments():
     assert isinstance(mean_contact(smooth), MeanContact)
     assert isinstance(end_contact(rough), FrictionalEnd)
     assert isinstance(mean_contact(rough), FrictionalMean)
-
-
-def test_increments_alone_are_compiled():
-    smooth = end_contact(condensed((SOFT, SOFT)))
-    assert compiled_contact(smooth) is smooth
-    for contact in (end_contact(rubbing()), mean_contact(rubbing())):
-        assert isinstance(contact, FrictionalEnd | FrictionalMean)
-        assert not contact.compiled
-        compiled = compiled_contact(contact)
-        assert type(compiled) is type(contact)
-        assert compiled.condensed is contact.condensed
-        assert compiled.compiled

@@ -10,9 +10,11 @@ from test_reference_cantilever import AXIAL, generated, node_map, reference_pres
 
 import faying as fy
 from faying.assessment.stuck_modes import stuck_mode
+from faying.contact import yielding
 from faying.contact.frictional import ROUND_OFF, SOLVED, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
+from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError, ModelError, StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize
@@ -20,6 +22,10 @@ from faying.joint.system import input_forces
 from faying.simulation.path import moved_alone, path_inputs
 
 FRICTION, TANGENTIAL = 0.2, 8e5
+SOLVERS = (
+    pytest.param(lambda contact, S: FrictionalContact(contact=contact, S=S), id="forces"),
+    pytest.param(YieldingContact.of, id="displacements"),
+)
 LOADS = {
     "P": fy.Load(),
     "LC1": fy.Load({"tip.Fz": -500.0}),
@@ -229,47 +235,41 @@ def test_a_path_that_only_sticks_returns_to_its_start():
     np.testing.assert_allclose(last, first, rtol=0, atol=1e-8 * largest)
 
 
-def test_turning_the_tangents_changes_nothing(gauss):
+@pytest.mark.parametrize("solver_of", SOLVERS)
+def test_turning_the_tangents_changes_nothing(gauss, solver_of):
     contact = gauss.contact
-    solver = gauss.static_contact.frictional
+    solver = solver_of(contact, gauss.static_contact.total)
     cosine, sine = np.cos(0.7), np.sin(0.7)
     half = contact.shear.shape[0] // 2
     first, second = contact.shear[:half], contact.shear[half:]
     turned = sp.vstack([cosine * first + sine * second, cosine * second - sine * first]).tocsr()
-    other = FrictionalContact(contact=replace(contact, shear=turned), S=solver.S)
+    other, still = solver_of(replace(contact, shear=turned), solver.S), np.zeros(len(solver.S))
     rng = np.random.default_rng(0)
     z_free = 1e-3 * rng.standard_normal((3, contact.n_points))
     z_turned = z_free.copy()
     z_turned[1] = cosine * z_free[1] + sine * z_free[2]
     z_turned[2] = cosine * z_free[2] - sine * z_free[1]
-    mine, theirs = solver.solve(z_free).forces, other.solve(z_turned).forces
+    mine, theirs = solver.solve(still, z_free).forces, other.solve(still, z_turned).forces
     back = np.array([cosine * theirs[1] - sine * theirs[2], sine * theirs[1] + cosine * theirs[2]])
     small = 1e-9 * mine.max()  # the residual, times the condition
     np.testing.assert_allclose(theirs[0], mine[0], rtol=0, atol=small)
     np.testing.assert_allclose(back, mine[1:], rtol=0, atol=small)
 
 
-def test_an_increment_begins_as_a_similar_one_ended(coarse):
-    """What is expected changes the way to the solution and not the solution, right or wrong."""
-    solver, rng = coarse.static_contact.frictional, np.random.default_rng(4)
-    n = coarse.contact.n_points
-    start = solver.solve(np.vstack([np.full((1, n), -1e-3), np.zeros((2, n))]))
-    z_free = start.slack + 3e-4 * rng.standard_normal((3, n)) - np.array([[1e-3], [0], [0]])
-    plain = solver.solve(z_free, start.forces)
-    same = solver.solve(z_free, start.forces, plain)
-    assert same.iterations == 1  # the one that finds nothing to do
-    assert plain.iterations > 3
-    wrong = replace(plain, forces=plain.forces[:, ::-1].copy(), slack=-plain.slack)
-    for found in (same, solver.solve(z_free, start.forces, wrong)):
-        small = 1e-9 * plain.forces.max()  # the residual, times the condition
-        np.testing.assert_allclose(found.forces, plain.forces, rtol=0, atol=small)
-
-
-def test_cycles_take_fewer_newton_steps_when_repeated(coarse):
-    load = fy.Load({"tip.Fx": 1e3})
-    tight = fy.solve_path(coarse, [fy.Load()])
-    first, third = (fy.solve_cycles(coarse, load, 2.0, tight, count=k) for k in (1, 3))
-    assert third.cycle.iterations.mean() < 0.75 * first.cycle.iterations.mean()
+@pytest.mark.parametrize("friction", [0.05, 0.3, 1.0])
+def test_increments_by_displacements_obey_the_law_of_forces(coarse, friction):
+    """Natural residual of random increments, each from the one before; the last is far away."""
+    rubbing, rng = coarse.with_friction(friction), np.random.default_rng(3)
+    plain, solver = rubbing.static_contact.frictional, rubbing.static_contact.increments
+    assert isinstance(solver, YieldingContact)
+    n, still = rubbing.contact.n_points, np.zeros(len(plain.S))
+    found = solver.solve(still, np.vstack([np.full((1, n), -1e-3), np.zeros((2, n))]))
+    for _ in range(20):
+        move = 3e-4 * (rng.standard_normal((3, 1)) + rng.standard_normal((3, n)))
+        z_free = move - np.array([[1e-3], [0], [0]])
+        found = solver.solve(still, z_free, found)
+        wrong = plain._residual(found.forces, plain._slack(found.forces, z_free), None)
+        assert np.abs(wrong).max() <= SOLVED * np.abs(found.forces).max()
 
 
 def test_a_path_goes_on_from_an_earlier_one(coarse):
@@ -287,7 +287,8 @@ def test_a_path_without_loads_is_refused(coarse):
 
 
 def test_tightening_that_is_not_solved_says_what_to_do(coarse, monkeypatch):
-    monkeypatch.setattr("faying.contact.frictional.SOLVED", 0.0)  # nothing is solved to this
+    for solver in ("frictional", "yielding"):
+        monkeypatch.setattr(f"faying.contact.{solver}.SOLVED", 0.0)  # nothing is solved to this
     with pytest.raises(ConvergenceError, match="friction_during_preload = false"):
         fy.solve_path(coarse, [fy.Load()])
 
@@ -354,18 +355,21 @@ def test_plates_that_friction_alone_holds_between_others(penalty):
         assert (normal[:, joint.contact.slices["joint-2"]].max(axis=1) > 0).all()
 
 
-def test_last_digits_do_not_decide_whether_an_increment_is_solved():
+@pytest.mark.parametrize("solver_of", SOLVERS)
+def test_last_digits_do_not_decide_whether_an_increment_is_solved(solver_of):
     """Three plates are tightened; by residuals alone nine of these copies were refused."""
     joint = fy.lap_joint(element_size=5.0, plates=3).with_bolt_forces({"bolt": 10e3})
     joint = joint.with_friction(0.1)
-    solver, rng = joint.static_contact.frictional, np.random.default_rng(0)
-    relative = moved_alone(joint, path_inputs(joint, [fy.Load()]))[0]
-    z_free = joint.contact.free_slack(relative, np.zeros((2, joint.contact.n_points)))
+    total, rng = joint.static_contact.total, np.random.default_rng(0)
+    relative, offset = (
+        moved_alone(joint, path_inputs(joint, [fy.Load()]))[0],
+        joint.contact.offset(),
+    )
     for _ in range(10):
-        digits = rng.uniform(-1, 1, solver.S.shape)
-        S = solver.S * (1 + 1e-14 * (digits + digits.T))
-        copy = FrictionalContact(contact=joint.contact, S=S)
-        found = copy.solve(z_free * (1 + 1e-14 * rng.uniform(-1, 1, z_free.shape)))
+        digits = rng.uniform(-1, 1, total.shape)
+        S = total * (1 + 1e-14 * (digits + digits.T))
+        copy = solver_of(joint.contact, S)
+        found = copy.solve(relative * (1 + 1e-14 * rng.uniform(-1, 1, relative.shape)), offset)
         assert found.residual <= SOLVED
 
 
@@ -417,7 +421,6 @@ def test_linear_joints_of_a_whole_basis_vibrate_as_the_full_one_does_stuck():
 
 def test_what_knows_no_friction_refuses_it(coarse):
     for attempt in (
-        lambda: fy.solve_static(coarse),
         lambda: fy.preload(coarse, {"bolt": 8e3}),
         lambda: fy.solve_static_newton(coarse),
         lambda: fy.certify(coarse, LOADS["LC1"], np.zeros(coarse.contact.n_points)),
@@ -428,9 +431,17 @@ def test_what_knows_no_friction_refuses_it(coarse):
             attempt()
 
 
-def test_increments_are_solved_to_round_off(gauss):
-    solver = gauss.static_contact.frictional
+@pytest.mark.parametrize(
+    ("solver_of", "round_off"),
+    [
+        (lambda contact, S: FrictionalContact(contact=contact, S=S), ROUND_OFF),
+        (YieldingContact.of, yielding.ROUND_OFF),
+    ],
+    ids=["forces", "displacements"],
+)
+def test_increments_are_solved_to_round_off(gauss, solver_of, round_off):
+    solver = solver_of(gauss.contact, gauss.static_contact.total)
     rng = np.random.default_rng(1)
     for _ in range(20):
         z_free = 1e-3 * rng.standard_normal((3, gauss.contact.n_points))
-        assert solver.solve(z_free).residual <= 100 * ROUND_OFF
+        assert solver.solve(np.zeros(len(solver.S)), z_free).residual <= 100 * round_off

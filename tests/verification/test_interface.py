@@ -12,6 +12,7 @@ from faying.contact.laws import normal_law
 from faying.exceptions import ModelError
 from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces, pair_facets
+from faying.interface.relative import times_normals
 from faying.interface.zero_thickness import automatic_penalty, build_interface
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
@@ -185,10 +186,16 @@ def test_quadrature_defaults_follow_the_law():
         interface(assembly, quadrature="nodal", order=3)
 
 
-def test_flat_interfaces_have_one_relative_displacement_per_pair():
+def test_pairs_have_the_relative_displacements_that_their_points_feel():
     flat, curved = interface(lap()), interface(lap(curvature=2e-3))
     assert flat.relative_operator.shape[0] == len(flat.pairs)
-    assert curved.relative_operator.shape[0] == 3 * len(curved.pairs)
+    # What is left out is felt by no point: gaps of any motion are those of all components.
+    whole = times_normals(curved.point_shape, curved.normals) @ curved.motion_operator
+    assert len(curved.pairs) < curved.relative_operator.shape[0] < 3 * len(curved.pairs)
+    difference = abs(curved.gap_operator - whole)
+    assert difference.max() < 1e-13  # round-off of normals that should be equal
+    axes = curved.pair_axes @ curved.pair_axes.T
+    np.testing.assert_allclose(axes.toarray(), np.eye(axes.shape[0]), rtol=0, atol=1e-14)
     # Axis-parallel: two entries per row, no rounding in the other directions.
     assert flat.relative_operator.nnz == 2 * len(flat.pairs)
     np.testing.assert_array_equal(np.unique(flat.relative_operator.data), [-1.0, 1.0])

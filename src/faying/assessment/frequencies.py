@@ -10,8 +10,9 @@ from faying.joint.model import Model
 from faying.linalg.factorization import factorize
 from faying.linalg.inertia import count_negative
 from faying.reduction.normal_modes import lowest_modes
+from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
-from faying.simulation.start import at_rest, last_of
+from faying.simulation.start import at_rest
 
 
 def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = None) -> Vector:

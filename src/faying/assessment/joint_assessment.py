@@ -39,7 +39,8 @@ from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static, solve_static_cases
+from faying.simulation.static import solve_static_cases
+from faying.simulation.static_case import solve_static
 
 AXIAL = 0.2
 """Axial load over all that changes in a bolt and around it, from which it has a load factor.

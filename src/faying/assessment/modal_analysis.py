@@ -23,10 +23,9 @@ from faying.assessment.stuck_modes import StuckMode, stuck_mode
 from faying.display.facts import with_unit
 from faying.exceptions import ModelError, naming
 from faying.joint.system import System
-from faying.simulation.cycles import FEWEST_CYCLES, MOST_CYCLES
+from faying.simulation.cycles import MOST_CYCLES
 from faying.simulation.load import Load
-from faying.simulation.path import path_start, solve_path
-from faying.simulation.path_solver import path_solver
+from faying.simulation.path import path_start, solve_path, warn_of_compiled
 from faying.simulation.solution import Solution
 
 AWAY = 1e-6
@@ -162,7 +161,7 @@ def backbone(
         Give the result of Masing's rule too. It follows from the first quarter, and is wrong
         wherever normal forces change during a cycle.
     compiled
-        As in :func:`faying.solve_path`, two cycles of each amplitude counted.
+        Without effect.
     progress
         Called with 1 after each amplitude.
 
@@ -191,6 +190,7 @@ def backbone(
     >>> bool(found.damping_ratio[1] > found.damping_ratio[0])
     True
     """
+    warn_of_compiled(compiled)
     analysis = modal_analysis(
         system,
         mode,
@@ -199,7 +199,6 @@ def backbone(
         at=at,
         initial=initial,
         increments=increments,
-        compiled=compiled,
     )
     rows = []
     for number in range(len(analysis.levels)):
@@ -218,7 +217,6 @@ def modal_analysis(
     at: str | None = None,
     initial: Solution | None = None,
     increments: int = 50,
-    compiled: bool | None = None,
 ) -> ModalAnalysis:
     """Prepare what :func:`backbone` computes, which has the same parameters.
 
@@ -233,8 +231,6 @@ def modal_analysis(
     with naming(f"mode {mode}"):
         found, measure = measured(system, found, at)
     start = path_start(system, rest)
-    whole = len(levels) * (FEWEST_CYCLES * increments + increments // 4)
-    solver = path_solver(system, whole, start.increment.forces, compiled)
     return ModalAnalysis(
         mode=mode,
         levels=levels,
@@ -242,7 +238,7 @@ def modal_analysis(
         increments=increments,
         shape=found,
         measure=measure,
-        swing=Swing.of(system, start, solver, found, measure),
+        swing=Swing.of(system, start, system.static_contact.increments, found, measure),
     )
 
 

@@ -188,11 +188,9 @@ class Swing:
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
 
-        def walk(
-            shares: Vector, here: PathStep, similar: Sequence[PathStep] = ()
-        ) -> list[PathStep]:
+        def walk(shares: Vector, here: PathStep) -> list[PathStep]:
             targets = self.start.relative + load * np.outer(shares, self.moved)
-            return list(follow(self.solver, targets, here, similar))
+            return list(follow(self.solver, targets, here))
 
         steps = walk(rise, self.start)
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
@@ -202,7 +200,7 @@ class Swing:
         stationary, count, energy = False, 0, np.inf
         while not stationary and count < MOST_CYCLES:
             before, last = steps[-1], energy
-            steps, count = walk(factors, before, steps if count else ()), count + 1
+            steps, count = walk(factors, before), count + 1
             modal = self._modal([before, *steps], loads)
             energy = sum(step.dissipation for step in steps)
             left = np.abs(steps[-1].slip - before.slip) * np.abs(steps[-1].increment.forces[1:])
@@ -242,7 +240,7 @@ class Swing:
     def sticking(self, step: PathStep) -> tuple[float, bool]:
         """Return the share of the closed area that sticks, and whether an interface has none."""
         contact, forces = self.system.contact, step.increment.forces
-        friction = self.system.static_contact.frictional.friction
+        friction = self.system.contact.coefficients
         closed = (forces[0] > 0) & (friction > 0)
         sticks = closed & (np.hypot(forces[1], forces[2]) < (1 - AT_BOUND) * friction * forces[0])
         area = float(contact.weights[closed].sum())

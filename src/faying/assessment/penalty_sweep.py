@@ -24,7 +24,8 @@ from faying.joint.system import System
 from faying.simulation.load import Load
 from faying.simulation.preload import tighten
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, solve_static, solve_static_cases
+from faying.simulation.static import AT_REST, solve_static_cases
+from faying.simulation.static_case import solve_static
 
 DECADES = np.arange(-2.0, 2.25, 0.5)
 """Default penalties are these powers of ten times the automatic one."""

@@ -5,11 +5,11 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
-from faying.contact.frictional import FrictionalContact, Increment
-from faying.exceptions import ConvergenceError
+from faying._typing import Indices, Matrix
+from faying.contact.increment import Increment
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.joint.system import Joint
-from faying.simulation.path import MOST_DIVISIONS
+from faying.simulation.path import PathStep, follow
 from faying.simulation.solution import Solution
 
 
@@ -48,44 +48,28 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
     ConvergenceError
         If an increment is not solved even when it is divided.
     """
-    contact, solver = model.contact, model.static_contact.frictional
-    slip, forces = np.zeros((2, contact.n_points)), None
+    contact, solver = model.contact, model.static_contact.increments
+    slip, forces = np.zeros((2, contact.n_points)), np.zeros((3, contact.n_points))
     if begin is not None and begin.shear_slip is not None and begin.shear_forces is not None:
         slip = np.reshape(begin.shear_slip, (-1, *slip.shape))[0]
-        shear = np.reshape(begin.shear_forces, (-1, *slip.shape))[0]
-        forces = np.vstack([np.atleast_2d(begin.contact_forces)[0], shear])
-    path = ContactPath(
-        forces=np.empty((len(free), contact.n_points)),
-        gap=np.empty((len(free), contact.n_points)),
-        shear_forces=np.empty((len(free), *slip.shape)),
-        slip=np.empty((len(free), *slip.shape)),
-        iterations=np.empty(len(free), dtype=np.int64),
+        forces[0] = np.atleast_2d(begin.contact_forces)[0]
+        forces[1:] = np.reshape(begin.shear_forces, (-1, *slip.shape))[0]
+    here = PathStep(
+        relative=free[0],
+        increment=Increment(
+            forces=forces,
+            slack=np.zeros_like(forces),
+            moved=solver.moved(free[0], forces),
+            iterations=0,
+            residual=0.0,
+        ),
+        slip=slip,
     )
-    before = free[0]
-    for row, relative in enumerate(free):
-        found, slip = _to(solver, before, relative, slip, forces, MOST_DIVISIONS)
-        before, forces = relative, found.forces
-        path.forces[row], path.shear_forces[row], path.slip[row] = forces[0], forces[1:], slip
-        path.gap[row] = solver.gap(found)
-        path.iterations[row] = found.iterations
-    return path
-
-
-def _to(
-    solver: FrictionalContact,
-    before: Vector,
-    relative: Vector,
-    slip: Matrix,
-    forces: Matrix | None,
-    divisions: int,
-) -> tuple[Increment, Matrix]:
-    """Return an increment and the slip after it; by halves of the way where that is too far."""
-    try:
-        found = solver.solve(solver.contact.free_slack(relative, slip), forces)
-    except ConvergenceError:
-        if divisions == 0:
-            raise
-        middle = (before + relative) / 2
-        half, slip = _to(solver, before, middle, slip, forces, divisions - 1)
-        return _to(solver, middle, relative, slip, half.forces, divisions - 1)
-    return found, slip + found.slack[1:]
+    steps, laws = list(follow(solver, free, here)), LawsAtPoints(contact=contact)
+    return ContactPath(
+        forces=np.array([step.increment.forces[0] for step in steps]),
+        gap=np.array([step.increment.gap(laws) for step in steps]),
+        shear_forces=np.array([step.increment.forces[1:] for step in steps]),
+        slip=np.array([step.slip for step in steps]),
+        iterations=np.array([step.iterations for step in steps]),
+    )

@@ -38,7 +38,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.contact_fields import ContactFields
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, relative_forces
+from faying.simulation.static import AT_REST, relative_forces, solved_cases
 
 
 @final
@@ -272,7 +272,7 @@ def solve_instants(
     times: Vector | None,
     begin: Solution | None = None,
 ) -> Recovered:
-    """Solve the static contact problem of every row, each started from the one before.
+    """Solve the static contact problem of every row, each from a similar one before it.
 
     Parameters
     ----------
@@ -280,11 +280,7 @@ def solve_instants(
         Whose first state has slipped already what the first row begins with, in a joint with
         friction; by default nothing has.
     """
-    condensed, n_relative = model.static_contact, model.port_compliance.n_relative
-    rows = np.atleast_2d(free)[:, :n_relative]
-    shape = (len(rows), model.contact.n_points)
-    forces, gaps = np.empty(shape), np.empty(shape)
-    iterations = np.empty(len(rows), dtype=np.int64)
+    rows = np.atleast_2d(free)[:, : model.port_compliance.n_relative]
     one = 0 if free.ndim == 1 else slice(None)
     if not model.contact.forgets:
         path = solve_increments(model, rows, begin)
@@ -301,11 +297,7 @@ def solve_instants(
             shear_forces=path.shear_forces[one],
             shear_slip=path.slip[one],
         )
-    state = None
-    for row, gap in enumerate(condensed.free_gap(rows)):
-        solution, state = condensed.solve(gap, state)
-        forces[row], gaps[row] = solution.forces, condensed.gap(solution)
-        iterations[row] = solution.iterations
+    forces, gaps, iterations, _ = solved_cases(model, rows)
     return Recovered(
         name=name,
         system=model,

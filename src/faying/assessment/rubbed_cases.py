@@ -83,7 +83,7 @@ def _case(
     shares = np.arange(INCREMENTS + 1)[:, None] / INCREMENTS
     rows = tightened + shares * (inputs - tightened)
     moved = moved_alone(system, rows)
-    steps = list(follow(system.static_contact.frictional, moved, path_start(system, None)))
+    steps = list(follow(system.static_contact.increments, moved, path_start(system, None)))
     path = assembled(system, rows, steps, name)
     return np.concatenate([case_metrics(path, interfaces)[-1], _slip(path, interfaces)])
 

@@ -231,7 +231,7 @@ class _Search:
     def at(self, factor: float, here: PathStep) -> PathStep:
         """Go on to a load factor in one increment."""
         target = self.fixed + factor * self.growing
-        return next(follow(self.system.static_contact.frictional, target[None], here))
+        return next(follow(self.system.static_contact.increments, target[None], here))
 
     def states(self, after: PathStep, here: PathStep) -> SlipStates:
         """Tell what the points do in one increment."""
@@ -241,7 +241,7 @@ class _Search:
     def stuck(self) -> Mask:
         """Return the points (n_point,) whose traction the preload leaves within its bound."""
         forces = self.start.increment.forces
-        friction = self.system.static_contact.frictional.friction
+        friction = self.system.contact.coefficients
         return np.asarray(~on_the_bound(forces[:1], forces[None, 1:], friction)[0])
 
     def share(self, states: SlipStates, points: Mask) -> float:

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Protocol, cast
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
@@ -18,9 +19,11 @@ from faying.contact.dense_points import DensePoints
 from faying.contact.elastic import ElasticContact
 from faying.contact.forces import ContactForces
 from faying.contact.frictional import FrictionalContact
+from faying.contact.increment_solver import IncrementSolver
 from faying.contact.pair_space import PairSpace
 from faying.contact.state import ContactState
 from faying.contact.supported_pairs import SupportedPairs
+from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError, ModelError
 from faying.linalg.budget import pairs_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance, smooth_compliance
@@ -73,7 +76,17 @@ class ContactSolver(Protocol):
 
     @property
     def frictional(self) -> FrictionalContact:
-        """The solver of increments with friction; refused where contact is itself reduced."""
+        """Increments as problems of forces; refused where contact is itself reduced."""
+        ...
+
+    @property
+    def increments(self) -> IncrementSolver:
+        """The solver of increments; refused where contact is itself reduced."""
+        ...
+
+    @property
+    def cases(self) -> IncrementSolver | None:
+        """What solves single cases for displacements; None where :meth:`solve` is for them."""
         ...
 
     def gap(self, solution: ContactForces) -> Vector:
@@ -112,16 +125,15 @@ class CondensedContact:
     compliance : (n_relative, n_relative) [length/force]
         Relative displacement of the pairs per relative force, P A⁻¹ Pᵀ (times the factor with
         which an integrator weighs the new contact force).
-    rest : (n_relative,) or None [length]
-        Relative displacement of the system at rest without contact; where given, problems without
-        a state start from there.
+    pulled : (n_relative,) or None [length]
+        Relative displacement that equal forces of all bolts would cause without contact.
     many_points
         Contact points from which problems that are solved anew are solved between pairs.
     """
 
     contact: Contact
     compliance: Compliance
-    rest: Vector | None = None
+    pulled: Vector | None = None
     many_points: int = MANY_POINTS
 
     @cached_property
@@ -150,6 +162,7 @@ class CondensedContact:
     def solver(self) -> ContactProblemSolver:
         """The solver of contact problems one after the other, without friction."""
         self.contact.check_frictionless()
+        self.contact.check_proportional()
         space, pairs = self.space, self.supported_pairs
         if isinstance(space, CompressedSpace):
             return space
@@ -174,15 +187,8 @@ class CondensedContact:
         return SupportedPairs(N=each, S=at_points, D=contact.flexibility, own=own)
 
     @cached_property
-    def rest_state(self) -> ContactState | None:
-        """Where contact stands at rest."""
-        if self.rest is None:
-            return None
-        return self.solver.solve(self.free_gap(self.rest))[1]
-
-    @cached_property
     def frictional(self) -> FrictionalContact:
-        """The solver of increments with friction.
+        """Increments as problems of forces (F1).
 
         Raises
         ------
@@ -198,10 +204,39 @@ class CondensedContact:
             raise ModelError(message)
         return FrictionalContact(contact=self.contact, S=_finite(total))
 
+    @cached_property
+    def increments(self) -> IncrementSolver:
+        """The solver of increments: for displacements, or for forces.
+
+        For forces where some point is hard, and where the structure moves pairs in fewer ways than
+        there are, as of rigid bodies and of a basis without residual compliance.
+
+        Raises
+        ------
+        ModelError
+            If the compliance between pairs is compressed.
+        """
+        forces = self.frictional
+        if not self.contact.yields:
+            return forces
+        try:
+            return YieldingContact.of(self.contact, forces.S, self.pulled)
+        except la.LinAlgError:
+            return forces
+
+    @property
+    def cases(self) -> IncrementSolver | None:
+        """Increments for displacements; with friction also for forces."""
+        if isinstance(self.total, CompressedCompliance):
+            return None
+        if self.contact.components == 1 and not isinstance(self.increments, YieldingContact):
+            return None
+        return self.increments
+
     @property
     def order(self) -> int:
         """Order of the dense matrices that contact problems are solved with."""
-        if self.contact.forgets and self.supported_pairs is not None:
+        if self.contact.forgets and self.contact.proportional and self.supported_pairs is not None:
             return len(self.supported_pairs.S)
         return min(self.contact.n_points, int(self.total.shape[0]))
 
@@ -240,7 +275,7 @@ class CondensedContact:
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
         with _naming_few_modes(self.contact):
-            return self.solver.solve(free_gap, self.rest_state if state is None else state)
+            return self.solver.solve(free_gap, state)
 
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return H_AA⁻¹ B (n_active, k): forces that close gaps B (n_active, k) at active points.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.laws import Law
@@ -88,6 +89,19 @@ class Contact:
         ]
         return np.concatenate([np.empty(0, dtype=np.int64), *found])
 
+    @cached_property
+    def rows(self) -> SparseMatrix:
+        """G (components n_point, n_relative): gaps, then displacements along both tangents."""
+        if self.shear is None or self.components == 1:
+            return self.interpolation.tocsr()
+        n, half = self.n_points, len(self.rubbing)
+        where = sp.csr_array((np.ones(half), (self.rubbing, np.arange(half))), shape=(n, half))
+        parts = [self.interpolation, where @ self.shear[:half], where @ self.shear[half:]]
+        rows = sp.vstack(parts).tocsr()
+        # Operations sort entries in passing, and another order of a sum has other last digits.
+        rows.sum_duplicates()
+        return read_only(rows)
+
     @property
     def components(self) -> int:
         """Components of the force at a point: 1, or 3 where some interface has friction."""
@@ -117,18 +131,22 @@ class Contact:
             moved[1:, self.rubbing] = (self.shear @ relative).reshape(2, -1)
         return moved
 
-    def free_slack(self, relative: Vector, slip: Matrix) -> Matrix:
-        """Return z_free of (F1) (3, n_point) for what pairs (n_relative,) move without forces.
+    def offset(self, slip: Matrix | None = None) -> Matrix:
+        """Return z₀ of (F1) (3, n_point) [length]: the initial gap, and minus the slip so far.
 
         Parameters
         ----------
-        slip : (2, n_point) [length]
-            So far.
+        slip : (2, n_point) or None [length]
         """
-        z_free = self.moved(relative)
-        z_free[0] += self.initial_gap
-        z_free[1:] -= slip
-        return z_free
+        offset = np.zeros((3, self.n_points))
+        offset[0] = self.initial_gap
+        if slip is not None:
+            offset[1:] -= slip
+        return offset
+
+    def free_slack(self, relative: Vector, slip: Matrix) -> Matrix:
+        """Return z₀ and what pairs (n_relative,) move without forces (3, n_point) [length]."""
+        return self.moved(relative) + self.offset(slip)
 
     def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
         """Return forces between the pairs (n_relative, ...) of forces at the contact points.
@@ -140,25 +158,34 @@ class Contact:
             Tangential components, which act through the tangential displacements in the same way.
         """
         pairs: Matrix = self.transposed[0] @ np.asarray(forces).T
-        if shear_forces is not None and self.shear is not None:
+        if shear_forces is not None and self.shear is not None and self.components > 1:
             rubbing = shear_forces[..., self.rubbing]
             pairs = pairs + self.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
         return pairs
 
     @property
+    def yields(self) -> bool:
+        """Whether forces follow from displacements at every point."""
+        return all(law.yields for law in self.laws.values())
+
+    @property
+    def proportional(self) -> bool:
+        """Whether at every point closure is in proportion to force."""
+        return all(law.proportional for law in self.laws.values())
+
+    @property
     def forgets(self) -> bool:
-        """Whether active sets solve it: no friction, and closure in proportion to force."""
-        return all(law.components == 1 and law.proportional for law in self.laws.values())
+        """Whether nothing is remembered from load to load, as without friction."""
+        return self.components == 1
 
     def check_frictionless(self) -> None:
-        """Refuse what only increments know: friction, and closure not in proportion to force.
+        """Refuse friction, which only increments know.
 
         Raises
         ------
         ModelError
             Naming such an interface.
         """
-        self.check_proportional()
         rubbing = [name for name, law in self.laws.items() if law.components > 1]
         if rubbing:
             message = (
@@ -206,6 +233,12 @@ class Contact:
         """Coefficients of friction (n_rubbing,)."""
         friction: Vector = frozen(self._by_point(lambda law, _: law.friction)[self.rubbing])
         return friction
+
+    @cached_property
+    def coefficients(self) -> Vector:
+        """Coefficients of friction of all points (n_point,), zero where there is none."""
+        coefficients: Vector = frozen(self._by_point(lambda law, _: law.friction))
+        return coefficients
 
     @cached_property
     def penalty(self) -> Vector:

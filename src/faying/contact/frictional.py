@@ -9,11 +9,10 @@ so far) and any r > 0, an increment solves (Alart & Curnier 1991, doi:10.1016/00
 with Coulomb's law, for example, F_n = λ_n − ⟨λ_n − r_n z_n⟩; z_t is then the slip of the increment.
 What is admissible, what yields, and their derivatives come from the laws; a Newton step is a linear
 system between pairs (:mod:`~faying.contact.newton_steps`). Without friction this is the primal-dual
-active set. An increment begins where forces go if no point changes sides, found by the same linear
-system.
+active set.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -24,9 +23,9 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
 from faying.contact.fixed_bounds import FixedBounds
+from faying.contact.increment import Increment
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import Factors, NewtonSteps
-from faying.contact.predictor import Predictor
 from faying.exceptions import ConvergenceError
 
 ROUND_OFF = 1e-13
@@ -87,34 +86,6 @@ CONTRADICTORY = (
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Increment:
-    """Where contact stands after an increment.
-
-    Attributes
-    ----------
-    forces : (3, n_point) [force]
-        λ_n and both tangential components, zero where there is no friction.
-    slack : (3, n_point) [length]
-        z: the gap plus what the law yields, and the slip of the increment.
-    iterations
-        Newton steps.
-    residual
-        Largest natural residual over the largest force.
-    """
-
-    forces: Matrix
-    slack: Matrix
-    iterations: int
-    residual: float
-
-    @property
-    def dissipation(self) -> float:
-        """Energy that friction took in the increment, −Σ λ_t · z_t [force·length]."""
-        return float(-(self.forces[1:] * self.slack[1:]).sum())
-
-
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
 class FrictionalContact:
     """Solver of increments of a system with friction.
 
@@ -137,20 +108,10 @@ class FrictionalContact:
     @cached_property
     def steps(self) -> NewtonSteps:
         """The linear systems of Newton steps."""
-        contact, n = self.contact, self.contact.n_points
-        shear = sp.csr_array((0, self.S.shape[0])) if contact.shear is None else contact.shear
-        half = shear.shape[0] // 2
-        place = sp.csr_array((np.ones(half), (contact.rubbing, np.arange(half))), shape=(n, half))
-        parts = [contact.interpolation, place @ shear[:half], place @ shear[half:]]
-        rows = sp.vstack(parts).tocsr()
-        # Operations sort entries in passing, and another order of a sum has other last digits.
-        rows.sum_duplicates()
+        rows, n = self.contact.rows, 3 * self.contact.n_points
+        if rows.shape[0] < n:
+            rows = sp.vstack([rows, sp.csr_array((n - rows.shape[0], rows.shape[1]))]).tocsr()
         return NewtonSteps(G=read_only(rows), S=self.S)
-
-    @cached_property
-    def predictor(self) -> Predictor:
-        """Where Newton's method begins."""
-        return Predictor(laws=self.laws, steps=self.steps, scale=self.scale)
 
     @property
     def G(self) -> SparseMatrix:
@@ -162,12 +123,10 @@ class FrictionalContact:
         """What the laws yield per force, to the first of it (3, n_point) [length/force]."""
         return self.laws.closure(np.zeros((3, self.contact.n_points)))[1]
 
-    @cached_property
+    @property
     def friction(self) -> Vector:
         """Coefficients of friction (n_point,)."""
-        friction = np.zeros(self.contact.n_points)
-        friction[self.contact.rubbing] = self.contact.friction
-        return friction
+        return self.contact.coefficients
 
     @cached_property
     def scale(self) -> Matrix:
@@ -178,10 +137,18 @@ class FrictionalContact:
         scale[1:] *= TANGENTIAL_SCALE
         return np.asarray(scale)
 
-    def solve(
-        self, z_free: Matrix, start: Matrix | None = None, similar: Increment | None = None
-    ) -> Increment:
-        """Solve one increment.
+    def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
+        """Solve one increment; see :meth:`.IncrementSolver.solve`."""
+        z_free = self.contact.moved(free) + offset
+        found = self.solve_slack(z_free, None if start is None else start.forces)
+        return replace(found, moved=self.moved(free, found.forces))
+
+    def moved(self, free: Vector, forces: Matrix) -> Vector:
+        """Return the relative displacements (n_relative,) under forces (3, n_point)."""
+        return np.asarray(free + self.S @ self.contact.at_pairs(forces[0], forces[1:]))
+
+    def solve_slack(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
+        """Solve one increment whose points move by z_free without contact forces.
 
         Parameters
         ----------
@@ -190,9 +157,6 @@ class FrictionalContact:
         start : (3, n_point) [force]
             Forces to begin with, those of the increment before; by default all points that are
             pressed together close and stick.
-        similar
-            Increment that this one is expected to be like, as the same one of the cycle before:
-            Newton's method begins with every point on the side where it was there.
 
         Raises
         ------
@@ -205,14 +169,8 @@ class FrictionalContact:
         is a solution for any coefficient, but for large ones maybe several
         (docs/theory/friction.md). What is returned solves (F1) to its residual.
         """
-        x, factors = np.zeros_like(z_free), None
-        if start is not None and similar is not None:
-            x, factors = self.predictor.as_in(self.trial(similar), z_free, start)
-        elif start is not None:
-            x, factors = self.predictor.as_before(z_free, start)
-        x, steps, left = self._newton(z_free, x, None, factors=factors)
-        if left > SOLVED and similar is not None:
-            return self.solve(z_free, start)
+        x = np.zeros_like(z_free) if start is None else start
+        x, steps, left = self._newton(z_free, x, None)
         for other in (self._with_fixed_bounds, self._by_proximal_points, self._by_stiffening):
             if left > SOLVED:
                 x, more, _ = other(z_free, x)
@@ -230,11 +188,13 @@ class FrictionalContact:
                     "without (friction_during_preload = false in a study)"
                 )
             raise ConvergenceError(message)
-        return Increment(forces=x, slack=self._slack(x, z_free), iterations=steps, residual=left)
-
-    def gap(self, increment: Increment) -> Vector:
-        """Return the gap (n_point,) [length] after an increment."""
-        return np.asarray(increment.slack[0] - self.laws.closure(increment.forces)[0][0])
+        return Increment(
+            forces=x,
+            slack=self._slack(x, z_free),
+            moved=np.zeros(len(self.S)),
+            iterations=steps,
+            residual=left,
+        )
 
     def _slack(self, x: Matrix, z_free: Matrix, added: float = 0.0) -> Matrix:
         slack: Matrix = self.steps.moved(x) + self.laws.closure(x)[0] + z_free

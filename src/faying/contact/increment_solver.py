@@ -1,10 +1,10 @@
-"""What paths and time steps ask of a solver of increments with friction."""
+"""What paths, cases and time steps ask of a solver of increments."""
 
 from typing import Protocol
 
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
-from faying.contact.frictional import Increment
+from faying.contact.increment import Increment
 
 
 class IncrementSolver(Protocol):
@@ -20,12 +20,25 @@ class IncrementSolver(Protocol):
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
         ...
 
-    def solve(
-        self, z_free: Matrix, start: Matrix | None = None, similar: Increment | None = None
-    ) -> Increment:
-        """Solve one increment; see :meth:`.FrictionalContact.solve`."""
+    def moved(self, free: Vector, forces: Matrix) -> Vector:
+        """Return the relative displacements (n_relative,) under forces (3, n_point)."""
         ...
 
-    def gap(self, increment: Increment) -> Vector:
-        """Return the gap (n_point,) [length] after an increment."""
+    def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
+        """Solve one increment.
+
+        Parameters
+        ----------
+        free : (n_relative,) [length]
+            What pairs move without contact forces.
+        offset : (3, n_point) [length]
+            z₀: the initial gap, and minus the slip so far (:meth:`.Contact.offset`).
+        start
+            The increment before, or a similar one; by default all points close and stick at first.
+
+        Raises
+        ------
+        ConvergenceError
+            If the increment is not solved.
+        """
         ...

@@ -21,6 +21,39 @@ class LawsAtPoints:
 
     contact: Contact
 
+    @property
+    def components(self) -> int:
+        """Components of force at a point: 1, or 3 where some interface has friction."""
+        return self.contact.components
+
+    @cached_property
+    def springs(self) -> Matrix:
+        """Stiffness of points that are closed and stick (components, n_point) [force/length]."""
+        springs = np.zeros((self.components, self.contact.n_points))
+        for law, points in self._members:
+            own = law.springs(self.contact.weights[points])
+            springs[: len(own), points] = own
+        return springs
+
+    def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
+        """Return forces (components, n_point) at displacements, and their stiffness −∂λ/∂moved."""
+        if len(self._members) == 1:
+            law, _ = self._members[0]
+            return law.respond(moved, self.contact.weights)
+        forces = np.zeros_like(moved)
+        stiffness = np.zeros((moved.shape[1], len(moved), len(moved)))
+        for law, points in self._members:
+            n = law.components
+            answer = law.respond(moved[:n, points], self.contact.weights[points])
+            forces[:n, points], stiffness[points, :n, :n] = answer
+        return forces, stiffness
+
+    def yielded(self, forces: Matrix) -> Matrix:
+        """Return what the laws yield to forces (components, n_point) [length]."""
+        whole = np.zeros((3, self.contact.n_points))
+        whole[: len(forces)] = forces
+        return self.closure(whole)[0][: len(forces)]
+
     def closure(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         """Return c(x) [length] and c′(x) [length/force], (3, n_point) each."""
         if self._compliance is not None:

@@ -157,24 +157,6 @@ class NewtonSteps:
         dx -= self._applied(K, self.S @ pairs)
         return dx, factors
 
-    def supported(self, K: Matrix) -> Matrix:
-        """Return S (I + B S)⁻¹ (n_relative, n_relative): what pairs yield on the springs of points.
-
-        Raises
-        ------
-        scipy.linalg.LinAlgError
-            If that is singular.
-        """
-        touched = self._touched(K)
-        rows = self.springs(K)[touched] @ self.S
-        lu, pivots = _factorized(rows[:, touched])
-        free = np.setdiff1d(np.arange(len(self.S)), touched)
-        solved = lapack.dgetrs(lu, pivots, np.asfortranarray(self.S[touched]))[0].T
-        result = np.empty(self.S.shape)
-        result[:, touched] = solved
-        result[:, free] = self.S[:, free] - solved @ rows[:, free]
-        return result
-
     def _applied(self, K: Matrix, displacements: Vector) -> Matrix:
         """Return K G u (3, n_point) of displacements u of the pairs."""
         moved = (self.G @ displacements).reshape(3, -1)

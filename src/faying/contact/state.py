@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from faying._typing import Mask, Matrix
+from faying._typing import Mask, Matrix, Vector
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -28,6 +28,8 @@ class ContactState:
         Tangential components of what has slipped in a joint with friction.
     forces : (3, n_point) or None [force]
         Of the increment before, from which the next one starts there.
+    moved : (n_relative,) or None [length]
+        Relative displacements of the increment before.
     at_end
         Where the law at the end of a step stands, where that is a problem of its own beside the
         mean over the step.
@@ -39,4 +41,5 @@ class ContactState:
     factor: Any = None
     slip: Matrix | None = None
     forces: Matrix | None = None
+    moved: Vector | None = None
     at_end: "ContactState | None" = None

@@ -14,7 +14,8 @@ from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations, initial_bolt_forces
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.start import at_rest, last_of
+from faying.simulation.path import last_of
+from faying.simulation.start import at_rest
 
 
 def variables(rom: ReducedModel) -> dict[str, Any]:

@@ -33,8 +33,9 @@ from faying.assessment.stuck_stiffness import stuck_springs
 from faying.joint.system import System, boundary_dofs, elongations, input_forces
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
-from faying.simulation.start import at_rest, last_of
+from faying.simulation.start import at_rest
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -18,7 +18,7 @@ from faying.display.facts import Shown, with_unit
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
-from faying.interface.relative import along_normals, tangents_of, times_normals
+from faying.interface.relative import all_axes, axes_of, tangents_of, times_normals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -140,22 +140,25 @@ class Interface(Shown):
         return self.law.penalty
 
     @cached_property
-    def relative_operator(self) -> SparseMatrix:
-        """P (n_relative, n_dof): the components of the relative displacement that gaps depend on.
+    def pair_axes(self) -> SparseMatrix:
+        """T (n_relative, 3 n_pair): unit rows of the motion of each pair that its points feel.
 
-        One along the normal for each pair of a flat interface without friction; all three of a
-        curved one, whose normal changes between the pairs, and where tangential forces act.
+        One where all points of a pair have one normal, two on an edge between planes, three where
+        the surface is curved or tangential forces act, none where no point is.
         """
-        if self._along_one_normal:
-            return along_normals(self.pair_normals, self.motion_operator)
-        return self.motion_operator
+        if self.law.components > 1:
+            return all_axes(self.point_shape)
+        return axes_of(self.point_shape, self.normals)
+
+    @cached_property
+    def relative_operator(self) -> SparseMatrix:
+        """P (n_relative, n_dof): what gaps and slips depend on of the motion of the pairs."""
+        return (self.pair_axes @ self.motion_operator).tocsr()
 
     @cached_property
     def interpolation(self) -> SparseMatrix:
-        """N (n_point, n_relative): shape functions, times the normal where all components are."""
-        if self._along_one_normal:
-            return self.point_shape
-        return times_normals(self.point_shape, self.normals)
+        """N (n_point, n_relative): gaps at the contact points."""
+        return self._felt(self.normals)
 
     @cached_property
     def tangents(self) -> Matrix:
@@ -171,13 +174,11 @@ class Interface(Shown):
         """
         if self.law.components == 1:
             return sp.csr_array((0, self.relative_operator.shape[0]))
-        return sp.vstack(
-            [times_normals(self.point_shape, along) for along in self.tangents]
-        ).tocsr()
+        return sp.vstack([self._felt(along) for along in self.tangents]).tocsr()
 
-    @property
-    def _along_one_normal(self) -> bool:
-        return self.flat and self.law.components == 1
+    def _felt(self, directions: Matrix) -> SparseMatrix:
+        """Return rows (n_point, n_relative): motion of points along directions (n_point, 3)."""
+        return (times_normals(self.point_shape, directions) @ self.pair_axes.T).tocsr()
 
     @cached_property
     def gap_operator(self) -> SparseMatrix:
@@ -191,15 +192,11 @@ class Interface(Shown):
 
     @property
     def relative_places(self) -> Matrix:
-        """About where each relative displacement is (n_relative, 3): amid the points it moves.
-
-        Under nodal quadrature the corners of six-node triangles move none; any place serves them.
-        """
-        shape = abs(self.point_shape)
-        total = np.asarray(shape.sum(axis=0)).reshape(-1, 1)
-        moved = (shape.T @ self.points) / np.where(total > 0, total, 1.0)
-        places = np.where(total > 0, moved, self.points.mean(axis=0))
-        return np.repeat(places, self.relative_operator.shape[0] // len(places), axis=0)
+        """About where each relative displacement is (n_relative, 3): amid the points it moves."""
+        shape, axes = abs(self.point_shape), self.pair_axes
+        pair_of_row = axes.indices[axes.indptr[:-1]] // 3
+        moved = (shape.T @ self.points)[pair_of_row]
+        return np.asarray(moved / shape.sum(axis=0)[pair_of_row, None])
 
     @property
     def area(self) -> float:

@@ -7,6 +7,9 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.interface.curved_surface import FLATNESS
 from faying.model.dofs import DofMap
 
+AXIS = 1e-10
+"""Part of a normal that is no axis of its own; coordinates of 16 digits leave 1e-13."""
+
 
 def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
     """Return the operator (3 n_pair, n_dof) to u⁺ − u⁻ of node pairs, pair by pair."""
@@ -56,13 +59,52 @@ def common_normal(
     )
 
 
-def along_normals(normals: Matrix, operator: SparseMatrix) -> SparseMatrix:
-    """Return the component along the normals (n, n_dof) of an operator (3 n, n_dof)."""
-    n = len(normals)
-    rows, columns = np.repeat(np.arange(n), 3), np.arange(3 * n)
-    along = sp.csr_array((normals.ravel(), (rows, columns)), shape=(n, 3 * n))
-    along.eliminate_zeros()
-    return (along @ operator).tocsr()
+def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
+    """Return orthonormal rows (n_axis, 3 n_pair) that span the normals each pair is felt along.
+
+    Parameters
+    ----------
+    shape : (n_point, n_pair) sparse
+        Which pairs a point feels.
+    normals : (n_point, 3)
+
+    Notes
+    -----
+    Gram and Schmidt: of what no axis of a pair reaches yet, the longest rest of a normal is next.
+    """
+    entries = shape.tocoo()
+    used = np.flatnonzero(entries.data)
+    order = used[np.argsort(entries.col[used], kind="stable")]
+    pairs, first = np.unique(entries.col[order], return_index=True)
+    counts = np.diff(first, append=len(order))
+    rest, axes = normals[entries.row[order]], []
+    for _ in range(3):
+        lengths = np.linalg.norm(rest, axis=1)
+        longest = np.maximum.reduceat(lengths, first) if len(first) else lengths
+        # The first of equals, so that the axes do not depend on round-off.
+        near = np.flatnonzero(lengths >= np.repeat(longest, counts) * (1 - AXIS))
+        chosen = near[np.searchsorted(near, first)]
+        length = np.where(longest > AXIS, longest, np.inf)
+        axis = rest[chosen] / length[:, None]
+        axes.append(axis)
+        spread = np.repeat(axis, counts, axis=0)
+        rest = rest - np.einsum("kd,kd->k", rest, spread)[:, None] * spread
+    every = np.stack(axes, axis=1)
+    owners, which = np.nonzero(every.any(axis=2))
+    rows = np.repeat(np.arange(len(owners)), 3)
+    columns = (3 * pairs[owners][:, None] + np.arange(3)).ravel()
+    data = every[owners, which].ravel()
+    result = sp.csr_array((data, (rows, columns)), shape=(len(owners), 3 * shape.shape[1]))
+    result.eliminate_zeros()
+    return result
+
+
+def all_axes(shape: SparseMatrix) -> SparseMatrix:
+    """Return unit rows (n_axis, 3 n_pair) of all components of the pairs that points feel."""
+    felt = np.flatnonzero(abs(shape).sum(axis=0))
+    columns = (3 * felt[:, None] + np.arange(3)).ravel()
+    n = len(columns)
+    return sp.csr_array((np.ones(n), (np.arange(n), columns)), shape=(n, 3 * shape.shape[1]))
 
 
 def times_normals(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:

@@ -296,7 +296,11 @@ class Model(Shown):
             )
             raise ModelError(message)
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
-        return replace(self, bolts={**self.bolts, **locked})
+        copy = replace(self, bolts={**self.bolts, **locked})
+        # Contact does not depend on what bolts are locked at: what was prepared for it serves on.
+        shared = ("contact", "port_compliance", "static_contact")
+        vars(copy).update({name: vars(self)[name] for name in shared if name in vars(self)})
+        return copy
 
     def with_deck_loads(self, *names: str) -> "Model":
         """Return a copy that takes loads of its deck, by their names in ``assembly.loads``.

@@ -259,7 +259,8 @@ def initial_bolt_forces(system: Joint) -> Vector:
 
 
 def static_contact_of(system: Joint) -> CondensedContact:
-    """Return the static contact problem of a system, which starts from its rest under its bolts."""
+    """Return the static contact problem of a system, whatever its bolts are locked at."""
     ports = system.port_compliance
-    rest = -initial_bolt_forces(system) @ ports.contact_columns[ports.bolts]
-    return CondensedContact(contact=system.contact, compliance=ports.relative, rest=rest)
+    columns = ports.contact_columns[ports.bolts]
+    pulled = -columns.sum(axis=0) if len(columns) else None
+    return CondensedContact(contact=system.contact, compliance=ports.relative, pulled=pulled)

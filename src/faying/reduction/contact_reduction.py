@@ -63,6 +63,16 @@ class ReducedContact:
         )
         raise ModelError(message)
 
+    @property
+    def increments(self) -> NoReturn:
+        """Refuse, as :attr:`frictional`."""
+        _ = self.frictional
+        raise AssertionError
+
+    @property
+    def cases(self) -> None:
+        """None: forces are found among the reduced set alone."""
+
     def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
         """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""
         return np.asarray(np.linalg.lstsq(self.flexibility[np.ix_(active, active)], gaps)[0])

@@ -15,8 +15,8 @@ from faying.simulation.path import (
     path_inputs,
     path_start,
     solve_path,
+    warn_of_compiled,
 )
-from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
 
 STATIONARY = 1e-3
@@ -24,9 +24,6 @@ STATIONARY = 1e-3
 
 MOST_CYCLES = 30
 """Cycles after which one that still changes is given as it is; 2 to 5 are usual."""
-
-FEWEST_CYCLES = 2
-"""Cycles that show whether they repeat."""
 
 NO_LOSS = 1e-12
 """Energy per cycle over that which the load puts in and takes out, below which it is round-off."""
@@ -90,7 +87,7 @@ def solve_cycles(
     count
         Cycles to solve whatever they do; by default until they repeat.
     compiled
-        As in :func:`faying.solve_path`; two cycles are counted where they are to repeat.
+        Without effect.
 
     Raises
     ------
@@ -103,6 +100,7 @@ def solve_cycles(
     -----
     Four times ``increments`` for each cycle.
     """
+    warn_of_compiled(compiled)
     if not 0 < amplitude < np.inf or increments < 1:
         message = (
             f"found an amplitude of {amplitude:g} and {increments} increments; give a positive "
@@ -119,7 +117,7 @@ def solve_cycles(
     else:
         rest = solve_path(system, [Load()]) if initial is None else initial
         start, cycle, energies, stationary = _repeated(
-            system, load, (amplitude * rise, factors), rest, count, compiled
+            system, load, (amplitude * rise, factors), rest, count
         )
     return Cycles(
         amplitude=amplitude,
@@ -137,7 +135,6 @@ def _repeated(
     factors: tuple[Vector, Vector],
     rest: Solution,
     count: int | None,
-    compiled: bool | None,
 ) -> tuple[Solution, Solution, Vector, bool]:
     """Return where the last cycle starts, the cycle, the energies of all, and whether they repeat.
 
@@ -145,15 +142,14 @@ def _repeated(
     """
     rise, cycle = (path_inputs(system, scaled_loads(load, one)) for one in factors)
     here = path_start(system, rest)
-    whole = len(rise) + (count or FEWEST_CYCLES) * len(cycle)
-    solver = path_solver(system, whole, here.increment.forces, compiled)
+    solver = system.static_contact.increments
     steps = list(follow(solver, moved_alone(system, rise), here))
     relative = moved_alone(system, cycle)
     ends = cycle[[len(cycle) // 2 - 1, -1]]
     start, energies, stationary = steps[-1], list[float](), False
     while len(energies) < (count or MOST_CYCLES) and (count is not None or not stationary):
         start = steps[-1]
-        steps = list(follow(solver, relative, start, steps if energies else ()))
+        steps = list(follow(solver, relative, start))
         energies.append(float(np.sum([step.dissipation for step in steps])))
         reversals = assembled(system, ends, [steps[len(steps) // 2 - 1], steps[-1]], "reversals")
         work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())

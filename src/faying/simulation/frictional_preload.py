@@ -1,21 +1,21 @@
 """Pretension with friction: bolts tightened along a path that remembers its slip."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import ConvergenceError
+from faying._typing import Indices, Vector
 from faying.joint.system import System, initial_bolt_forces
+from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
-from faying.simulation.preload import FORCE_TOLERANCE, Tightening, tighten
+from faying.simulation.path import PathStep, assembled, follow, moved_alone, path_start
+from faying.simulation.preload import (
+    Tightening,
+    checked_bolts,
+    tightening_stages,
+)
 from faying.simulation.solution import Solution
-from faying.simulation.without_friction import smooth_joint
-
-MOST_TRIALS = 30
-"""Initial forces tried until a bolt has its nominal force; 3 to 5 are usual."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -44,9 +44,8 @@ def tighten_with_friction(
     """Tighten bolts one after the other to their nominal final forces, with friction throughout.
 
     The joint starts unstressed and free of slip, bolts that are not named at the initial forces
-    they are locked at. Each bolt is turned in equal increments of its initial force, the last of
-    which is chosen so that it ends at its nominal force; a last increment on all of several bolts
-    together restores what neighbours took away.
+    they are locked at. Each bolt is turned in equal increments of its force while the others stay
+    locked; a last increment on all of several bolts together restores what neighbours took away.
 
     Parameters
     ----------
@@ -60,94 +59,65 @@ def tighten_with_friction(
     ModelError
         As :func:`faying.tighten`.
     ConvergenceError
-        If an increment is not solved, or no initial force gives a nominal force.
+        If an increment is not solved, or nothing resists a bolt.
 
     Notes
     -----
-    The initial forces of frictionless tightening say where to go; a quasi-Newton method finds the
-    last increment, at one solved increment for each trial.
+    One increment of friction each: initial forces are unknown beside the contact forces (T1).
     """
-    smooth = tighten(smooth_joint(system), forces)
-    state = initial_bolt_forces(system)
-    path = _Path(system=system, loads=[], states=[])
+    names, state = checked_bolts(system, forces), initial_bolt_forces(system)
+    path = [path_start(system, None)]
+    inputs: list[Vector] = []
     if state.any() or not forces:
-        path = path.then(state)
-    stages: list[str] = []
-    names = list(system.bolts)
-    for name, target in forces.items():
-        chosen = np.array([names.index(name)], dtype=np.int64)
-        start, end = state[chosen], smooth.initial_forces[name]
-        for number in range(1, increments):
-            state = state.copy()
-            state[chosen] = start + (end - start) * number / increments
-            path = path.then(state)
-            stages.append(f"{name} to {number / increments:.0%} of N₀")
-        path, state = _reach(path, state, chosen, np.array([target]), np.array([target / end]))
-        stages.append(f"{name} to nominal")
-    if len(forces) > 1:
-        chosen = np.array([names.index(name) for name in forces])
-        goal = np.array(list(forces.values()))
-        slope = goal / np.array([smooth.initial_forces[name] for name in forces])
-        path, state = _reach(path, state, chosen, goal, slope)
-        stages.append("all to nominal")
-    bolt_forces = path.bolt_forces[len(path.loads) - len(stages) :]
+        inputs.append(_inputs(system, state))
+        path += follow(
+            system.static_contact.increments, moved_alone(system, inputs[-1][None]), path[-1]
+        )
+    stages, reached = list[str](), list[Vector]()
+    for stage, chosen, goal in _stages(names, forces, increments):
+        here = path[-1]
+        start = here.increment if here.increment.forces[0].any() else None
+        problem = BoltsByForce(joint=system, bolts=chosen)
+        found, state = problem.solve(goal, state, here.slip, start)
+        inputs.append(_inputs(system, state))
+        path.append(
+            PathStep(
+                relative=moved_alone(system, inputs[-1][None])[0],
+                increment=found,
+                slip=here.slip + found.slack[1:],
+                iterations=found.iterations,
+                dissipation=found.dissipation,
+            )
+        )
+        stages.append(stage)
+        reached.append(forces_of_bolts(system, state, found))
+    loads = [
+        Load(name="preload", bolt_forces=dict(zip(names, row.tolist(), strict=True)))
+        for row in (one[system.port_compliance.bolts] for one in inputs)
+    ]
     return FrictionalTightening(
         tightening=Tightening(
             initial_forces=dict(zip(names, state.tolist(), strict=True)),
             bolts=tuple(names),
             stages=tuple(stages),
-            bolt_forces=bolt_forces,
+            bolt_forces=np.array(reached).reshape(len(stages), len(names)),
         ),
-        loads=tuple(path.loads),
-        rest=path.states[-1],
+        loads=tuple(loads),
+        rest=assembled(system, np.array(inputs[-1:]), path[-1:], "preload"),
     )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Path:
-    """The increments of tightening so far: initial forces, and the states they led to."""
-
-    system: System
-    loads: list[Load]
-    states: list[Solution]
-
-    @property
-    def bolt_forces(self) -> Matrix:
-        """Forces of all bolts after each increment (n_increment, n_bolt)."""
-        names = self.system.bolts
-        found = [[state.bolt_force(name)[-1] for name in names] for state in self.states]
-        return np.array(found, dtype=float).reshape(len(self.states), len(names))
-
-    def then(self, state: Vector) -> "_Path":
-        """Go on to other initial forces (n_bolt,) in one increment."""
-        forces = dict(zip(self.system.bolts, state.tolist(), strict=True))
-        load = Load(name="preload", bolt_forces=forces)
-        here = self.states[-1] if self.states else None
-        found = solve_path(self.system, [load], initial=here, name="preload")
-        return _Path(system=self.system, loads=[*self.loads, load], states=[*self.states, found])
+def _stages(
+    names: Sequence[str], forces: Mapping[str, float], increments: int
+) -> Iterator[tuple[str, Indices, Vector]]:
+    """Yield the stages of all bolts; of one bolt alone the last pass would change nothing."""
+    every = list(tightening_stages(names, forces, increments))
+    yield from every[:-1] if len(forces) == 1 else every
 
 
-def _reach(
-    path: _Path, state: Vector, chosen: Indices, goal: Vector, slope: Vector
-) -> tuple[_Path, Vector]:
-    """Find the increment after which the chosen bolts have their forces (Broyden's method)."""
-    tolerance = FORCE_TOLERANCE * np.abs(goal).max()
-    derivative: Matrix = np.diag(slope)
-    tried = path.then(state)
-    for _ in range(MOST_TRIALS):
-        reached = tried.bolt_forces[-1][chosen]
-        miss = goal - reached
-        if np.abs(miss).max() <= tolerance:
-            return tried, state
-        change = np.linalg.solve(derivative, miss)
-        state = state.copy()
-        state[chosen] += change
-        tried = path.then(state)
-        unexpected = tried.bolt_forces[-1][chosen] - reached - derivative @ change
-        derivative = derivative + np.outer(unexpected, change) / (change @ change)
-    worst = int(np.abs(miss).argmax())
-    message = (
-        f"bolt '{list(path.system.bolts)[chosen[worst]]}' was not tightened to {goal[worst]:g} in "
-        f"{MOST_TRIALS} trials with friction; tighten without it (friction_during_preload = false)"
-    )
-    raise ConvergenceError(message)
+def _inputs(system: System, initial: Vector) -> Vector:
+    """Return the inputs (n_input,) of initial forces alone."""
+    ports = system.port_compliance
+    inputs = np.zeros(len(ports.input_rows))
+    inputs[ports.bolts] = initial
+    return inputs

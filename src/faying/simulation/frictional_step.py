@@ -11,12 +11,12 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix
-from faying.contact.compiled_frictional import CompiledFrictionalContact, compilable
+from faying._typing import Matrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
-from faying.contact.frictional import FrictionalContact, Increment
+from faying.contact.frictional import FrictionalContact
+from faying.contact.increment import Increment
 from faying.contact.increment_solver import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
@@ -32,7 +32,6 @@ class FrictionalEnd:
     """The law holds at the end of the step, and the forces there enter the balance."""
 
     condensed: CondensedContact
-    compiled: bool = False
 
     def solve(
         self,
@@ -41,22 +40,22 @@ class FrictionalEnd:
         last: Matrix,  # noqa: ARG002
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case."""
-        solver, contact = self._solver, self.condensed.contact
+        solver, contact = self.condensed.increments, self.condensed.contact
         acting, ends, after = [], [], []
         for relative, state in zip(free, states, strict=True):
             slip = np.zeros((2, contact.n_points)) if state.slip is None else state.slip
-            found = solver.solve(contact.free_slack(relative, slip), state.forces)
+            found = solver.solve(relative, contact.offset(slip), _start(solver, relative, state))
             slip = slip + found.slack[1:]
             ends.append(_contact_forces(found, found.dissipation, slip))
             acting.append(found.forces[: contact.components].ravel())
             if contact.components == 1:
                 ends[-1] = replace(ends[-1], shear_forces=None, slip=None)
-            after.append(ContactState(active=ends[-1].active, slip=slip, forces=found.forces))
+            after.append(
+                ContactState(
+                    active=ends[-1].active, slip=slip, forces=found.forces, moved=found.moved
+                )
+            )
         return np.array(acting), ends, after
-
-    @cached_property
-    def _solver(self) -> IncrementSolver:
-        return _solver(self.condensed, self.compiled)
 
 
 @final
@@ -75,7 +74,6 @@ class FrictionalMean:
     """
 
     condensed: CondensedContact
-    compiled: bool = False
 
     def __post_init__(self) -> None:
         contact = self.condensed.contact
@@ -91,23 +89,23 @@ class FrictionalMean:
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case, and the law at the end where that is not obeyed."""
-        solver, contact = self._solver, self.condensed.contact
+        solver, contact = self.condensed.increments, self.condensed.contact
         means, ends, after = [], [], []
         for relative, state, before in zip(free, states, _components(last), strict=True):
             slip = _slip(state, before)
-            z_free = contact.free_slack(relative, slip) - self._given_way(before)
-            mean = solver.solve(z_free, state.forces)
+            offset = contact.offset(slip) - self._given_way(before)
+            mean = solver.solve(relative, offset, _start(solver, relative, state))
             end = self._at_end(mean, mean.forces - before)
             slip = slip + mean.slack[1:] + end.slack[1:]
             taken = 0.5 * mean.dissipation + end.dissipation
             means.append(mean.forces.ravel())
             ends.append(_contact_forces(end, taken, slip))
-            after.append(ContactState(active=ends[-1].active, slip=slip, forces=mean.forces))
+            after.append(
+                ContactState(
+                    active=ends[-1].active, slip=slip, forces=mean.forces, moved=mean.moved
+                )
+            )
         return np.array(means), ends, after
-
-    @cached_property
-    def _solver(self) -> IncrementSolver:
-        return _solver(self.condensed, self.compiled)
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
         """Return forces at the end, with the slip that they add to that of the mean."""
@@ -117,7 +115,7 @@ class FrictionalMean:
             return replace(mean, forces=forces, slack=opened)
         z_free = opened - self._given_way(forces)
         if contact.residual_compliance is not None:
-            end = self._law.solve(z_free, forces)
+            end = self._law.solve_slack(z_free, forces)
             return replace(end, iterations=mean.iterations + end.iterations)
         D = self._laws.closure(none)[1]
         stuck = np.divide(-z_free, D, out=none, where=D > 0)
@@ -171,6 +169,14 @@ def _contact_forces(found: Increment, dissipation: float, slip: Matrix) -> Conta
     )
 
 
-def _solver(condensed: CondensedContact, compiled: bool) -> IncrementSolver:
-    plain = condensed.frictional
-    return CompiledFrictionalContact(plain) if compiled and compilable(plain) else plain
+def _start(solver: IncrementSolver, free: Vector, state: ContactState) -> Increment | None:
+    """Return where a step begins: where the one before ended."""
+    if state.forces is None:
+        return None
+    return Increment(
+        forces=state.forces,
+        slack=np.zeros_like(state.forces),
+        moved=solver.moved(free, state.forces) if state.moved is None else state.moved,
+        iterations=0,
+        residual=0.0,
+    )

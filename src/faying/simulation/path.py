@@ -1,23 +1,23 @@
 """Quasi-static paths: increments of load, with friction that remembers its slip."""
 
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 from typing import final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
-from faying.contact.frictional import Increment
+from faying.contact.increment import Increment
 from faying.contact.increment_solver import IncrementSolver
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System, input_forces
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
-from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
-from faying.simulation.solution_parts import carried_inputs
+from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
 from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
 
 MOST_DIVISIONS = 6
@@ -45,10 +45,9 @@ def solve_path(
         Solution of an earlier path to go on from, its last state, of this joint or one with the
         same interfaces and the loads it carries; by default the joint is unstressed and nothing
         has slipped, so that the first increment tightens the bolts.
+
     compiled
-        Whether increments are compiled (extra ``compiled``, up to a minute once per installation);
-        unless given, where it pays: from 1000 increments on with 150 node pairs in contact, from
-        33 on with 824. The same results up to round-off.
+        Without effect.
 
     Returns
     -------
@@ -59,7 +58,7 @@ def solve_path(
     ------
     ModelError
         If there is no load, or one does not fit the system, ``initial`` is of another joint, the
-        structure is not held, or compiled increments are asked for without numba.
+        structure is not held.
     ConvergenceError
         If an increment is not solved even when it is divided; the message names it.
 
@@ -73,14 +72,21 @@ def solve_path(
     contact, and a back-substitution. Without friction nothing is
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
+    warn_of_compiled(compiled)
     inputs = path_inputs(system, loads)
     if system.contact.forgets:
         solved = solve_static_inputs(system, inputs, name)
         return replace(solved, dissipation=np.zeros(len(inputs)))
     start, relative = path_start(system, initial), moved_alone(system, inputs)
-    solver = path_solver(system, len(inputs), start.increment.forces, compiled)
-    steps = list(follow(solver, relative, start))
+    steps = list(follow(system.static_contact.increments, relative, start))
     return assembled(system, inputs, steps, name)
+
+
+def warn_of_compiled(compiled: bool | None) -> None:
+    """Warn of an argument that chose between two solvers where there is one now."""
+    if compiled is not None:
+        message = "'compiled' has no effect on increments any more: leave it out"
+        warnings.warn(message, DeprecationWarning, stacklevel=3)
 
 
 def path_inputs(system: System, loads: Sequence[Load]) -> Matrix:
@@ -101,16 +107,17 @@ def path_inputs(system: System, loads: Sequence[Load]) -> Matrix:
 def moved_alone(system: System, inputs: Matrix) -> Matrix:
     """Return what inputs (n_load, n_input) alone move the pairs (n_load, n_relative) [length]."""
     ports = system.port_compliance
-    relative: Matrix = port_forces(ports, inputs) @ ports.contact_columns
-    return relative
+    # Row by row, so that a load gives the same digits whichever others stand beside it.
+    rows = [row @ ports.contact_columns for row in np.atleast_2d(port_forces(ports, inputs))]
+    return np.array(rows).reshape(*np.shape(inputs)[:-1], ports.n_relative)
 
 
 def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name: str) -> Solution:
     """Return the solution of a path that was followed, one back-substitution for each load."""
-    solver = system.static_contact.frictional
+    laws = LawsAtPoints(contact=system.contact)
     normal = np.array([step.increment.forces[0] for step in steps])
     shear = np.array([step.increment.forces[1:] for step in steps])
-    gap = np.array([solver.gap(step.increment) for step in steps])
+    gap = np.array([step.increment.gap(laws) for step in steps])
     external = input_forces(system, inputs) + relative_forces(system, normal, shear)
     return Solution(
         name=name,
@@ -124,6 +131,15 @@ def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name:
         shear_slip=np.array([step.slip for step in steps]),
         dissipation=np.array([step.dissipation for step in steps]),
     )
+
+
+def last_of(solution: Solution) -> Solution:
+    """Return the last state of a path, or a static solution as it is."""
+    if solution.states.ndim == 1:
+        return solution
+    values = {name: getattr(solution, name) for name in OF_EACH_STATE}
+    last = {name: value[-1] for name, value in values.items() if np.ndim(value)}
+    return replace(solution, **last)
 
 
 @final
@@ -159,29 +175,32 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     """
     n, ports = system.contact.n_points, system.port_compliance
     forces, slip = np.zeros((3, n)), np.zeros((2, n))
-    nothing = Increment(forces=forces, slack=np.zeros((3, n)), iterations=0, residual=0.0)
+    moved = np.zeros(ports.n_relative)
+    nothing = Increment(
+        forces=forces, slack=np.zeros((3, n)), moved=moved, iterations=0, residual=0.0
+    )
     if initial is None:
-        return PathStep(relative=np.zeros(ports.n_relative), increment=nothing, slip=slip)
+        return PathStep(relative=moved, increment=nothing, slip=slip)
     relative = moved_alone(system, carried_inputs(system, initial))
     if initial.shear_forces is not None and initial.shear_slip is not None:
         shape = (-1, 2, n)
         forces[1:] = initial.shear_forces.reshape(shape)[-1]
         slip = initial.shear_slip.reshape(shape)[-1]
     forces[0] = np.atleast_2d(initial.contact_forces)[-1]
-    return PathStep(relative=relative, increment=replace(nothing, forces=forces), slip=slip)
+    moved = system.static_contact.increments.moved(relative, forces)
+    begun = replace(nothing, forces=forces, moved=moved)
+    return PathStep(relative=relative, increment=begun, slip=slip)
 
 
 def follow(
     solver: IncrementSolver,
     relative: Matrix,
     here: PathStep,
-    similar: Sequence[PathStep] = (),
     part: range | None = None,
 ) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
 
-    Where it is expected to go as another did, as a cycle after the one before, that may be given;
-    and some of the loads, if ``here`` is where those before them led.
+    Some of the loads may be given, if ``here`` is where those before them led.
 
     Raises
     ------
@@ -190,9 +209,9 @@ def follow(
     """
     numbers = range(len(relative)) if part is None else part
     with threads_for(len(solver.S)):
-        for number, like in zip_longest(numbers, similar):
+        for number in numbers:
             try:
-                here = _to(solver, here, relative[number], MOST_DIVISIONS, like and like.increment)
+                here = _to(solver, here, relative[number], MOST_DIVISIONS)
             except ConvergenceError as error:
                 message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None
@@ -202,22 +221,15 @@ def follow(
 def _in_proportion(contact: Contact, here: PathStep) -> bool:
     """Say whether a part of a load is that part of the same problem, no easier to solve."""
     unloaded = not (here.relative.any() or here.increment.forces.any() or here.slip.any())
-    proportional = all(law.proportional for law in contact.laws.values())
-    return unloaded and proportional and not contact.initial_gap.any()
+    return unloaded and contact.proportional and not contact.initial_gap.any()
 
 
-def _to(
-    solver: IncrementSolver,
-    here: PathStep,
-    target: Vector,
-    divisions: int,
-    similar: Increment | None = None,
-) -> PathStep:
+def _to(solver: IncrementSolver, here: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
-    z_free = solver.contact.free_slack(target, here.slip)
+    offset = solver.contact.offset(here.slip)
     pressed = here.increment.forces[0].any()
     try:
-        found = solver.solve(z_free, here.increment.forces if pressed else None, similar)
+        found = solver.solve(target, offset, here.increment if pressed else None)
     except ConvergenceError:
         if divisions == 0 or _in_proportion(solver.contact, here):
             raise

@@ -1,39 +1,25 @@
 """Pretension: bolts tightened in sequence to their nominal final forces, then locked."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.state import ContactState
-from faying.exceptions import ConvergenceError, ModelError
+from faying.contact.increment import Increment
+from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.joint.system import Joint, initial_bolt_forces
-from faying.simulation.static import port_forces, solve_static
-
-NO_RESISTANCE = 1e-9
-"""Bolt force per initial force below which nothing is clamped yet."""
+from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
+from faying.simulation.static_case import solve_static
 
 CLAMPS_NOTHING = 1e-9
 """Gap closed per elongation of the bolt under its own force, at or below which it is round-off."""
 
 SURPLUS = 1e-6
 """Relative excess of a bolt's stiffness over all that resists it; more than rounding is wrong."""
-
-LIMIT = 100
-"""Newton steps per increment; two or three are usual."""
-
-LAST_DIGITS = 1e-15
-"""What round-off leaves of a bolt force, over the initial force: some units in the last place."""
-
-FORCE_TOLERANCE = 1e-10
-"""Deviation of a bolt force from its target over the largest target, at which Newton stops.
-
-Round-off leaves 1e-12 where contact alone holds a part and springs of 1 N/mm its rigid motion.
-"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +68,8 @@ class Tightening:
     bolt_forces: Matrix
 
 
-def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 10) -> Tightening:
-    """Tighten bolts one after the other, in increments, to their nominal final forces.
+def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 1) -> Tightening:
+    """Tighten bolts one after the other to their nominal final forces, without friction.
 
     Each bolt is brought to its nominal force while those before it stay locked; a last pass on all
     of them together restores what the neighbours took away, so every bolt ends at its nominal
@@ -94,7 +80,7 @@ def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 10)
     forces
         Bolt name to final axial force [force], in tightening order.
     increments
-        Steps per bolt.
+        Steps per bolt that are told; without friction they change nothing at the end.
 
     Raises
     ------
@@ -106,40 +92,39 @@ def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 10)
 
     Notes
     -----
-    Semismooth Newton on the initial forces with the exact derivative on the active set; all in
-    the compliance between ports, so no finite element solution is needed.
+    One contact problem between pairs for each step, in which the initial forces are unknown beside
+    the pressures.
     """
-    names = list(system.bolts)
-    _check(forces, names)
-    _check_stiffness(system)
-    _check_clamping(system, forces)
-    state = initial_bolt_forces(system)
-    contact: ContactState | None = None
+    system.contact.check_frictionless()
+    names, state = checked_bolts(system, forces), initial_bolt_forces(system)
+    contact: Increment | None = None
     stages: list[str] = []
     history: list[Vector] = []
-    for name, target in forces.items():
-        chosen = np.array([names.index(name)], dtype=np.int64)
-        for fraction in np.arange(1, increments + 1) / increments:
-            goal = np.array([fraction * target])
-            state, contact, reached = _reach(system, chosen, goal, state, contact)
-            stages.append(f"{name} to {fraction:.0%}")
-            history.append(reached)
-    if not forces:
-        return Tightening(
-            initial_forces=dict(zip(names, state.tolist(), strict=True)),
-            bolts=tuple(names),
-            stages=(),
-            bolt_forces=np.empty((0, len(names))),
-        )
-    chosen = np.array([names.index(name) for name in forces])
-    goal = np.array(list(forces.values()))
-    state, contact, reached = _reach(system, chosen, goal, state, contact)
+    for stage, chosen, goal in tightening_stages(names, forces, increments):
+        found = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
+        contact, state = found
+        stages.append(stage)
+        history.append(forces_of_bolts(system, state, contact))
     return Tightening(
         initial_forces=dict(zip(names, state.tolist(), strict=True)),
         bolts=tuple(names),
-        stages=(*stages, "all to nominal"),
-        bolt_forces=np.array([*history, reached]),
+        stages=tuple(stages),
+        bolt_forces=np.array(history).reshape(len(stages), len(names)),
     )
+
+
+def tightening_stages(
+    names: Sequence[str], forces: Mapping[str, float], increments: int
+) -> Iterator[tuple[str, Indices, Vector]]:
+    """Yield what is done, the bolts (n_chosen,) it is done to, and the forces they get."""
+    for name, target in forces.items():
+        chosen = np.array([names.index(name)], dtype=np.int64)
+        for number in range(1, increments + 1):
+            share = number / increments
+            yield f"{name} to {share:.0%}", chosen, np.array([share * target])
+    if forces:
+        every = np.array([names.index(name) for name in forces], dtype=np.int64)
+        yield "all to nominal", every, np.array(list(forces.values()))
 
 
 def preload(
@@ -147,7 +132,7 @@ def preload(
     forces: Mapping[str, float],
     *,
     sticking: Sticking | None = None,
-    increments: int = 10,
+    increments: int = 1,
 ) -> Model:
     """Return the model with its bolts tightened to final forces and locked.
 
@@ -188,6 +173,21 @@ def with_sticking(model: Model, sticking: Sticking) -> Model:
     return model.with_stiffness(added, stuck, sticking.stiffness)
 
 
+def checked_bolts(system: Joint, forces: Mapping[str, float]) -> list[str]:
+    """Return the names of all bolts, after a look at those that are to be tightened.
+
+    Raises
+    ------
+    ModelError
+        As :func:`tighten`.
+    """
+    names = list(system.bolts)
+    _check(forces, names)
+    _check_stiffness(system)
+    _check_clamping(system, forces)
+    return names
+
+
 def _check(forces: Mapping[str, float], names: list[str]) -> None:
     for name, force in forces.items():
         if name not in names:
@@ -196,46 +196,6 @@ def _check(forces: Mapping[str, float], names: list[str]) -> None:
         if not (np.isfinite(force) and force > 0):
             message = f"bolt '{name}': the preload is {force:g}; give a positive force"
             raise ModelError(message)
-
-
-def _reach(
-    system: Joint, chosen: Indices, goal: Vector, state: Vector, contact: ContactState | None
-) -> tuple[Vector, ContactState, Vector]:
-    """Newton on the initial forces of the chosen bolts until their forces meet the goal.
-
-    Bolt forces are the gradient of a convex function of the initial forces, piecewise linear, so
-    a Newton step that is halved until it helps always gets there. A bolt force never exceeds its
-    initial force, which makes the goal a start; where no contact resists yet, the slope vanishes
-    and initial forces are doubled instead.
-    """
-    state = state.copy()
-    state[chosen] = np.maximum(state[chosen], goal)
-    tolerance = FORCE_TOLERANCE * np.abs(goal).max()
-    forces, slope, contact = _bolt_forces(system, state, contact)
-    for _ in range(LIMIT):
-        miss = goal - forces[chosen]
-        # A bolt force is what a gap leaves of the initial one, whose last digits decide.
-        if np.abs(miss).max() <= max(tolerance, LAST_DIGITS * np.abs(state).max()):
-            return state, contact, forces
-        resistance = slope[np.ix_(chosen, chosen)]
-        if np.linalg.eigvals(resistance).real.min() < NO_RESISTANCE:
-            state[chosen] *= 2
-            forces, slope, contact = _bolt_forces(system, state, contact)
-            continue
-        change = np.linalg.solve(resistance, miss)
-        start, distance = state.copy(), np.abs(miss).max()
-        for halving in range(30):
-            state = start.copy()
-            state[chosen] += change / 2**halving
-            forces, slope, contact = _bolt_forces(system, state, contact)
-            if np.abs(goal - forces[chosen]).max() < distance:
-                break
-    worst = int(np.abs(miss).argmax())
-    message = (
-        f"bolt '{list(system.bolts)[chosen[worst]]}' cannot be tightened to {goal[worst]:g}: what "
-        "it pulls at gives way; check that it clamps an interface"
-    )
-    raise ConvergenceError(message)
 
 
 def _check_stiffness(system: Joint) -> None:
@@ -268,26 +228,3 @@ def _check_clamping(system: Joint, forces: Mapping[str, float]) -> None:
                 "and nut are on the far sides of one, and that its direction is not reversed"
             )
             raise ModelError(message)
-
-
-def _bolt_forces(
-    system: Joint, state: Vector, start: ContactState | None
-) -> tuple[Vector, Matrix, ContactState]:
-    """Bolt forces, their derivative by the initial forces, and where contact stands."""
-    ports, contact = system.port_compliance, system.contact
-    inputs = np.concatenate([np.zeros(ports.n_boundary), state, np.zeros(ports.n_pattern)])
-    signed = port_forces(ports, inputs)
-    gap = system.static_contact.free_gap(signed @ ports.contact_columns)
-    solution, start = system.static_contact.solve(gap, start)
-
-    stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
-    bolt_rows = ports.contact_columns[ports.bolts]
-    elongation = ports.input_rows[ports.bolts] @ signed
-    elongation = elongation + bolt_rows @ (contact.interpolation.T @ solution.forces)
-
-    closed = np.flatnonzero(solution.active)
-    coupling = (contact.interpolation @ bolt_rows.T)[closed]
-    relieved = coupling.T @ system.static_contact.solve_active(coupling, solution.active)
-    own = ports.input_rows[ports.bolts, ports.bolts]
-    slope = np.eye(len(state)) - stiffness[:, None] * (own - relieved)
-    return stiffness * elongation + state, slope, start

@@ -7,7 +7,6 @@ import numpy as np
 from faying._typing import Matrix
 from faying.joint.system import System
 from faying.simulation.path import PathStep, assembled, follow, moved_alone, path_start
-from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
 
 
@@ -37,10 +36,10 @@ def solve_ramps(
     Notes
     -----
     As many increments as :func:`faying.solve_path` with the same loads, and one back-substitution
-    for each load. Compiled where that pays for all of them together.
+    for each load.
     """
     here = path_start(system, rest)
-    solver = path_solver(system, increments * len(inputs), here.increment.forces)
+    solver = system.static_contact.increments
     begun = np.atleast_2d(rest.inputs)[-1]
     shares = np.arange(1, increments + 1)[:, None] / increments
     ends: list[PathStep] = []

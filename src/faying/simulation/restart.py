@@ -100,6 +100,8 @@ def kept_restart(restart: Restart) -> dict[str, Matrix]:
     }
     if contact.slip is not None and contact.forces is not None:
         arrays |= {"slip": contact.slip, "forces": contact.forces}
+    if contact.moved is not None:
+        arrays |= {"pairs_moved": contact.moved}
     if contact.at_end is not None:
         arrays |= {f"end_{name}": kept for name, kept in _kept_points(contact.at_end).items()}
     if restart.levels:
@@ -118,6 +120,7 @@ def restart_from(arrays: Mapping[str, Any]) -> Restart:
             _points_from(arrays),
             slip=arrays.get("slip"),
             forces=arrays.get("forces"),
+            moved=arrays.get("pairs_moved"),
             at_end=_points_from(arrays, "end_") if "end_active" in arrays else None,
         ),
         trend=arrays["trend"],

@@ -12,11 +12,12 @@ from faying.joint.system import System, input_forces
 from faying.linalg.factorization import factorize
 from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
+from faying.simulation.path import last_of, solve_path
 from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
-from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
-from faying.simulation.static import AT_REST, relative_forces, solve_static
+from faying.simulation.solution_parts import carried_inputs
+from faying.simulation.static import AT_REST, relative_forces
+from faying.simulation.static_case import solve_static
 
 
 def at_rest(system: System) -> Solution:
@@ -24,15 +25,6 @@ def at_rest(system: System) -> Solution:
     if system.contact.forgets:
         return solve_static(system)
     return last_of(solve_path(system, [AT_REST], name=AT_REST.name))
-
-
-def last_of(solution: Solution) -> Solution:
-    """Return the last state of a path, or a static solution as it is."""
-    if solution.states.ndim == 1:
-        return solution
-    values = {name: getattr(solution, name) for name in OF_EACH_STATE}
-    last = {name: value[-1] for name, value in values.items() if np.ndim(value)}
-    return replace(solution, **last)
 
 
 def starting_states(

@@ -1,12 +1,15 @@
 """Static contact solutions of full and reduced models through the condensed problem."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Indices, Mask, Matrix, Vector
+from faying.contact.increment import Increment
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
-from faying.joint.system import PortCompliance, System, input_forces
+from faying.joint.system import Joint, PortCompliance, System, input_forces
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
@@ -15,37 +18,6 @@ from faying.simulation.solution import Solution
 
 AT_REST = Load(name="preload")
 """No boundary force: the joint under its locked bolts alone."""
-
-
-def solve_static(system: System, load: Load = AT_REST) -> Solution:
-    """Solve the static contact problem of one load case.
-
-    Parameters
-    ----------
-    system
-        Full or reduced model; histories are taken at time zero.
-
-    Raises
-    ------
-    ModelError
-        If the load does not fit the system, or the structure is not held.
-
-    Notes
-    -----
-    One dense contact problem and one back-substitution; the compliance of the system is
-    formed at the first call and kept.
-    """
-    cases = solve_static_cases(system, [load])
-    return Solution(
-        name=load.name,
-        system=system,
-        states=cases.states[0],
-        contact_forces=cases.contact_forces[0],
-        gap=cases.gap[0],
-        inputs=cases.inputs[0],
-        iterations=cases.iterations[0],
-        contact_error=np.asarray(cases.contact_error)[0],
-    )
 
 
 def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases") -> Solution:
@@ -63,24 +35,16 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
 
 def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> Solution:
     """Solve many load cases given as inputs (n_case, n_input)."""
-    condensed, contact = system.static_contact, system.contact
+    contact = system.contact
+    contact.check_frictionless()
     require_room(
         8.0 * len(inputs) * (2 * system.K.shape[0] + 4 * contact.n_points),
         f"solutions of {len(inputs)} load cases",
         "solve fewer at a time",
     )
     free = port_forces(system.port_compliance, inputs) @ system.port_compliance.contact_columns
-    shape = (len(inputs), contact.n_points)
-    forces, gaps = np.empty(shape), np.empty(shape)
-    iterations, errors = np.empty(len(inputs), dtype=np.int64), np.empty(len(inputs))
-    similar = SimilarProblems(contact.n_points)
-    state: ContactState | None = None
     with threads_for(contact.n_points):
-        for case, gap in enumerate(condensed.free_gap(free)):
-            solution, state = condensed.solve(gap, similar.start(gap, state))
-            similar.remember(gap, solution.active)
-            forces[case], gaps[case] = solution.forces, condensed.gap(solution)
-            iterations[case], errors[case] = solution.iterations, solution.error
+        forces, gaps, iterations, errors = solved_cases(system, free)
     external = input_forces(system, inputs) + relative_forces(system, forces)
     return Solution(
         name=name,
@@ -92,6 +56,38 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
         iterations=iterations,
         contact_error=errors,
     )
+
+
+def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, Vector]:
+    """Return forces, gaps, iterations and error bounds of cases whose pairs move without contact.
+
+    Each case starts from the most similar one before it.
+    """
+    condensed, contact = system.static_contact, system.contact
+    shape = (len(free), contact.n_points)
+    forces, gaps = np.empty(shape), np.empty(shape)
+    iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))
+    moved_apart = condensed.free_gap(free)
+    if (solver := condensed.cases) is not None:
+        laws, offset = LawsAtPoints(contact=contact), contact.offset()
+        like = SimilarProblems[Increment](contact.n_points)
+        for case, gap in enumerate(moved_apart):
+            found = solver.solve(free[case], offset, like.nearest(gap))
+            like.remember(gap, found)
+            forces[case], gaps[case] = found.forces[0], found.gap(laws)
+            iterations[case] = found.iterations
+        return forces, gaps, iterations, errors
+    similar = SimilarProblems[Mask](contact.n_points)
+    state: ContactState | None = None
+    for case, gap in enumerate(moved_apart):
+        nearest = similar.nearest(gap)
+        if state is not None and nearest is not None:
+            state = replace(state, active=nearest)
+        solution, state = condensed.solve(gap, state)
+        similar.remember(gap, solution.active)
+        forces[case], gaps[case] = solution.forces, condensed.gap(solution)
+        iterations[case], errors[case] = solution.iterations, solution.error
+    return forces, gaps, iterations, errors
 
 
 def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:

@@ -141,7 +141,9 @@ class MeanContact:
 
 def end_contact(condensed: CondensedContact) -> StepContact:
     """Return the contact law at the end of a step."""
-    return EndContact(condensed) if condensed.contact.forgets else FrictionalEnd(condensed)
+    contact = condensed.contact
+    plain = contact.forgets and contact.proportional
+    return EndContact(condensed) if plain else FrictionalEnd(condensed)
 
 
 def mean_contact(condensed: CondensedContact) -> StepContact:
@@ -156,10 +158,3 @@ def mean_contact(condensed: CondensedContact) -> StepContact:
     if condensed.contact.components == 1:
         return MeanContact(condensed)
     return FrictionalMean(condensed)
-
-
-def compiled_contact(contact: StepContact) -> StepContact:
-    """Return the contact of a step with its increments compiled, itself where it has none."""
-    if isinstance(contact, FrictionalEnd | FrictionalMean):
-        return replace(contact, compiled=True)
-    return contact

@@ -32,7 +32,7 @@ from faying.simulation.restart import Restart, each_of, side_by_side
 from faying.simulation.solution import Solution
 from faying.simulation.start import begun, stacked_forces, starting_states
 from faying.simulation.static import relative_forces
-from faying.simulation.step_contact import StepContact, compiled_contact
+from faying.simulation.step_contact import StepContact
 from faying.simulation.times import check_times
 
 SIDE_BY_SIDE = 16
@@ -241,10 +241,6 @@ class TransientSolver:
     ) -> list[Restart]:
         """Write the instants from ``first`` on; compiled where that pays, else side by side."""
         n_case, n_step = external.shape[:2]
-        rubs = self.system.contact.components > 1
-        if rubs and self.compiled is None and worth_compiling(whole):
-            compiled = replace(self, compiled=True)
-            return compiled._walk(here, external, history, first, progress, whole)
         if (loop := self._loop(whole)) is not None:
             walk = partial(self._walk_compiled, loop)
             cases = zip(here, external, strict=True)
@@ -280,7 +276,7 @@ class TransientSolver:
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         kept = scheme.kept_force(applied, from_contact)
         motion = scheme.advance(motion, u, kept, self.step)
-        if not system.contact.forgets:
+        if not (system.contact.forgets and system.contact.proportional):
             rubs = system.contact.components > 1
             shear = np.array([contact.shear_forces for contact in contacts]) if rubs else None
             return replace(motion, contact=stacked_forces(forces, shear).T), after, trend, contacts
@@ -302,8 +298,7 @@ class TransientSolver:
 
     @cached_property
     def _step_contact(self) -> StepContact:
-        contact = self.scheme.step_contact(self.condensed)
-        return compiled_contact(contact) if self.compiled else contact
+        return self.scheme.step_contact(self.condensed)
 
     @cached_property
     def _compiled(self) -> CompiledSteps | None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static
+from faying.simulation.static_case import solve_static
 from faying.simulation.transient import solve_transient
 from faying.study.full_transients import integrator_of
 from faying.study.loads import case_load

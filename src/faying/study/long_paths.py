@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Matrix
-from faying.contact.frictional import Increment
+from faying.contact.increment import Increment
 from faying.contact.increment_solver import IncrementSolver
 from faying.execution.checkpoint import Arrays
 from faying.joint.system import System
@@ -21,7 +21,6 @@ from faying.simulation.path import (
     path_start,
     solve_path,
 )
-from faying.simulation.path_solver import path_solver
 from faying.simulation.solution import Solution
 from faying.study.pieces import SECONDS, Pieces
 
@@ -57,7 +56,7 @@ def follow_path(
         return path, time.perf_counter() - start
     inputs = path_inputs(system, loads)
     here, relative = path_start(system, initial), moved_alone(system, inputs)
-    solver = path_solver(system, len(inputs), here.increment.forces)
+    solver = system.static_contact.increments
     seconds, steps = time.perf_counter() - start, list[PathStep]()
     for first in range(0, len(inputs), PIECE):
         part = range(first, min(first + PIECE, len(inputs)))
@@ -77,6 +76,7 @@ def _followed(solver: IncrementSolver, relative: Matrix, here: PathStep, part: r
     return {
         "forces": np.array([step.increment.forces for step in steps]),
         "slack": np.array([step.increment.slack for step in steps]),
+        "moved": np.array([step.increment.moved for step in steps]),
         "last": np.array([[step.increment.iterations, step.increment.residual] for step in steps]),
         "slip": np.array([step.slip for step in steps]),
         "iterations": np.array([step.iterations for step in steps]),
@@ -92,6 +92,7 @@ def _unpacked(arrays: Mapping[str, Matrix], relative: Matrix) -> list[PathStep]:
             increment=Increment(
                 forces=arrays["forces"][row],
                 slack=arrays["slack"][row],
+                moved=arrays["moved"][row],
                 iterations=int(arrays["last"][row, 0]),
                 residual=float(arrays["last"][row, 1]),
             ),

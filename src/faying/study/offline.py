@@ -23,7 +23,7 @@ from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.load import Load
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static
+from faying.simulation.static_case import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.without_friction import smooth_joint
 from faying.study.checkpoint import Checkpoint

@@ -14,10 +14,9 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.cycles import Cycles, solve_cycles
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
+from faying.simulation.path import last_of, solve_path
 from faying.simulation.solution import Solution
-from faying.simulation.start import last_of
-from faying.simulation.static import solve_static
+from faying.simulation.static_case import solve_static
 from faying.simulation.without_friction import released_state
 from faying.study.backbone_cases import backbone_response
 from faying.study.load_factors import ALL, read_load_factors

@@ -15,7 +15,8 @@ from faying.reduction.basis import Basis
 from faying.reduction.method import CLASSIC, Method
 from faying.reduction.methods import METHODS
 from faying.reduction.snapshots import LoadBox
-from faying.simulation.static import AT_REST, solve_static, solve_static_cases
+from faying.simulation.static import AT_REST, solve_static_cases
+from faying.simulation.static_case import solve_static
 from faying.study.extras import Extras
 from faying.study.loads import case_load, training_box
 from faying.study.offline import PreparedJoint, TrainedBases

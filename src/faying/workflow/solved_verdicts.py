@@ -21,7 +21,7 @@ from faying.joint.bolt_surroundings import pressed_near
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static
+from faying.simulation.static_case import solve_static
 from faying.study.load_set import LoadSet
 from faying.workflow.solved_pieces import Pieces
 

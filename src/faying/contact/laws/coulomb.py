@@ -126,6 +126,11 @@ class Coulomb:
             result[:, 1, 0], result[:, 2, 0] = pulled * first, pulled * second
         return result
 
+    def springs(self, weights: Vector) -> Matrix:
+        """Return those of the normal law, and w c_t (3, n_point)."""
+        shear = np.broadcast_to(self.tangential_penalty * weights, (2, len(weights)))
+        return np.vstack([self.normal.springs(weights), shear])
+
     def respond(
         self, moved: Matrix, weights: Vector, pressing: Vector | None = None
     ) -> tuple[Matrix, Matrix]:

@@ -76,6 +76,10 @@ class Curve(Unilateral):
         pressure = self.pressure_of(places.ravel())[0].reshape(places.shape)
         return np.asarray(weights * 0.5 * way * (pressure @ _SHARES))
 
+    def springs(self, weights: Vector) -> Matrix:
+        """Return w times the slope at the named pressure (1, n_point)."""
+        return self.stiffness * weights[None]
+
     def respond(
         self,
         moved: Matrix,

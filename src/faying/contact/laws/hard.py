@@ -35,6 +35,10 @@ class Hard(Unilateral):
         """Infinite."""
         return float("inf")
 
+    def springs(self, weights: Vector) -> Matrix:
+        """Return infinity (1, n_point)."""
+        return np.full((1, len(weights)), np.inf)
+
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:  # noqa: ARG002
         """Return zeros (1, n_point)."""
         return np.zeros_like(forces), np.zeros_like(forces)

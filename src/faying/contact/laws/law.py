@@ -78,6 +78,13 @@ class Law(Protocol):
         """Return what the law has stored under forces (components, n_point) [force·length]."""
         ...
 
+    def springs(self, weights: Vector) -> Matrix:
+        """Return about what closed and sticking points resist (components, n_point) [force/length].
+
+        Newton's method is prepared for these; infinite where contact is hard.
+        """
+        ...
+
     def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
         """Return the admissible forces (components, n_point) nearest to given ones.
 

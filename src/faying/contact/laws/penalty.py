@@ -48,6 +48,10 @@ class Penalty(Unilateral):
         compliance = 1.0 / (self.stiffness * weights[None])
         return forces * compliance, compliance
 
+    def springs(self, weights: Vector) -> Matrix:
+        """Return w c_n (1, n_point)."""
+        return self.stiffness * weights[None]
+
     def respond(
         self,
         moved: Matrix,

@@ -1,0 +1,320 @@
+"""Contact of points that yield: one Newton method on relative displacements, with any law.
+
+With the relative displacements y of the pairs, y_f of them without contact forces, z = G y + z₀
+at the points (z₀ holds the gap and minus the slip so far) and λ(z) what the laws answer, a problem
+is
+
+    R(y) = Σ (y − y_f) + h − Gᵀ λ(G y + z₀) = 0,   Σ = S⁻¹,                                   (F8)
+
+and a step solves (Σ + Gᵀ K G) d = −R with K = −∂λ/∂z (:mod:`~faying.contact.glued_pairs`). It is
+taken whole where that halves R, or its part dᵀR along the step; otherwise as far as dᵀR vanishes.
+Without friction R is the slope of a convex energy, and the method always arrives. Coulomb's law has
+none: where a step does not descend, or goes a short way, the next one holds tangential forces to
+the bounds of the last normal ones, which is convex again (Tresca).
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+from scipy.linalg import LinAlgError
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.contact import Contact
+from faying.contact.frictional import FrictionalContact
+from faying.contact.glued_pairs import Factors, GluedPairs
+from faying.contact.increment import Increment
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.exceptions import ConvergenceError
+
+ROUND_OFF, LAST_DIGITS = 1e-12, 2e-15
+"""Residuals over the largest force at which a problem is solved, before and after S has formed what
+steps summed up."""
+
+SOLVED = 1e-9
+"""Residual over the largest force that is accepted where round-off allows no less."""
+
+COUNTS = 1e-4
+"""Part of what would hold all points closed below which the largest force is no measure."""
+
+STIFFEST = 1e4
+"""Stiffness of contact at a pair over the structure's up to which displacements tell forces.
+
+At 10 E/h it is about ten; at 1e8 gaps were off by a quarter of themselves.
+"""
+
+MOST_STEPS = 80
+"""Newton steps; 5 to 15 are usual."""
+
+ENOUGH = 0.5
+"""Part of slope or residual that a whole step may leave."""
+
+FLAT = 0.1
+"""Part of the slope that a step of another length may leave."""
+
+MOST_TRIALS = 8
+"""Lengths of a step that are tried."""
+
+SHORT = 0.15
+"""Length of a step below which the next one fixes the friction bounds."""
+
+MOST_SHORT = 8
+"""Short steps with friction after which Newton's method has gone astray."""
+
+ONWARD = 1.0 + 1e-9
+"""What tangential displacements are scaled by, so that points at their bound slip on at first."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class YieldingContact:
+    """Solver of contact problems of one structure whose contact points all yield.
+
+    Attributes
+    ----------
+    contact
+        Gaps, tangential displacements and laws.
+    S : (n_relative, n_relative) [length/force]
+        Compliance between pairs.
+    pairs
+        The linear systems of Newton steps.
+    """
+
+    contact: Contact
+    S: Matrix
+    pairs: GluedPairs
+
+    @classmethod
+    def of(cls, contact: Contact, S: Matrix, pulled: Vector | None = None) -> "YieldingContact":
+        """Return the solver of a compliance between pairs.
+
+        Parameters
+        ----------
+        pulled : (n_relative,) or None [length]
+            As of :meth:`.GluedPairs.of`.
+
+        Raises
+        ------
+        LinAlgError
+            If it is singular, as of rigid bodies and of a basis of fewer modes than pairs, or if
+            points are so stiff that displacements have too few digits to tell forces.
+        """
+        laws = LawsAtPoints(contact=contact)
+        pairs = GluedPairs.of(contact.rows, laws.springs, S, pulled)
+        glue = pairs.glue.diagonal()
+        if (glue > STIFFEST * (np.diag(pairs.stiffness) - glue)).any():
+            message = "contact is far stiffer than the structure"
+            raise LinAlgError(message)
+        return cls(contact=contact, S=S, pairs=pairs)
+
+    @cached_property
+    def laws(self) -> LawsAtPoints:
+        """What the contact points answer."""
+        return LawsAtPoints(contact=self.contact)
+
+    def moved(self, free: Vector, forces: Matrix) -> Vector:
+        """Return the relative displacements (n_relative,) under forces (3, n_point)."""
+        return np.asarray(free + self.S @ self.contact.at_pairs(forces[0], forces[1:]))
+
+    def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
+        """Solve one problem; see :meth:`.IncrementSolver.solve`.
+
+        Notes
+        -----
+        For displacements, and for forces where Newton's method goes astray there: a body that
+        slides far as a whole turns tangential forces more than a step can tell, and points far
+        stiffer than the structure leave displacements too few digits.
+        """
+        try:
+            found = solve_yielding(self.laws, self.pairs, free, offset, start, compliance=self.S)
+        except ConvergenceError:
+            return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
+        return replace(found, moved=self.moved(free, found.forces))
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Where Newton's method stands: displacements, structure's forces, points, laws."""
+
+    y: Vector
+    p: Vector
+    z: Matrix
+    forces: Matrix
+    K: Matrix
+    G_T: SparseMatrix
+    least: float
+
+    @cached_property
+    def rest(self) -> Vector:
+        """R (n_relative,) [force]."""
+        return np.asarray(self.p - self.G_T @ self.forces.ravel())
+
+    @cached_property
+    def left(self) -> float:
+        """R over the largest force, or over that which counts where nothing presses."""
+        return float(
+            np.abs(self.rest).max(initial=0.0) / np.abs(self.forces).max(initial=self.least)
+        )
+
+
+def solve_yielding(
+    laws: LawsAtPoints,
+    pairs: GluedPairs,
+    free: Vector,
+    offset: Matrix,
+    start: Increment | None = None,
+    *,
+    pull: Vector | None = None,
+    compliance: Matrix | None = None,
+) -> Increment:
+    """Solve (F8).
+
+    Parameters
+    ----------
+    free : (n_relative,) [length]
+        y_f.
+    offset : (3, n_point) [length]
+        z₀.
+    start
+        A solution to begin with, of the increment before or a similar case; by default all points
+        close and stick.
+    pull : (n_relative,) or None [force]
+        h.
+    compliance : (n_relative, n_relative) or None [length/force]
+        S, by which the solution is corrected where Σ has fewer digits.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton's method does not arrive.
+    """
+    G, k = pairs.G, laws.components
+    shape, given = (k, offset.shape[1]), offset[:k]
+
+    pulled = np.zeros(len(free)) if pull is None else pull
+    state = _begun(laws, pairs, free, given, start, pulled)
+    steps, short, bounded, exact = 0, 0, False, False
+    factors: Factors | None = None
+    before = np.inf
+    while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
+        enough = LAST_DIGITS if exact else ROUND_OFF
+        settled = state.left <= enough or (state.left <= SOLVED and state.left > 0.1 * before)
+        if settled and (exact or compliance is None):
+            break
+        if settled and compliance is not None:
+            # What Newton's method summed up step by step is formed once more, by S.
+            pressed = pairs.transposed @ state.forces.ravel()
+            y = free + compliance @ pressed
+            z = _at(G, y, given)
+            state = _State(y, pressed, z, *laws.respond(z), pairs.transposed, state.least)
+            exact = state.left <= SOLVED
+            if state.left <= LAST_DIGITS:
+                break
+        before = state.left
+        K = state.K
+        if bounded:
+            K = K.copy()
+            K[:, 1:, 0] = 0.0
+        d, pressing, factors = pairs.step(K, -state.rest, state.left, factors)
+        resisted = pressing - pairs.glue @ d
+        found, length, descends = _along(laws, state, d, resisted, (G @ d).reshape(shape))
+        bounded = k > 1 and not bounded and (not descends or length < SHORT)
+        short += k > 1 and length < SHORT
+        state, steps = found, steps + 1
+    if not state.left <= SOLVED:
+        message = (
+            f"contact was not solved in {steps} Newton steps (residual {state.left:.1e} of the "
+            "largest force)"
+        )
+        if k > 1:
+            message += "; take smaller increments, or a smaller coefficient of friction"
+        raise ConvergenceError(message)
+    forces, slack = np.zeros(offset.shape), offset.copy()
+    forces[:k] = state.forces
+    slack[:k] = state.z + laws.yielded(state.forces)
+    return Increment(
+        forces=forces,
+        slack=slack,
+        moved=state.y,
+        iterations=steps,
+        residual=state.left,
+    )
+
+
+def _begun(
+    laws: LawsAtPoints,
+    pairs: GluedPairs,
+    free: Vector,
+    offset: Matrix,
+    start: Increment | None,
+    pull: Vector,
+) -> _State:
+    """Return where Newton's method begins."""
+    G, shape = pairs.G, offset.shape
+    if start is None:
+        # As if every point were closed and stuck: what then pulls opens in the steps that follow.
+        pressed = pull - pairs.transposed @ (pairs.springs * _at(G, free, offset)).ravel()
+        moved = pairs.compliance @ -pressed
+        y, p = free + moved, -pressed - pairs.glue @ moved + pull
+    else:
+        y = start.moved
+        p = pairs.resisted(y - free) + pull
+    z = _at(G, y, offset)
+    forces, K = laws.respond(z)
+    if start is not None and shape[0] > 1:
+        onward = z.copy()
+        onward[1:] *= ONWARD
+        K = laws.respond(onward)[1]
+    least = max(COUNTS * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
+    return _State(y, p, z, forces, K, pairs.transposed, least)
+
+
+def _at(G: SparseMatrix, y: Vector, offset: Matrix) -> Matrix:
+    """Return z (components, n_point)."""
+    return np.asarray((G @ y).reshape(offset.shape) + offset)
+
+
+def _along(
+    laws: LawsAtPoints, state: _State, d: Vector, resisted: Vector, moved: Matrix
+) -> tuple[_State, float, bool]:
+    """Return the state after a step d, its length, and whether it descends.
+
+    Parameters
+    ----------
+    resisted : (n_relative,) [force]
+        Σ d.
+    moved : (components, n_point) [length]
+        G d.
+    """
+    at_first, curvature = float(d @ state.rest), float(d @ resisted)
+
+    def reached(length: float) -> _State:
+        z = state.z + length * moved
+        y, p = state.y + length * d, state.p + length * resisted
+        return _State(y, p, z, *laws.respond(z), state.G_T, state.least)
+
+    def slope(found: _State, length: float) -> float:
+        return at_first + length * curvature + float((moved * (state.forces - found.forces)).sum())
+
+    length, found = 1.0, reached(1.0)
+    last, descends = slope(found, 1.0), at_first < 0
+    fits = abs(last) <= ENOUGH * abs(at_first)
+    if fits or np.linalg.norm(found.rest) <= ENOUGH * np.linalg.norm(state.rest):
+        return found, length, descends
+    if not (descends and last > 0):
+        return found, length, descends
+    low, high, below, above = 0.0, 1.0, at_first, last
+    for _ in range(MOST_TRIALS):
+        # A chord that ends where the slope jumps would stay there: away from both ends.
+        chord = low - below * (high - low) / (above - below)
+        length = float(np.clip(chord, low + 0.1 * (high - low), high - 0.1 * (high - low)))
+        found = reached(length)
+        here = slope(found, length)
+        if abs(here) <= FLAT * abs(at_first):
+            break
+        if here > 0:
+            high, above = length, here
+        else:
+            low, below = length, here
+    return found, length, descends

@@ -1,0 +1,71 @@
+"""Pairs on the springs of closed points, with bolts known by force, against dense inverses."""
+
+import numpy as np
+import pytest
+from scipy.linalg import LinAlgError
+
+from faying.contact.glued_pairs import ACCURATE, GluedPairs
+from few_points import ELASTIC, PAIRS, N, joint
+
+
+def glued(seed):
+    """Pairs, and what is written out: G, B₀ and Σ."""
+    plain, _ = joint(seed, ELASTIC)
+    springs = plain.laws.springs
+    pairs = GluedPairs.of(plain.contact.rows, springs, plain.S)
+    G = plain.contact.rows.toarray()
+    return pairs, G, G.T @ np.diag(springs.ravel()) @ G, np.linalg.inv(plain.S)
+
+
+def dense(G, K):
+    """Gᵀ K G for K (n_point, 3, 3)."""
+    at = (np.arange(3)[:, None] * N + np.arange(N)).T
+    return sum(G[rows].T @ own @ G[rows] for rows, own in zip(at, K, strict=True))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_steps_are_those_of_the_whole_matrix(seed):
+    """With any springs at some of the points, anew and with the factors of the last step."""
+    pairs, G, glue, stiffness = glued(seed)
+    random = np.random.default_rng(seed)
+    K = np.zeros((N, 3, 3))
+    diagonal = np.arange(3)
+    K[:, diagonal, diagonal] = pairs.springs.T
+    factors = None
+    for changed in ([], [0, 3], [0, 3], [1, 2, 5], range(N)):
+        other = K.copy()
+        other[list(changed)] *= 0.3
+        other[list(changed), 1, 0] = random.uniform(0.0, 1.0, len(changed))
+        right = random.normal(size=3 * PAIRS)
+        d, forces, factors = pairs.step(other, right, 0.0, factors)
+        exact = np.linalg.solve(stiffness + dense(G, other), right)
+        # What factors in single precision leave.
+        small = 10 * ACCURATE * np.abs(exact).max()
+        np.testing.assert_allclose(d, exact, rtol=0, atol=small)
+        # Displacements and forces are the same to round-off, whatever is left of the system.
+        np.testing.assert_allclose(forces, (stiffness + glue) @ d, rtol=0, atol=1e-11)
+
+
+def test_pairs_less_the_springs_of_bolts():
+    pairs, _, glue, stiffness = glued(0)
+    random = np.random.default_rng(5)
+    shapes = random.normal(size=(2, 3 * PAIRS))
+    # Stiffer than both springs take away: the rest still holds.
+    yields = shapes @ np.linalg.inv(stiffness) @ shapes.T + np.diag([0.5, 0.8])
+    found = pairs.loosened(shapes, yields)
+    rest = stiffness - shapes.T @ np.linalg.solve(yields, shapes)
+    moved = random.normal(size=3 * PAIRS)
+    np.testing.assert_allclose(found.resisted(moved), rest @ moved, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(found.compliance, np.linalg.inv(rest + glue), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-13])
+def test_a_singular_compliance_has_no_stiffness(ratio):
+    """As of rigid bodies, and of fewer modes than pairs; soft springs beside elasticity do."""
+    plain, _ = joint(0, ELASTIC)
+    rows, springs = plain.contact.rows, plain.laws.springs
+    shapes = np.linalg.eigh(plain.S)[1]
+    sizes = np.r_[ratio, np.ones(len(shapes) - 1)]
+    with pytest.raises(LinAlgError, match="not positive definite"):
+        GluedPairs.of(rows, springs, (shapes * sizes) @ shapes.T)
+    GluedPairs.of(rows, springs, (shapes * np.r_[1e7, sizes[1:]]) @ shapes.T)
