@@ -1,7 +1,9 @@
 """Curves of pressure over closure: keys of studies, what is refused, surfaces that are stored."""
 
-from dataclasses import replace
+import json
+from dataclasses import asdict, replace
 
+import numpy as np
 import pytest
 
 import faying as fy
@@ -10,8 +12,11 @@ from faying.exceptions import FormatError, ModelError, StudyError
 from faying.interface.closure_table import read_closure_table
 from faying.interface.surface import contact_surface, recorded_law
 from faying.joint.lap_joint import STEEL
-from faying.study.load_model import build, build_loaded, load_model
+from faying.study.load_model import build_loaded, load_model
+from faying.study.recover import reduced_model
 from faying.study.schema import read_study
+from faying.study.store import read_results
+from faying.workflow.run import run
 
 STUDY = """
 [model]
@@ -25,6 +30,10 @@ closure = CLOSURE
 [[bolt]]
 name = "bolt"
 preload = 1e4
+
+[reduction]
+normal_modes = 4
+methods = ["compliance"]
 
 [[load_case]]
 name = "bending"
@@ -110,10 +119,30 @@ def test_files_that_hold_no_curve_are_refused_by_line(tmp_path, layer, message):
         read_closure_table(tmp_path / "layer.csv")
 
 
-def test_studies_refuse_curves_before_anything_is_computed(tmp_path):
-    given = study(tmp_path, KEYS["power"][0])
-    with pytest.raises(StudyError, match="interface 'joint' has closure 'power', which paths alo"):
-        build(given)
+@pytest.mark.parametrize("friction", ["", "friction = 0.2", "friction = 0.2\nDURING"])
+def test_a_study_runs_with_a_curve_and_says_so(tmp_path, friction):
+    key, curve = KEYS["power"]
+    given = study(tmp_path, f"{key}\n{friction.removesuffix('DURING')}")
+    if friction.endswith("DURING"):
+        given = given.model_copy(update={"friction_during_preload": False})
+    run(given, tmp_path / "out")
+    results = read_results(tmp_path / "out/results.h5")
+    case = results.cases["bending"]
+    expected = curve.pressure_of(-case.reference.gap.ravel())[0]
+    largest = case.reference.pressure.max()
+    # Pressures are right to 1e-9 of the largest force, and the curve is steep.
+    np.testing.assert_allclose(
+        case.reference.pressure.ravel(), expected, rtol=0, atol=1e-7 * largest
+    )
+    told = json.loads((tmp_path / "out/summary.json").read_text(encoding="utf-8"))
+    assert told["interfaces"]["joint"]["penalty"] is None
+    assert told["interfaces"]["joint"]["closure"] == {"power": asdict(curve)}
+    report = (tmp_path / "out/report.html").read_text(encoding="utf-8")
+    assert "— (power)" in report
+    loaded = reduced_model(results, "compliance", 0)
+    assert loaded.contact.laws["joint"].normal == curve
+    if not friction:  # what needs proportion says so, and the rest stands
+        assert any("certified bounds: interface 'joint' has the law" in w for w in told["warnings"])
 
 
 def test_models_take_curves_as_they_take_penalties():

@@ -1,7 +1,6 @@
 """Every law down every road: where forces and gaps are told they are those of the law, or refused.
 
-One line of LAWS is a law, one of ROADS a road. REFUSED says what a road does not hold: there the
-interface is named before anything is computed.
+One line of LAWS is a law, one of ROADS a road.
 """
 
 from dataclasses import dataclass, replace

@@ -229,7 +229,8 @@ class CondensedContact:
         """Increments for displacements; with friction also for forces."""
         if isinstance(self.total, CompressedCompliance):
             return None
-        if self.contact.components == 1 and not isinstance(self.increments, YieldingContact):
+        forces = not isinstance(self.increments, YieldingContact)
+        if forces and self.contact.components == 1 and self.contact.proportional:
             return None
         return self.increments
 

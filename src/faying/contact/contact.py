@@ -207,8 +207,7 @@ class Contact:
             if not law.proportional:
                 message = (
                     f"interface '{name}' has the law '{law.normal.name}', whose closure is not in "
-                    "proportion to its force, which paths, cycles and time steps with the law at "
-                    "their end alone know (solve_path, ImplicitEuler)"
+                    "proportion to its force, as it must be here; give it a penalty"
                 )
                 raise ModelError(message)
 

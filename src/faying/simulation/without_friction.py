@@ -16,7 +16,7 @@ from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, port_forces, relative_forces
+from faying.simulation.static import AT_REST, port_forces, relative_forces, solved_cases
 
 
 @final
@@ -48,7 +48,7 @@ def smooth_joint(joint: Joint) -> SmoothJoint:
     """Return a joint without the friction of its interfaces; nothing is factorized again."""
     laws = {name: law.normal for name, law in joint.contact.laws.items()}
     return SmoothJoint(
-        contact=replace(joint.contact, laws=laws),
+        contact=replace(joint.contact, laws=laws, shear=None),
         boundaries=joint.boundaries,
         bolts=joint.bolts,
         load_patterns=joint.load_patterns,
@@ -63,12 +63,10 @@ def pressures_without_friction(joint: Joint, inputs: Matrix) -> Matrix:
     ----------
     inputs : (n_case, n_input)
     """
-    ports, condensed = joint.port_compliance, smooth_joint(joint).static_contact
-    state, found = None, []
-    for relative in port_forces(ports, inputs) @ ports.contact_columns:
-        solved, state = condensed.solve(condensed.free_gap(relative), state)
-        found.append(solved.forces / joint.contact.weights)
-    return np.array(found)
+    ports = joint.port_compliance
+    free = port_forces(ports, inputs) @ ports.contact_columns
+    pressures: Matrix = solved_cases(smooth_joint(joint), free)[0] / joint.contact.weights
+    return pressures
 
 
 def released_state(system: System, load: Load = AT_REST) -> Solution:
@@ -88,23 +86,23 @@ def released_state(system: System, load: Load = AT_REST) -> Solution:
         As :func:`faying.solve_static`.
     """
     contact, ports = system.contact, system.port_compliance
-    condensed = smooth_joint(system).static_contact
+    smooth = smooth_joint(system)
     inputs = load.inputs(system, np.zeros(1))
-    free = (port_forces(ports, inputs) @ ports.contact_columns)[0]
-    found, _ = condensed.solve(condensed.free_gap(free))
+    free = port_forces(ports, inputs) @ ports.contact_columns
+    forces, gap, iterations, _ = solved_cases(smooth, free)
     slip = np.zeros((2, contact.n_points))
     if contact.shear is not None:
-        relative = free + condensed.total @ (contact.interpolation.T @ found.forces)
+        relative = free[0] + smooth.static_contact.total @ (contact.interpolation.T @ forces[0])
         slip[:, contact.rubbing] = (contact.shear @ relative).reshape(2, -1)
-    external = input_forces(system, inputs) + relative_forces(system, found.forces[None])
+    external = input_forces(system, inputs) + relative_forces(system, forces)
     return Solution(
         name=load.name,
         system=system,
         states=system.factorize_static().solve(external.T).T,
-        contact_forces=found.forces[None],
-        gap=condensed.gap(found)[None],
+        contact_forces=forces,
+        gap=gap,
         inputs=inputs,
-        iterations=np.array([found.iterations]),
+        iterations=iterations,
         shear_forces=np.zeros((1, 2, contact.n_points)),
         shear_slip=slip[None],
         dissipation=np.zeros(1),

@@ -102,19 +102,7 @@ def check_friction(study: Study, model: Model) -> None:
     rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
     problems = [*_bolt_columns(study, model), *backbones_of(study, model)]
     problems += _with_friction(study, rubbing[0]) if rubbing else _without(study)
-    problems += _curved(study, model)
     reject(study.source, problems)
-
-
-def _curved(study: Study, model: Model) -> Iterator[Problem]:
-    """Find interfaces whose law studies cannot tighten."""
-    for name, interface in model.interfaces.items():
-        if not interface.law.proportional:
-            text = (
-                f"interface '{name}' has closure '{interface.law.normal.name}', which paths alone "
-                "know (fy.solve_path in Python), not tightening; give it a penalty"
-            )
-            yield Problem(("interface",), f"{study.source.table(('interface',))}: {text}")
 
 
 def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:

@@ -179,7 +179,7 @@ def _condense(model: Model, stages: Stages, checkpoint: Checkpoint | None, key: 
     with stages.stage("compliance"):
         keep_compliance(checkpoint, key, model.structure)
         contact = model.static_contact
-        _ = contact.frictional if has_friction(model) else contact.space
+        _ = contact.cases or contact.space
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

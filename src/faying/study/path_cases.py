@@ -171,6 +171,7 @@ MOST_CERTIFIED = 1000
 def _certificate(model: Model, path: Solution, rest: Solution) -> IncrementCertificate | None:
     """Certify the increments of a reduced model; those of the full one are what is meant."""
     rubs = path.shear_forces is not None and has_friction(model)
+    rubs = rubs and model.contact.proportional
     if path.system is model or not rubs or model.contact.n_points > MOST_CERTIFIED:
         return None
     return certify_increments(model, path, rest)

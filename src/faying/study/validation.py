@@ -60,7 +60,8 @@ def validate(
             box = training_box(study.reduction.training)
             space = _load_space(joint.model, box, count, models, trained.bases[CLASSIC], extras)
     sweep = None
-    if study.validation.penalty_sweep and not has_friction(joint.model):
+    swept = study.validation.penalty_sweep and not has_friction(joint.model)
+    if swept and joint.model.contact.proportional:
         with stages.stage("penalty sweep"), extras.attempt("penalty sweep"):
             sweep = _penalty(study, joint.model, trained, models)
     return ValidationRecord(load_space=space, penalty=sweep, choices=choices)
