@@ -138,7 +138,7 @@ def test_orientations_turn_the_material(tmp_path):
 @pytest.mark.parametrize(
     ("elastic", "section", "more", "message"),
     [
-        ("ORTHO\n1., 2.", "", "", r"\*ELASTIC: found 2 constants, expected 9"),
+        ("ORTHO\n1., 2.", "", "", r"\*ELASTIC: found 2 numbers, expected 9"),
         ("COUPLED\n1., 2.", "", "", "TYPE=COUPLED is not supported"),
         (ENGINEERING.replace("0.4,", "9.4,"), "", "", "Poisson's ratios are too large"),
         (ENGINEERING, " ORIENTATION=B,", "", "there is no orientation 'B'; known are none"),

@@ -395,4 +395,6 @@ def test_complaints_of_the_model_name_the_table(
         cli.main()
     assert ended.value.code == 2
     error = capsys.readouterr().err
-    assert re.match(rf"faying: {place}\.toml \(line 7\): ", error), error
+    # A line for each stage that was begun stands before the message.
+    stages = r"(?: +\d+:\d\d  [^\n]*\n)*"
+    assert re.match(rf"{stages}faying: {place}\.toml \(line 7\): ", error), error

@@ -154,7 +154,7 @@ def test_files_that_do_not_say_how_they_were_tightened_are_refused(reduced, tmp_
 
 
 def test_what_is_not_followed_is_refused(reduced, tmp_path):
-    """Increments of a case; openings, which are followed without friction, leave a warning."""
+    """Increments of a case; openings are followed by runs alone, and unknown here."""
     _, file, loads = reduced
     rom = fy.load(file)
     finer = tmp_path / "finer.toml"
@@ -166,4 +166,6 @@ def test_what_is_not_followed_is_refused(reduced, tmp_path):
     runner = CliRunner()
     runner.invoke(app, ["solve", str(file), str(demanding), "--out", str(tmp_path / "out")])
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert "the joint has some" in " ".join(summary["warnings"])
+    (verdict,) = summary["assessment"]["verdicts"]
+    assert verdict["met"] is None
+    assert verdict["reason"] == "it is followed with friction by faying run alone"

@@ -24,7 +24,9 @@ def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None
         Tangential components of a joint with friction.
     """
     every, times = forces[:, None], len(forces)
-    every = every if shear is None else np.concatenate([every, shear], axis=1)
+    if contact.components > 1:
+        rubbed = np.zeros((times, 2, contact.n_points)) if shear is None else shear
+        every = np.concatenate([every, rubbed], axis=1)
     energy = np.zeros(times)
     for name, points in contact.slices.items():
         law, weights = contact.laws[name], np.tile(contact.weights[points], times)
