@@ -119,8 +119,9 @@ def test_constants_are_those_of_the_start(tmp_path):
         wanted = np.array([theirs[i] for i in assembly.mesh.node_ids[rows].tolist()])
         scale = np.abs(wanted).max()
         np.testing.assert_allclose(solved(assembly)[rows, :3], wanted, rtol=0, atol=1e-6 * scale)
-    (tmp_path / "job.inp").write_text(text)
-    with pytest.raises(FormatError, match="depend on temperature"):
+    warmer = text.replace("*TEMPERATURE\nALL,90.0\n", "*TEMPERATURE\nALL,90.0\nTOP,20.0\n")
+    (tmp_path / "job.inp").write_text(warmer)
+    with pytest.raises(FormatError, match="temperature"):
         read_deck(tmp_path / "job.inp")
 
 

@@ -143,7 +143,7 @@ def test_results_keep_the_curves_of_every_method(results):
         np.testing.assert_allclose(reduced[mode].frequency, one.frequency, rtol=2e-3)
         np.testing.assert_allclose(reduced[mode].damping_ratio, one.damping_ratio, rtol=0.1)
         assert one.loop_load.shape == one.loop_modal.shape == (3, 13)
-        area = np.trapezoid(one.loop_load, one.loop_modal, axis=1)
+        area = -np.trapezoid(one.loop_modal, one.loop_load, axis=1)
         np.testing.assert_allclose(area, one.loop_area, rtol=1e-9, atol=1e-12)
 
 

@@ -21,7 +21,7 @@ class ExponentialClosure(Curve):
     """p = p₀ s (e^s − 1)/(e − 1) with s = 1 + c/c₀; zero where s < 0, and p₀ where surfaces meet.
 
     The softened contact of Abaqus (Theory Guide, "Small-sliding interaction between bodies"), in
-    which *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL gives c₀ and p₀. Beyond s = 7 its
+    which ``*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=EXPONENTIAL`` gives c₀ and p₀. Beyond s = 7 its
     tangent goes on.
 
     Attributes
