@@ -186,8 +186,9 @@ def test_quadrature_defaults_follow_the_law():
         interface(assembly, quadrature="nodal", order=3)
 
 
-def test_pairs_have_the_relative_displacements_that_their_points_feel():
-    flat, curved = interface(lap()), interface(lap(curvature=2e-3))
+@pytest.mark.parametrize("curvature", [2e-3, 1e-7])
+def test_pairs_have_the_relative_displacements_that_their_points_feel(curvature):
+    flat, curved = interface(lap()), interface(lap(curvature=curvature))
     assert flat.relative_operator.shape[0] == len(flat.pairs)
     # What is left out is felt by no point: gaps of any motion are those of all components.
     whole = times_normals(curved.point_shape, curved.normals) @ curved.motion_operator
@@ -195,6 +196,7 @@ def test_pairs_have_the_relative_displacements_that_their_points_feel():
     difference = abs(curved.gap_operator - whole)
     assert difference.max() < 1e-13  # round-off of normals that should be equal
     axes = curved.pair_axes @ curved.pair_axes.T
+    # Axes of normals that hardly differ are as orthogonal as any.
     np.testing.assert_allclose(axes.toarray(), np.eye(axes.shape[0]), rtol=0, atol=1e-14)
     # Axis-parallel: two entries per row, no rounding in the other directions.
     assert flat.relative_operator.nnz == 2 * len(flat.pairs)

@@ -77,7 +77,7 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
     order = used[np.argsort(entries.col[used], kind="stable")]
     pairs, first = np.unique(entries.col[order], return_index=True)
     counts = np.diff(first, append=len(order))
-    rest, axes = normals[entries.row[order]], []
+    rest, axes = normals[entries.row[order]], list[Matrix]()
     for _ in range(3):
         lengths = np.linalg.norm(rest, axis=1)
         longest = np.maximum.reduceat(lengths, first) if len(first) else lengths
@@ -86,6 +86,11 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
         chosen = near[np.searchsorted(near, first)]
         length = np.where(longest > AXIS, longest, np.inf)
         axis = rest[chosen] / length[:, None]
+        # What round-off of a short rest leaves along the axes before is taken out once more.
+        for before in axes:
+            axis = axis - np.einsum("kd,kd->k", axis, before)[:, None] * before
+        norm = np.linalg.norm(axis, axis=1, keepdims=True)
+        axis = axis / np.where(norm > 0, norm, 1.0)
         axes.append(axis)
         spread = np.repeat(axis, counts, axis=0)
         rest = rest - np.einsum("kd,kd->k", rest, spread)[:, None] * spread
