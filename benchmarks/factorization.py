@@ -5,7 +5,7 @@
     python benchmarks/factorization.py --joints        what compliances take (5 minutes)
     python benchmarks/factorization.py --joints 576k   of one joint, here of 576 k dofs (8 minutes)
 
-Prints the tables of docs/validation/factorization.md: medians of interleaved repetitions and their
+Prints the tables behind docs/performance.md: medians of interleaved repetitions and their
 ratios in one run; with --joints processor times, each joint in a process of its own, whose peak of
 memory is told.
 """

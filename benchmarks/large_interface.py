@@ -1,6 +1,6 @@
 """An interface of 20 000 contact points: time and memory, offline, one static case, 100 steps.
 
-Prints the table of docs/validation/large_interface.md. With --budget BYTES the dense matrices may
+Prints the table behind docs/performance.md. With --budget BYTES the dense matrices may
 take no more, so a small number compares compressed with dense.
 
     python benchmarks/large_interface.py --save dense.npz

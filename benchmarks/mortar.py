@@ -1,6 +1,6 @@
 """Time to couple two faces of n × n facets that do not match.
 
-Prints the table of docs/theory/non_matching.md.
+Prints the table behind docs/theory/non_matching.md.
 
     OMP_NUM_THREADS=1 python benchmarks/mortar.py 30 100 180
 """

@@ -4,7 +4,7 @@
     python benchmarks/stages.py --quick               10 k and 50 k dofs (two minutes)
     python benchmarks/stages.py --keep rows.json      the same, and goes on where it was stopped
 
-Prints the tables of docs/validation/performance.md and draws its figures. Every row is a process
+Prints the tables behind docs/performance.md and draws its figures. Every row is a process
 of its own (``stage_row.py``) on one thread, the largest on two; repeated rows give medians.
 """
 

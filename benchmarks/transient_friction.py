@@ -1,6 +1,6 @@
 """Reduced models against the full one in a step response with friction, and what a step costs.
 
-``python benchmarks/transient_friction.py`` prints the table of docs/theory/friction.md: the
+``python benchmarks/transient_friction.py`` prints the table behind docs/theory/friction.md: the
 reference cantilever of tests/data/README.md (c_n 1e6, c_t 8e5 N/mm³, μ = 0.2, 8 kN locked) under
 Fz −500 N, Mx 20 Nm and Fx 3 kN at once, 200 steps of implicit Euler of 1.55e-5 s. A minute.
 """

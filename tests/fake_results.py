@@ -4,8 +4,11 @@ import numpy as np
 
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.best_possible import BestPossible
+from faying.assessment.check import Check
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.choose_normal_modes import NormalModeChoice
+from faying.assessment.clamp_range import ClampRange
+from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
@@ -244,6 +247,59 @@ def _validation():
     )
 
 
+YIELD = Check(
+    part="bolt",
+    kind="bolt",
+    quantity="yield",
+    outcome="met",
+    utilisation=0.7,
+    value=448.0,
+    limit=640.0,
+    unit="MPa",
+    case="LC2-step",
+    instant=3e-4,
+)
+
+
+def _assessment():
+    """A bolt and the interface, which holds."""
+    clamp = {
+        "preload": 1e4, "least": 8e3, "least_case": "LC1", "certified_least": np.array([7990, 8e3]),
+        "most": 1.1e4, "most_case": "LC2-step", "certified_most": None,
+    }  # fmt: skip
+    bolt = BoltAssessment(
+        preload=1e4,
+        least=9962.25,
+        least_case="LC1",
+        most=1.5e4,
+        most_case="LC2-step",
+        axial_loads={"LC1": 500.0},
+        load_factors={"LC1": 0.1},
+        clamp_around={"joint": ClampRange(**clamp)},
+    )
+    joint = InterfaceAssessment(
+        preload=1e4,
+        least_clamp=8e3,
+        least_clamp_case="LC1",
+        certified=np.array([7990.0, 8e3]),
+        most_clamp=1.1e4,
+        most_clamp_case="LC2-step",
+        certified_most=None,
+        certified_width=10.0,
+        max_pressure=80.0,
+        max_pressure_case="LC2-step",
+        max_pressure_point=np.array([15.0, 5.0, 5.0]),
+        max_nodal_pressure=75.0,
+        max_nodal_pressure_case="LC2-step",
+        closed_area=300.0,
+        closed_area_case="LC1",
+        first_opening={"LC1": 0.5},
+        loss_of_clamp={"LC1": np.inf},
+        opening={"LC1": 2.5, "LC2/torsion": np.inf},
+    )
+    return Assessment(bolts={"bolt": bolt}, interfaces={"joint": joint}, checks=(YIELD,))
+
+
 def fake_results():
     """Two static cases and a step response of four methods."""
     lower, cells, _ = _bar(0.0)
@@ -299,6 +355,7 @@ def fake_results():
             )
         },
         factor_bytes=2_500_000,
+        assessment=_assessment(),
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
         omissions=("unseen loads, nmf: it met what <nobody> foresaw",),
     )

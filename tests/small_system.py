@@ -41,6 +41,10 @@ class SmallSystem:
         }
         object.__setattr__(self, "interfaces", origins | dict(self.interfaces))
 
+    @property
+    def rigid_motions(self):
+        return np.zeros((len(self.K), 0))
+
     @cached_property
     def port_compliance(self):
         dofs = boundary_dofs(self.boundaries)

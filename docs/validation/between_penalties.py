@@ -1,6 +1,6 @@
 """The seed's study at penalties between those of its table: where its two bounds hold together.
 
-``python docs/validation/between_penalties.py docs/validation/seed_table_between.md``
+``python docs/validation/between_penalties.py [OUT.md]``
 prints and writes the table (four minutes).
 """
 

@@ -1,6 +1,6 @@
 """LC2 on lap joints whose plates match and on some whose plates do not.
 
-Prints the table of docs/theory/non_matching.md.
+Prints a table of joints whose meshes do not match.
 
     OMP_NUM_THREADS=1 python docs/validation/non_matching.py
 """

@@ -3,6 +3,7 @@
 from faying.assessment.accuracy import Accuracy as Accuracy
 from faying.assessment.accuracy import compare as compare
 from faying.assessment.accuracy import relative_error as relative_error
+from faying.assessment.backbone_response import backbone_response as backbone_response
 from faying.assessment.best_possible import best_possible_errors as best_possible_errors
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes
@@ -11,6 +12,7 @@ from faying.assessment.decay import free_decay as free_decay
 from faying.assessment.energy import energy_balance as energy_balance
 from faying.assessment.frequencies import count_frequencies_below as count_frequencies_below
 from faying.assessment.frequencies import preloaded_frequencies as preloaded_frequencies
+from faying.assessment.frequency_response import frequency_response as frequency_response
 from faying.assessment.imported_recovery import (
     recover_from_boundary_loads as recover_from_boundary_loads,
 )
@@ -29,7 +31,7 @@ from faying.assessment.requirements import Requirements as Requirements
 from faying.assessment.ring_down import ring_down as ring_down
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve
-from faying.assessment.thread import Thread as Thread
+from faying.assessment.strength.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments
 from faying.contact.laws import ExponentialClosure as ExponentialClosure
@@ -39,6 +41,7 @@ from faying.contact.problem import contact_problem as contact_problem
 from faying.export.transient_stream import stream_transient as stream_transient
 from faying.joint.build import build_model as build_model
 from faying.joint.model import Model as Model
+from faying.joint.temperature import with_temperature as with_temperature
 from faying.joint.weak_springs import with_weak_springs as with_weak_springs
 from faying.linalg.factorization import factorize as factorize
 from faying.model.assembly import Material as Material
@@ -46,6 +49,7 @@ from faying.model.specs import BoltSpec as BoltSpec
 from faying.model.specs import BoundarySpec as BoundarySpec
 from faying.model.specs import InterfaceSpec as InterfaceSpec
 from faying.model.specs import Rayleigh as Rayleigh
+from faying.model.temperature import Temperature as Temperature
 from faying.reduction.attachment import attachment_modes as attachment_modes
 from faying.reduction.basis import Basis as Basis
 from faying.reduction.compliance import interface_compliance as interface_compliance
@@ -73,9 +77,12 @@ from faying.simulation.path import solve_path as solve_path
 from faying.simulation.preload import Sticking as Sticking
 from faying.simulation.preload import preload as preload
 from faying.simulation.preload import tighten as tighten
+from faying.simulation.preload_loss import PreloadLoss as PreloadLoss
 from faying.simulation.solution import Solution as Solution
 from faying.simulation.static import solve_static_cases as solve_static_cases
 from faying.simulation.static_case import solve_static as solve_static
+from faying.simulation.tightening_plan import TighteningPlan as TighteningPlan
+from faying.simulation.tightening_plan import tightening_plan as tightening_plan
 from faying.simulation.transient import solve_transient as solve_transient
 from faying.simulation.transient import solve_transient_cases as solve_transient_cases
 from faying.sources import from_matrices as from_matrices

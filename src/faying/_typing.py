@@ -27,6 +27,8 @@ import scipy.sparse as sp
 # version of NumPy.
 Vector = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[Any, ...], np.dtype[np.float64]]
+ComplexVector = np.ndarray[tuple[Any, ...], np.dtype[np.complex128]]
+ComplexMatrix = np.ndarray[tuple[Any, ...], np.dtype[np.complex128]]
 Indices = np.ndarray[tuple[Any, ...], np.dtype[np.int64]]
 Mask = np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]
 SparseMatrix: TypeAlias = sp.csr_array

@@ -35,7 +35,9 @@ def naming(subject: str) -> Iterator[None]:
         yield
     except ModelError as error:
         message = f"{subject}: {error}"
-        raise ModelError(message) from None
+        # Kinds that hold more than a message stay below it.
+        plain = type(error).__init__ is ModelError.__init__
+        raise (type(error) if plain else ModelError)(message) from None
     except ConvergenceError as error:
         message = f"{subject}: {error}"
         raise ConvergenceError(message) from None

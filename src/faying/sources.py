@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from faying.joint.model import Model
 from faying.model.assembly import Material
 from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription
+from faying.model.material import MaterialWishes, overridden
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.model.supports import with_supports
 
@@ -246,36 +247,6 @@ def from_matrices(
     )
 
 
-class MaterialWishes(Protocol):
-    """Constants a study gives to a material; None leaves what the source says."""
-
-    @property
-    def E(self) -> float | None:
-        """Young's modulus [force/length²]."""
-        ...
-
-    @property
-    def nu(self) -> float | None:
-        """Poisson's ratio."""
-        ...
-
-    @property
-    def rho(self) -> float | None:
-        """Density [mass/length³]."""
-        ...
-
-
-def overridden(material: Material, wishes: MaterialWishes) -> Material:
-    """Return a material with the constants that a study gives; E or nu make it isotropic."""
-    return replace(
-        material,
-        law=material.law if wishes.E is None and wishes.nu is None else None,
-        youngs_modulus=material.youngs_modulus if wishes.E is None else wishes.E,
-        poissons_ratio=material.poissons_ratio if wishes.nu is None else wishes.nu,
-        density=material.density if wishes.rho is None else wishes.rho,
-    )
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SourceKeys:
     """What a study says to its source: keys of [model], and materials by name."""
@@ -364,6 +335,7 @@ def _whole(name: str, wishes: MaterialWishes) -> Material:
         youngs_modulus=wishes.E or 0.0,
         poissons_ratio=wishes.nu or 0.0,
         density=wishes.rho or 0.0,
+        expansion=wishes.alpha,
     )
 
 

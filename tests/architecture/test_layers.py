@@ -25,6 +25,7 @@ def test_every_folder_has_its_place():
     assert {package(path) for path in MODULES} == set(ORDER)
 
 
+@pytest.mark.long
 def test_files_import_each_other_in_one_order():
     """Not even inside functions may two files, of one folder or of several, need each other."""
     graph = {
@@ -65,6 +66,7 @@ def test_modules_say_what_they_are_for(path):
     assert ast.get_docstring(ast.parse((ROOT / path).read_text(encoding="utf-8")))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "path", [p for p in MODULES if ">>>" in (ROOT / p).read_text(encoding="utf-8")]
 )

@@ -10,7 +10,14 @@ from typing import Any
 from pages import DOCS
 from pydantic import BaseModel
 
-from faying.study import model_tables, requirement_tables, tables
+from faying.study import (
+    measurement_table,
+    model_tables,
+    output_tables,
+    requirement_tables,
+    tables,
+    topographies,
+)
 from faying.study.editor_schema import EDITOR_SCHEMA
 
 SECTIONS: dict[str, type[BaseModel]] = {
@@ -20,22 +27,28 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[model.files]": model_tables.MatrixFiles,
     "[model.sets]": model_tables.NamedSet,
     "[material.NAME]": model_tables.MaterialSection,
+    "[temperature.NAME]": model_tables.TemperatureSection,
     "[[interface]]": model_tables.InterfaceSection,
+    "[[interface]] topography": topographies.TopographySection,
     "[[bolt]]": model_tables.BoltSection,
+    "[[bolt]] strength": model_tables.StrengthSection,
     "[[bolt]] thread": model_tables.ThreadSection,
     "[[boundary]]": model_tables.BoundarySection,
     "[[support]]": model_tables.SupportSection,
+    "[[mass]]": model_tables.MassSection,
+    "[[measurement]]": measurement_table.MeasurementSection,
     "[sticking]": model_tables.StickingSection,
     "[damping]": model_tables.DampingSection,
     "[reduction]": tables.ReductionSection,
     "[reduction.training]": tables.TrainingSection,
     "[reduction.training] box": tables.BoxSide,
-    "[validation]": tables.ValidationSection,
+    "[validation]": output_tables.ValidationSection,
     "[requirement]": requirement_tables.RequirementSection,
+    "[requirement.margins]": requirement_tables.MarginsSection,
     "[requirement] closed_ring": requirement_tables.RingSection,
     "[[load_case]]": tables.LoadCaseSection,
     "[[load_case]] forces": tables.ForceSection,
-    "[output]": tables.OutputSection,
+    "[output]": output_tables.OutputSection,
 }
 """Heading of docs/study-file.md to the table it lists."""
 

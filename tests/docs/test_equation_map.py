@@ -16,7 +16,13 @@ ROWS = re.findall(r"^\| \((15\.\d+|[A-Z]\d+)\) \| .* \| (\S+) \| (\S+) \|$", TEX
 NAMED = [(number, name.strip("`"), test.strip("`")) for number, name, test in ROWS if name != "—"]
 
 
-OWN = {"M": "method", "R": "recovery", "C": "certificate", "F": "friction"}
+OWN = {
+    "M": "method",
+    "R": "recovery",
+    "C": "certificate",
+    "F": "friction",
+    "T": "bolts_and_sticking",
+}
 """Letter of our own equation numbers to the page that they are of."""
 
 CITED_OWN = re.compile(rf"\(([{''.join(OWN)}]\d+)\)")

@@ -25,6 +25,7 @@ def bases(joint, classic, training):
     }
 
 
+@pytest.mark.long
 def test_identity_basis_is_the_full_model(joint):
     boundary, inner = joint.structure.boundary, joint.structure.interior
     identity = np.eye(joint.structure.n_dof)[:, np.r_[boundary, inner]]

@@ -1,4 +1,4 @@
-"""docs/how-to/save_a_reduced_model.md lists what a file of a reduced model holds."""
+"""docs/how-to/solve_many_loads.md lists what a file of a reduced model holds."""
 
 import re
 
@@ -7,7 +7,7 @@ from pages import DOCS
 from faying.contact.laws import LAWS
 from faying.reduction.model_fields import OWN_COORDINATES, OWN_PORTS, OWN_ROOT
 
-TEXT = (DOCS / "how-to" / "save_a_reduced_model.md").read_text(encoding="utf-8")
+TEXT = (DOCS / "how-to" / "solve_many_loads.md").read_text(encoding="utf-8")
 ROWS = dict(re.findall(r"^\| `(/[^|]*)` \| (.*) \|$", TEXT, re.MULTILINE))
 
 

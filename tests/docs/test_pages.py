@@ -88,6 +88,7 @@ def run_shell(block: Block, page: Path, folder: Path) -> None:
             faying(arguments, folder)
 
 
+@pytest.mark.long
 @named
 def test_code_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

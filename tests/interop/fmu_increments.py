@@ -7,6 +7,7 @@ import scipy.sparse as sp
 
 from faying.contact.frictional import SOLVED
 from faying.contact.increment import Increment
+from faying.contact.increment_solver import displaced
 from faying.exceptions import ConvergenceError
 
 
@@ -41,7 +42,7 @@ class IncrementsInC:
         if not left <= SOLVED:
             message = f"an increment with friction was not solved (residual {left:.1e})"
             raise ConvergenceError(message)
-        moved = self.plain.moved(free, x)
+        moved = displaced(self.plain, free, x)
         return Increment(forces=x, slack=slack, moved=moved, iterations=1, residual=left)
 
     def close(self):

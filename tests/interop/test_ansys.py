@@ -52,6 +52,7 @@ def test_archive(archive):
     assert mass_properties(archive).mass == pytest.approx(2700.0 * volume, rel=1e-12)
 
 
+@pytest.mark.long
 def test_tetrahedra():
     found = read_archive(Path(examples.tetarchivefile), materials={"default": STEEL})
     assert {block.kind for block in found.mesh.blocks} == {"tet4"}  # SOLID187 without mid-sides
@@ -124,6 +125,7 @@ def contacts(path, behaviour):
     return path
 
 
+@pytest.mark.long
 def test_what_is_not_read_is_told_with_what_to_do(tmp_path):
     found = read_archive(contacts(tmp_path / "a.cdb", 0), materials={})
     (block,) = found.mesh.blocks
@@ -147,6 +149,7 @@ def test_what_is_not_read_is_told_with_what_to_do(tmp_path):
     assert "bonded (KEYOPT(12) = 5)" in bonded
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -176,6 +179,7 @@ def test_damaged_commands_are_read_or_passed_over(tmp_path):
         assert all(isinstance(n, int) for options in found.options.values() for n in options)
 
 
+@pytest.mark.long
 def test_pyramids_and_removed_mid_side_nodes(tmp_path):
     """SOLID186 folded to a pyramid: the apex stands for the top and its sides."""
     places = SOLIDS["pyramid13"].reference_nodes
@@ -222,11 +226,13 @@ def test_c_is_not_in_the_file():
         read_full(Path(examples.fullfile), "C")
 
 
+@pytest.mark.long
 def test_materials_must_be_given():
     with pytest.raises(FormatError, match=r'add \[material."material 1"\]'):
         read_archive(Path(examples.tetarchivefile), materials={})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["full", "cdb"])
 def test_damaged_files_end_in_one_message(name, tmp_path):
     """A few only: every one starts a process."""

@@ -268,6 +268,7 @@ def in_one_increment(text, control, shortening):
     )
 
 
+@pytest.mark.long
 def test_single_increment_agrees_to_the_digits_printed(both, binary, tmp_path):
     """With no step before it CalculiX solves the same small-displacement problem."""
     _, text, preloaded, solution, _ = both
@@ -317,6 +318,7 @@ def test_initial_interference(binary, data, tmp_path):
     check(fy.solve_static(tightened), theirs, 1, PRINTED)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("element", ["standard", "incompatible"])
 def test_pressure_and_force_of_a_step_as_one_load(element, binary, data, tmp_path):
     """*DLOAD on the top and *CLOAD at the tip, with contact; the step is a load of the model."""

@@ -181,6 +181,7 @@ def test_workers_give_what_this_process_gives(alone, tmp_path):
         same(here[name], alone[name], OTHER_PROCESS)
 
 
+@pytest.mark.long
 def test_results_are_those_of_one_process_though_a_worker_is_killed(executor, alone, tmp_path):
     mark = tmp_path / "mark"
     mark.touch()
@@ -192,6 +193,7 @@ def test_results_are_those_of_one_process_though_a_worker_is_killed(executor, al
         same(found[name], alone[name])
 
 
+@pytest.mark.long
 def test_a_worker_prepares_once_and_tiny_tasks_are_all_done(any_executor, tmp_path):
     tasks = {f"task {n}": n for n in range(300)}
     found = run_campaign(
@@ -203,6 +205,7 @@ def test_a_worker_prepares_once_and_tiny_tasks_are_all_done(any_executor, tmp_pa
     assert len(lines) - lines.count("prepared") == 300
 
 
+@pytest.mark.long
 def test_a_stopped_campaign_goes_on_where_it_was(any_executor, tmp_path):
     tasks = {f"task {n}": n for n in range(20)}
     prepare = partial(campaign_tasks.square, tmp_path / "log")
@@ -247,11 +250,13 @@ def test_errors_of_tasks_name_them_and_the_others_are_kept(any_executor, tmp_pat
             run_campaign(campaign_tasks.mixed, {"only": task})
 
 
+@pytest.mark.long
 def test_an_error_of_the_preparation_ends_the_campaign(any_executor):
     with pytest.raises(ModelError, match=r"^the model has no mass$"):
         run_campaign(campaign_tasks.unprepared, {"a": 1, "b": 2}, any_executor)
 
 
+@pytest.mark.long
 def test_a_task_that_kills_its_workers_is_named_and_the_others_are_kept(executor, tmp_path):
     late = not isinstance(executor, ProcessExecutor)
     tasks = {"a": "fine", "b": "die late" if late else "die", "c": "good"}
@@ -260,12 +265,14 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_kept(executor
     assert len(list(tmp_path.iterdir())) == 2
 
 
+@pytest.mark.long
 def test_executors_alone_raise_what_tasks_raise():
     assert dict(ProcessExecutor(2).map(campaign_tasks.mixed, [])) == {}
     with pytest.raises(ModelError, match="no boundary 'top'"):
         list(ProcessExecutor(2).map(campaign_tasks.mixed, ["fine", "model"]))
 
 
+@pytest.mark.long
 def test_workers_that_die_while_preparing_are_not_replaced_for_ever():
     with pytest.raises(CampaignError, match="3 worker processes died before they were ready"):
         run_campaign(campaign_tasks.deadly, {"a": 1, "b": 2}, ProcessExecutor(1))
@@ -321,6 +328,7 @@ def side_by_side(tmp_path_factory):
     return campaign(tmp_path_factory.mktemp("together") / "mark", ProcessExecutor(1))
 
 
+@pytest.mark.long
 def test_groups_give_the_same_numbers_though_a_worker_is_killed(executor, side_by_side, tmp_path):
     mark, seen = tmp_path / "mark", []
     mark.touch()
@@ -341,6 +349,7 @@ def test_side_by_side_and_one_by_one_differ_by_round_off(alone, side_by_side):
             np.testing.assert_allclose(side_by_side[name][array], expected, rtol=0, atol=atol)
 
 
+@pytest.mark.long
 def test_what_is_missing_of_a_group_comes_out_the_same(executor, side_by_side, tmp_path):
     mark, kept = tmp_path / "mark", tmp_path / "kept"
     campaign(mark, ProcessExecutor(1), keep=kept)
@@ -356,6 +365,7 @@ def test_what_is_missing_of_a_group_comes_out_the_same(executor, side_by_side, t
     assert {name for name in before if after[name] != before[name]} <= set(gone)
 
 
+@pytest.mark.long
 def test_the_company_of_a_task_is_the_same_after_a_stop(any_executor, tmp_path):
     tasks = {f"task {n}": n for n in range(7)}
     groups = grouped(tasks, 3)
@@ -384,6 +394,7 @@ def test_the_company_of_a_task_is_the_same_after_a_stop(any_executor, tmp_path):
         assert {name: int(again[name]["own"]) for name in tasks} == tasks
 
 
+@pytest.mark.long
 def test_errors_in_a_group_name_their_task_and_the_others_are_kept(any_executor, tmp_path):
     tasks = {"a": "fine", "b": "model", "c": "fine too", "d": "good", "e": "bug"}
     with pytest.raises(ModelError, match=r"^task 'b': there is no boundary 'top'; 1 more .* 'e'$"):
@@ -393,6 +404,7 @@ def test_errors_in_a_group_name_their_task_and_the_others_are_kept(any_executor,
     assert len(list(tmp_path.iterdir())) == 3
 
 
+@pytest.mark.long
 def test_a_group_that_kills_its_workers_is_named():
     with pytest.raises(CampaignError, match=r"^task 'a': .* fewer than 2 .*side; 1 more .* 'b'$"):
         run_grouped_campaign(
@@ -418,6 +430,7 @@ def test_groups_that_make_no_sense_are_refused():
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
+@pytest.mark.long
 def test_preload_campaign_is_the_same_whoever_computes_it(monkeypatch):
     monkeypatch.syspath_prepend(EXAMPLES)
     example = importlib.import_module("preload_campaign")
@@ -470,6 +483,7 @@ def numbers(path):
     return found
 
 
+@pytest.mark.long
 def test_a_study_has_the_same_results_whoever_computes_it(executor, study, one_worker, tmp_path):
     assert run(study, tmp_path, executor=executor).converged
     found = numbers(tmp_path / "results.h5")
@@ -477,6 +491,7 @@ def test_a_study_has_the_same_results_whoever_computes_it(executor, study, one_w
     same(found, one_worker)
 
 
+@pytest.mark.long
 def test_a_study_has_the_results_of_workers_in_this_process(study, one_worker, tmp_path):
     assert run(study, tmp_path).converged
     same(numbers(tmp_path / "results.h5"), one_worker, OF_A_BASIS)
@@ -493,6 +508,7 @@ def test_pieces_are_the_transients_of_the_full_model(study):
     ]
 
 
+@pytest.mark.long
 def test_an_interrupted_study_resumes_with_what_workers_have_finished(study, tmp_path):
     class Stopping(SerialExecutor):
         def map(self, prepare, tasks):
@@ -529,6 +545,7 @@ def call(monkeypatch, capsys, *arguments):
     return ended.value.code or 0, capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_a_scheduler_file_is_enough(monkeypatch, capsys, cluster, study, one_worker, tmp_path):
     file = tmp_path / "scheduler.json"
     # Of a scheduler's file only the address counts. distributed's own writer is no help in a test:

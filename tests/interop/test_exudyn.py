@@ -263,6 +263,7 @@ def test_inertia_terms_are_those_exudyn_computes(joint, given, module):
     np.testing.assert_allclose(stored["inertia"], reference.inertiaLocal, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.long
 def test_swinging_arm():
     """Small version of the example: 5 mm bricks, 10 normal modes, one period and a quarter."""
     arm = swing.arm(element_size=5.0, normal_modes=10)

@@ -84,6 +84,7 @@ def strictly_compiled(place, target, *options, source="fmi2.c"):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("version", [2, 3])
 def test_sources_compile_without_warnings(unzipped, tmp_path, version):
     source = f"{unzipped[version]}/sources/fmi{version}.c"
@@ -110,6 +111,7 @@ def rubbing(tmp_path_factory):
     return fmpy.extract(str(written(rom, folder / "joint.fmu")[0]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tool", ["sanitizers", "valgrind"])
 def test_memory_is_sound(unzipped, rubbing, tmp_path, tool):
     driver = tmp_path / "driver"
@@ -156,6 +158,7 @@ def rebuilt(unzipped, folder, *options):
     return place
 
 
+@pytest.mark.long
 def test_pairs_give_what_points_give(given, unzipped, tmp_path):
     """The way for interfaces of a thousand points and more, here on a small one."""
     place = rebuilt(unzipped[2], tmp_path, "-DMANY_POINTS=1")
@@ -201,6 +204,7 @@ def test_without_compiler_it_has_sources_only(given, tmp_path, monkeypatch, capl
         assert "sources/motion.c" in names
 
 
+@pytest.mark.long
 def test_equal_joints_give_equal_files(given, files, tmp_path, only_fmi2):
     again = fmu_export.write(given, tmp_path / "joint.fmu")
     assert again[0].read_bytes() == files[0].read_bytes()

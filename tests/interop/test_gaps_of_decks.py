@@ -61,6 +61,7 @@ def mean_height(stack, number, upper, motion):
     return float(np.mean([motion[node][2] for node in chosen.tolist()]))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stack", [MATCHING, OTHER], ids=["matching", "other"])
 def test_gaps_close_under_load(stack, tmp_path):
     model = compare(stack, tmp_path, stack.gaps)
@@ -75,6 +76,7 @@ def test_one_gap_and_one_overlap(tmp_path):
     compare(Stack(counts=((24, 2, 2),) * 3, penalty=1e3, gaps=(0.1, -0.01)), tmp_path, (0.1, -0.01))
 
 
+@pytest.mark.long
 def test_adjust_closes_gaps(tmp_path):
     """CalculiX moves the slave nodes, which makes the beams 0.01 higher and 0.7 % stiffer there.
 
@@ -109,6 +111,7 @@ MSC = "".join(f"BCBODY1,{10 * i},,3D,DEFORM,{i}\n" for i in range(1, 5)) + (
 )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("contact", "cards"), [("BCSET = 5", SIMCENTER), ("BCONTACT = 9", MSC)], ids=["NX", "MSC"]
 )

@@ -87,6 +87,7 @@ def mass_of_eight_points(assembly):
     return np.kron(mass, translations)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("family", FAMILIES)
 def test_matrices_of_each_family(family, binary, tmp_path):
     chosen, options = FAMILIES[family]
@@ -104,6 +105,7 @@ def test_matrices_of_each_family(family, binary, tmp_path):
     assert largest_difference(theirs.matrices["MGG"], mass_of_eight_points(assembly)[place]) < SAME
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shape", ["hex20", "wedge6", "tet4"])
 def test_matrices_of_other_solids(shape, binary, tmp_path):
     """Quadratic bricks and wedges; mystran takes the mass of a tetrahedron at one point."""
@@ -146,6 +148,7 @@ def test_cantilever(options, binary, tmp_path):
     np.testing.assert_allclose(theirs.frequencies, np.sqrt(squares) / (2 * np.pi), rtol=5e-7)
 
 
+@pytest.mark.long
 def test_mass_of_a_beam_is_lumped_there(binary, tmp_path):
     """A CBAR's mass goes to its ends in halves, without rotary inertia; ours is consistent."""
     assembly = small_joint()

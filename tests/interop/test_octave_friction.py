@@ -77,6 +77,7 @@ def written(rom: fy.ReducedModel, folder: Path) -> str:
     return SCRIPT.format(loads=loads, count=COUNT, step=STEP)
 
 
+@pytest.mark.long
 def test_paths_steps_and_recovery(
     program: str, model: fy.Model, rom: fy.ReducedModel, tmp_path: Path
 ) -> None:

@@ -15,9 +15,9 @@ from matplotlib.image import imread
 from programs import MissingProgramError, or_skip
 
 from fake_results import fake_results
+from faying.report.errors import error_table
 from faying.report.figures.entry import FigureEntry
-from faying.report.html import render
-from faying.report.tables import error_table
+from faying.report.html import render, render_methods, write_report
 from faying.study.interface_surface import nodal_average
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -64,9 +64,10 @@ def address(results, tmp_path_factory):
     picture = folder / "figures" / "model.png"
     picture.parent.mkdir()
     picture.write_bytes(small_png())
-    entry = FigureEntry(path=picture, title="Model", caption="", section="model", wide=False)
+    entry = FigureEntry(path=picture, title="Model", caption="", section="model", stem="model")
     path = folder / "report.html"
     path.write_text(render(results, [entry], folder), encoding="utf-8")
+    (folder / "methods.html").write_text(render_methods(results, [], folder), encoding="utf-8")
     return path.as_uri()
 
 
@@ -152,6 +153,7 @@ def test_view_draws_bodies_and_colours(visit):
     assert size[0] <= size[1]
 
 
+@pytest.mark.long
 def test_slider_moves_through_time_and_the_bolt_force_follows(visit, results):
     visit.choose("case", "LC2-step (step)")
     slider = visit.part("frame")
@@ -288,29 +290,35 @@ def test_map_zooms_and_says_what_is_under_the_pointer(visit):
     assert canvas.evaluate(PICTURE) == before
 
 
-def test_tables_are_sorted_and_taken_along(visit, results):
+@pytest.mark.long
+def test_tables_are_sorted_and_taken_along(browser, address, results):
+    """As csv they have numbers, with units in the heads."""
     wanted = error_table(results.cases["LC1"])
-    if visit.page.viewport_size["width"] == max(WIDTHS):  # cards of a phone have no heads
-        section = visit.page.locator("h3#case-LC1 ~ .scroll").first
-        column = wanted.columns.index("max error")
-        head = section.locator(f"thead th:nth-child({column + 1})")
-        cells = section.locator(f"tbody tr td:nth-child({column + 1})")
+    page = browser.new_page(viewport={"width": max(WIDTHS), "height": 900})
+    page.set_default_timeout(PATIENCE)
+    page.goto(address.replace("report.html", "methods.html"))
+    table = page.locator("h3:text-is('LC1') ~ .scroll").first
+    column = wanted.columns.index("max error [%]")
+    head = table.locator(f"thead th:nth-child({column + 1})")
+    cells = table.locator(f"tbody tr td:nth-child({column + 1})")
 
-        def values():
-            return [float(re.search(r"\d[\d.e-]*", text)[0]) for text in cells.all_text_contents()]
+    def values():
+        return [float(cell.get_attribute("data-value")) for cell in cells.all()]
 
-        head.get_by_role("button").click()
-        assert head.get_attribute("aria-sort") == "ascending"
-        assert values() == sorted(values())
-        head.get_by_role("button").click()
-        assert values() == sorted(values(), reverse=True)
-    with visit.page.expect_download() as download:
-        visit.page.locator("h3#case-LC1 ~ button.csv").first.click()
+    head.get_by_role("button").click()
+    assert head.get_attribute("aria-sort") == "ascending"
+    assert values() == sorted(values())
+    head.get_by_role("button").click()
+    assert values() == sorted(values(), reverse=True)
+    with page.expect_download() as download:
+        page.locator("h3:text-is('LC1') ~ button.csv").first.click()
     text = download.value.path().read_text(encoding="utf-8-sig")
     rows = list(csv.reader(io.StringIO(text)))
-    assert rows[0] == list(wanted.columns)
-    texts = [[cell.text for cell in row] for row in wanted.rows]
-    assert sorted(rows[1:]) == sorted(texts)
+    assert rows[0] == list(wanted.names)
+    for row in rows[1:]:
+        (same,) = (one for one in wanted.rows if one[0].text == row[0])
+        assert [float(text) for text in row[1:]] == [cell.value for cell in same[1:]]
+    page.close()
 
 
 def test_nothing_was_said_or_fetched(visit):
@@ -319,6 +327,7 @@ def test_nothing_was_said_or_fetched(visit):
     assert all(url.startswith(("file:", "blob:")) for url in visit.asked)
 
 
+@pytest.mark.long
 def test_print_shows_the_picture_instead(browser, address):
     opened = Visit(browser, address)
     still = opened.page.locator(".still")
@@ -329,6 +338,7 @@ def test_print_shows_the_picture_instead(browser, address):
     opened.page.close()
 
 
+@pytest.mark.long
 def test_dark_scheme_changes_paper_and_ink(browser, address):
     opened = Visit(browser, address, color_scheme="dark")
     colours = opened.page.evaluate(
@@ -339,6 +349,7 @@ def test_dark_scheme_changes_paper_and_ink(browser, address):
     opened.page.close()
 
 
+@pytest.mark.long
 def test_without_webgl_maps_and_picture_stay(browser, address):
     none = """
     const real = HTMLCanvasElement.prototype.getContext;
@@ -357,6 +368,7 @@ def test_without_webgl_maps_and_picture_stay(browser, address):
     opened.page.close()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("width", WIDTHS)
 def test_labels_of_bolts_do_not_hide_one_another(browser, results, tmp_path, width):
     one = results.bolts["bolt"]
@@ -382,6 +394,7 @@ def test_labels_of_bolts_do_not_hide_one_another(browser, results, tmp_path, wid
     opened.page.close()
 
 
+@pytest.mark.long
 def test_interfaces_at_rest_alone_are_shown_too(browser, results, tmp_path):
     """Without load cases and bolts there is still the joint as it is."""
     page = tmp_path / "report.html"
@@ -389,5 +402,63 @@ def test_interfaces_at_rest_alone_are_shown_too(browser, results, tmp_path):
     page.write_text(render(quiet, [], tmp_path), encoding="utf-8")
     opened = Visit(browser, page.as_uri())
     assert opened.part("case").inner_text() == "preload (bolts tightened, no load)"
+    assert opened.said == []
+    opened.page.close()
+
+
+def two_interfaces(results):
+    """The same joint with its interface twice: fields side by side."""
+    joint = results.interfaces["joint"]
+    n, found = len(joint.weights), results.assessment
+
+    def twice(response):
+        fields = {
+            name: np.concatenate([getattr(response, name)] * 2, axis=-1)
+            for name in ("pressure", "gap")
+        }
+        sums = {
+            name: {one: getattr(response, name)["joint"] for one in ("low", "up")}
+            for name in ("contact_forces", "open_fraction")
+        }
+        return replace(response, recovered_pressure=None, **fields, **sums)
+
+    cases = {
+        name: replace(
+            case,
+            reference=twice(case.reference),
+            half_step=case.half_step and twice(case.half_step),
+            methods={
+                method: {n: replace(one, response=twice(one.response)) for n, one in sizes.items()}
+                for method, sizes in case.methods.items()
+            },
+        )
+        for name, case in results.cases.items()
+    }
+    return replace(
+        results,
+        cases=cases,
+        interfaces={"low": joint, "up": replace(joint, slice=(n, 2 * n))},
+        assessment=replace(
+            found,
+            interfaces=dict.fromkeys(("low", "up"), found.interfaces["joint"]),
+            bolts={"bolt": replace(found.bolts["bolt"], clamp_around={})},
+        ),
+    )
+
+
+@pytest.mark.long
+def test_three_cases_and_two_interfaces_take_few_screens(browser, results, tmp_path):
+    """Seconds, for pictures are as large as in use: what is measured is what they take."""
+    path = write_report(two_interfaces(results), tmp_path)
+    opened = Visit(browser, path.as_uri(), viewport={"width": 1280, "height": 800})
+    height = opened.page.evaluate("document.documentElement.scrollHeight")
+    assert height <= 8 * 800
+    for name in ("#joint", "#view [data-part=stage]"):
+        box = opened.page.locator(name).bounding_box()
+        assert box["y"] + box["height"] <= 800, name
+    printed = opened.page.pdf(format="A4")
+    assert len(re.findall(rb"/Type\s*/Page[^s]", printed)) <= 5
+    opened.page.set_viewport_size({"width": 390, "height": 844})
+    assert opened.page.evaluate("document.documentElement.scrollWidth") == 390
     assert opened.said == []
     opened.page.close()

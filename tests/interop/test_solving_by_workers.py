@@ -97,6 +97,7 @@ def same(found, expected):
         assert np.abs(numbers[0] - numbers[1]).max() <= OTHER_PROCESS * scale, key
 
 
+@pytest.mark.long
 def test_processes_give_what_this_process_gives(rom, loads, alone, tmp_path):
     seen = []
 

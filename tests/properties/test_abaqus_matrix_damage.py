@@ -18,6 +18,7 @@ TEXTS = {
 ALPHABET = "0123456789+-.,*eEdD \nx%\t\0"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("suffix", TEXTS)
 @given(data=st.data())
 @QUICK
@@ -63,6 +64,7 @@ def numbers(text):
             yield float(fields[-1])
 
 
+@pytest.mark.long
 @given(values=st.lists(st.floats(-1e300, 1e300), min_size=3, max_size=3))
 @QUICK
 def test_values_survive(tmp_path, values):

@@ -68,6 +68,7 @@ def damaged(draw):
     return text
 
 
+@pytest.mark.long
 @given(text=damaged())
 @QUICK
 def test_damage_is_refused_with_its_place_or_read(tmp_path, text):
@@ -111,6 +112,7 @@ def intact(tmp_path_factory):
     return numbers_of(read(tmp_path_factory.mktemp("intact"), DECK))
 
 
+@pytest.mark.long
 @given(place=st.sampled_from(PLACES), factor=st.floats(0.3, 3.0))
 @QUICK
 def test_a_changed_number_is_read_as_changed_or_refused(tmp_path, intact, place, factor):
@@ -127,6 +129,7 @@ def test_a_changed_number_is_read_as_changed_or_refused(tmp_path, intact, place,
     assert found.shape != intact.shape or (found != intact).any()
 
 
+@pytest.mark.long
 @given(place=st.sampled_from(PLACES), position=st.integers(0, 8), letter=st.sampled_from("OlIx_;:"))
 @QUICK
 def test_letters_inside_numbers_are_refused(tmp_path, place, position, letter):

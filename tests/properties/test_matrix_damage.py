@@ -85,6 +85,7 @@ PARTS = {
 }
 
 
+@pytest.mark.long
 @settings(max_examples=100)
 @given(data=st.data())
 @pytest.mark.parametrize("kind", PARTS)

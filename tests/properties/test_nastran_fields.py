@@ -93,6 +93,7 @@ def test_the_unbroken_deck_reads(deck: bytes, tmp_path) -> None:
     assert len(read_deck(tmp_path / "a.bdf").equations) == 2
 
 
+@pytest.mark.long
 @settings(
     max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

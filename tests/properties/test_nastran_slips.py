@@ -40,6 +40,7 @@ def test_the_unbroken_deck_reads(tmp_path: Path) -> None:
     assert [joint.preloads for joint in joints] == [{"bolt-1": 10000.0}, {}, {}, {}]
 
 
+@pytest.mark.long
 @fuzzed
 @given(seed=st.integers(0, 2**32 - 1))
 def test_mutated_decks_raise_only_faying_errors(tmp_path: Path, seed: int) -> None:
@@ -88,6 +89,7 @@ def numeric_fields() -> list[tuple[int, int]]:
 SLIPS = ("1O", "1.0-", "1.2.3", "1 2", "--1", "0x1", "1.E", "NAN", "1_0", "l.")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bad", SLIPS)
 def test_no_malformed_number_is_read_as_another(tmp_path: Path, bad: str) -> None:
     """Each number of the deck in turn, by one kind of slip."""
@@ -101,6 +103,7 @@ def test_no_malformed_number_is_read_as_another(tmp_path: Path, bad: str) -> Non
         assert any(refused(path, number) for number in SUBCASES), (lines[i], k)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bad", SLIPS)
 def test_no_malformed_number_is_read_as_another_with_all_elements(tmp_path: Path, bad: str) -> None:
     lines = HEAVY.splitlines()
@@ -141,6 +144,7 @@ def plain(text: str) -> float | None:
     return float(match[1] + "E" + (match[2] or "0"))
 
 
+@pytest.mark.long
 @fuzzed
 @given(
     place=st.integers(24, 47),
@@ -212,6 +216,7 @@ def same(one, other) -> bool:
     return bool(one == other)
 
 
+@pytest.mark.long
 @fuzzed
 @given(seed=st.integers(0, 2**32 - 1), subcase=st.sampled_from(SUBCASES))
 def test_the_form_of_the_fields_does_not_matter(tmp_path: Path, seed: int, subcase: int) -> None:

@@ -87,6 +87,7 @@ def test_sound_files(folder: Path, files: dict[str, bytes], kind: str) -> None:
     np.testing.assert_array_equal(read(folder, kind, files[kind]), wanted)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS[:-1])
 def test_cut_files_are_refused(folder: Path, files: dict[str, bytes], kind: str) -> None:
     content = files[kind]
@@ -96,6 +97,7 @@ def test_cut_files_are_refused(folder: Path, files: dict[str, bytes], kind: str)
             read(folder, kind, content[:end])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", KINDS[:-1])
 def test_lost_characters_change_nothing_or_are_refused(
     folder: Path, files: dict[str, bytes], kind: str
@@ -143,6 +145,7 @@ def test_a_changed_digit_is_read_as_it_stands(
     assert changed > 10
 
 
+@pytest.mark.long
 @settings(
     max_examples=300,
     deadline=None,
@@ -183,6 +186,7 @@ def read_mutated(folder: Path, kind: str, content: bytes) -> np.ndarray:
     return read_matrix(path, "K").matrix.data
 
 
+@pytest.mark.long
 @settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.binary(max_size=200), st.sampled_from(["op4", "dmig"]))
 def test_noise(folder: Path, content: bytes, suffix: str) -> None:

@@ -40,6 +40,7 @@ def test_modes_are_orthonormal_in_the_inner_product(drawn, count):
     assert (np.diff(modes.singular_values) <= 0).all()
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(weighted(), st.integers(1, 12))
 def test_missed_energy_is_what_is_discarded(drawn, count):

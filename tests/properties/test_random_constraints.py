@@ -1,6 +1,7 @@
 """Whatever the constraints, T satisfies all of them and is the identity on the free rows."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -76,6 +77,7 @@ def residuals(assembly, u):
     return np.concatenate([part.ravel() for part in found])
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_every_free_motion_satisfies_every_constraint(seed):
@@ -89,6 +91,7 @@ def test_every_free_motion_satisfies_every_constraint(seed):
     assert set(keep.tolist()) <= set(dofs.free.tolist())
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_number_of_free_dofs_is_all_minus_independent_equations(seed):

@@ -1,6 +1,7 @@
 """Properties of the condensed contact problem that hold for every flexibility and gap."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -26,6 +27,7 @@ def tolerance(H, gap, forces):
     return 1e-9 * (1 + np.abs(gap).max(initial=0) + np.abs(H).sum() * forces.max(initial=0))
 
 
+@pytest.mark.long
 @settings(max_examples=200, deadline=None)
 @given(problems())
 def test_forces_and_slack_are_complementary(drawn):

@@ -14,6 +14,7 @@ def joints():
     return Joints()
 
 
+@pytest.mark.long
 @settings(max_examples=12, deadline=None)
 @given(index=st.integers(0, 10**6))
 def test_increments_are_solved_or_refused_with_the_reason(joints, index):
@@ -29,6 +30,7 @@ def test_increments_are_solved_or_refused_with_the_reason(joints, index):
             assert one.residual <= 2 * SOLVED
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("index", [0, 1, 23, 57, 95, 229])
 def test_paths_that_newton_steps_alone_do_not_solve(joints, index):
     """Rank-deficient and stiff: points that yield at first, or bounds renewed, lead to the end.

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
@@ -80,6 +81,7 @@ def lattice(random, n):
     return corners
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(seeds, angles)
 def test_shared_sides_are_cut_by_no_rounding(seed, angle):
@@ -100,6 +102,7 @@ def overlap(below, above, angle, offset):
     return common_area(rectangle, turned(angle, 0.8, offset)(flat)[:, :2])
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(kinds, kinds, counts, counts, angles, offsets, rules, seeds)
 def test_area_balance_and_linear_motions(

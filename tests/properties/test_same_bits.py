@@ -187,6 +187,7 @@ def small(tmp_path_factory) -> dict[str, Path]:
     return {name: folder / f"{name}.toml" for name in texts}
 
 
+@pytest.mark.long
 def test_a_study_gives_the_same_bits_after_any_other(small, tmp_path):
     # Each after itself and after the other.
     a, b = small
@@ -209,6 +210,7 @@ def check_kills(path: Path, folder: Path, instants: int) -> None:
     assert killed >= 0.6 * instants
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_a_killed_run_resumes_to_the_bit(small, tmp_path):
     check_kills(small["elastic"], tmp_path, 5)

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from damage import damaged
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -92,6 +93,7 @@ def test_extreme_values(place, value):
     assert "Traceback" not in said
 
 
+@pytest.mark.long
 @settings(max_examples=150)
 @given(content=damaged(STUDY.encode(), text=True))
 def test_damaged_bytes(tmp_path_factory, content):

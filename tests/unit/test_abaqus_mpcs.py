@@ -117,11 +117,6 @@ def test_couplings_tie_along_their_orientation(equations):
         ("*MPC\nMEANROT, 5, 5, 6, 6, 6, 11\n", r"each node three times"),
         ("*MPC\nMEANROT, 5, 5, 5, 6, 6, 6, 1\n", r"axis of rotation; they are zero"),
         ("*MPC\nTIE, 5\n", r"found 2 fields, expected TIE"),
-        (
-            "*ORIENTATION, NAME=O\n1., 0., 0., 0., 1., 0.\n*COUPLING, CONSTRAINT NAME=C, "
-            "REF NODE=9, SURFACE=TOP, ORIENTATION=O\n*DISTRIBUTING\n",
-            r"ORIENTATION is not supported with \*DISTRIBUTING",
-        ),
     ],
 )
 def test_what_says_nothing_is_refused(equations, lines, message):

@@ -14,14 +14,15 @@ from faying import cli
 from faying.assessment.backbone import Backbone
 from faying.assessment.modal_cycles import Swing
 from faying.cli.outcome import show_outcome
+from faying.display.quantities import number
 from faying.exceptions import ModelError, StudyError
+from faying.report.errors import error_table
 from faying.report.figures import write_figures
 from faying.report.figures.backbone import backbone_figure, masing_remark
 from faying.report.figures.backbone_slip import backbone_slip_figure
-from faying.report.quantities import number, percent
+from faying.report.methods import verdicts
+from faying.report.questions import applied_loads
 from faying.report.slip import slip_sentence
-from faying.report.tables import applied_loads, error_table
-from faying.report.verdict import verdicts
 from faying.study.load_model import build
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
@@ -147,6 +148,7 @@ def test_results_keep_the_curves_of_every_method(results):
         np.testing.assert_allclose(area, one.loop_area, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.long
 def test_a_backbone_that_was_stopped_goes_on_after_its_last_amplitude(
     finished, results, tmp_path, monkeypatch
 ):
@@ -186,9 +188,12 @@ def test_backbones_of_methods_are_judged_by_frequency_and_damping(results, finis
     frequency = max(np.abs(found[m].frequency / exact[m].frequency - 1).max() for m in exact)
     damping = max(np.abs(found[m].damping_ratio / exact[m].damping_ratio - 1).max() for m in exact)
     table = error_table(case)
-    assert table.columns[1:3] == ("frequency off by at most", "damping ratio off by at most")
+    assert table.columns[1:3] == (
+        "frequency off by at most [%]",
+        "damping ratio off by at most [%]",
+    )
     cells = [cell.text for cell in table.rows[0]]
-    assert cells[1:3] == [percent(frequency), percent(damping)]
+    assert cells[1:3] == [number(100 * frequency), number(100 * damping)]
     summary = json.loads((finished / "summary.json").read_text())
     entry = summary["load_cases"]["ring"]["methods"]["compliance"]["0"]
     # A difference over the value, or their ratio less one: round-off of one.
@@ -284,6 +289,7 @@ def test_slip_is_mapped_where_a_study_says_and_drawn_over_energy(results):
     np.testing.assert_array_equal(second.get_xdata(), curves["2"].energy)
 
 
+@pytest.mark.long
 def test_the_report_says_that_vibrations_slip(results, tmp_path):
     """Its fields are those of the preloaded joint, in which nothing slips."""
     one = results.cases["ring"].reference.backbones["2"]
@@ -341,10 +347,25 @@ def test_keys_that_do_not_fit_are_refused(tmp_path, old, new, match):
         ('"tip"', '"tpi"', "there is no boundary 'tpi'; did you mean 'tip'"),
         ('"tip"', '"tip.ur"', "'ur' is no component; they are 'ux'"),
         ("[2, 1]", "[100000]", "modes; take smaller numbers"),
-        ('"tip"', '"tip.ry"', "load case 'ring': mode 2: the mode of .* leaves 'tip' still"),
+        (
+            'modes = [2, 1]\namplitude_range = [0.001, 0.1, 3]\nincrements = 3\nat = "tip"',
+            'modes = [2]\namplitudes = [0.01]\nat = "tip.ry"',
+            "load case 'ring': mode 2: the mode of .* leaves 'tip' still",
+        ),
     ],
 )
 def test_what_the_model_does_not_have_is_refused(tmp_path, old, new, match):
+    assert old in STUDY
     (tmp_path / "ring.toml").write_text(STUDY.replace(old, new))
     with pytest.raises((StudyError, ModelError), match=match):
         run(read_study(tmp_path / "ring.toml"), tmp_path / "out")
+
+
+@pytest.mark.long
+def test_a_mode_that_is_still_where_amplitudes_are_measured_is_left_out_by_name(tmp_path):
+    text = STUDY.replace('"tip"', '"tip.ry"').replace("[0.001, 0.1, 3]", "[1e-5, 1e-4, 2]")
+    (tmp_path / "ring.toml").write_text(text)
+    summary = run(read_study(tmp_path / "ring.toml"), tmp_path / "out").summary
+    assert list(summary["load_cases"]["ring"]["backbones"]) == ["1"]
+    (said,) = [text for text in summary["warnings"] if "is left out" in text]
+    assert said.startswith("load case 'ring': mode 2 is left out: it leaves 'tip.ry' still")

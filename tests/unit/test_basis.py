@@ -139,6 +139,7 @@ def chain(n, mass=None):
         n_dof=n,
         interior=inner,
         has_mass=bool(M.diagonal().any()),
+        interior_stiffness=K[inner][:, inner],
         interior_factor=fy.factorize(K[inner][:, inner]),
     )
 

@@ -118,6 +118,7 @@ def test_several_springs_between_the_nodes(study):
         load_model(study(more, ("elements = [43]", "nodes = [23, 24]")))
 
 
+@pytest.mark.long
 def test_initial_force_is_what_the_joint_relaxes(study, tmp_path):
     """Locked at the N₀ that tightening found, a bolt has the same final force."""
     tightened = prepared(study())

@@ -168,8 +168,17 @@ def test_loads_of_the_deck_are_listed_with_what_applies_them(check):
     }
 
 
+def test_what_moves_as_a_whole_is_told_and_not_refused(check):
+    status, lines, err = check({"SPC = 1\n": "", SUPPORT: ""})
+    assert (status, err) == (0, "")
+    (row,) = [line for line in lines if line[:2] == ["the", "whole"]]
+    assert row[2:5] == ["nothing", "resists", "6"]
+
+
 def test_what_can_move_is_told_before_it_is_refused(check, tmp_path):
-    status, lines, err = check({"SPC = 1\n": "", SUPPORT: ""}, "--out", str(tmp_path))
+    no_mass = {",7.82-9": ",0."}
+    changes = {"SPC = 1\n": "", SUPPORT: "", **no_mass}
+    status, lines, err = check(changes, "--out", str(tmp_path))
     assert status == 2
     title = next(line for line in lines if line[:1] == ["Rigid-body"])
     assert title[-1] == "6"
@@ -232,7 +241,7 @@ def test_a_bare_deck_is_told_with_what_a_run_would_need(check_file, tmp_path):
     needs = lines.index(["what", "a", "run", "would", "still", "need"])
     assert ["a", "[[load_case]]"] in lines[needs:]
     # A study is refused for that; of a deck it is told.
-    assert any(line[:2] == ["supports:", "something"] for line in lines[needs:])
+    assert any(line[:2] == ["supports,", "unless"] for line in lines[needs:])
     assert (tmp_path / "model.png").stat().st_size > 0
     start = lines.index(["[model]"])
     pasted = "\n".join(" ".join(line) for line in lines[start : start + 3])

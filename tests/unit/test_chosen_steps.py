@@ -47,6 +47,7 @@ def study(tmp_path, step=AUTO, reference="full"):
     return parse_study(text, tmp_path / "joint.toml")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("reference", ["full", "none"])
 def test_they_are_chosen_by_the_reference_and_told(tmp_path, reference):
     assert run(study(tmp_path, reference=reference), tmp_path / "out").converged
@@ -64,6 +65,7 @@ def test_they_are_chosen_by_the_reference_and_told(tmp_path, reference):
     assert case["methods"]["compliance"]["0"]["max_relative_error"] < 0.1
 
 
+@pytest.mark.long
 def test_console_and_report_name_them(tmp_path):
     text = STUDY.replace("STEP", AUTO).replace("REFERENCE", "none")
     (tmp_path / "joint.toml").write_text(text.replace("report = false", "report = true"))

@@ -6,6 +6,7 @@ from types import ModuleType, SimpleNamespace
 import pytest
 
 from faying import cli
+from small_study import TINY_JOINT
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "nastran_deck.toml"
@@ -30,6 +31,7 @@ def runner(monkeypatch):
         "warnings": [],
         "reference": {"kind": "full", "reason": ""},
         "timings": {"stages": {}},
+        "verdict": {"holds": True, "sentence": "", "open_questions": [], "table": []},
     }
     result = SimpleNamespace(converged=True, summary=summary)
 
@@ -71,6 +73,7 @@ def test_usage_errors_end_with_status_2(monkeypatch, capsys, arguments):
     assert "Error" in err
 
 
+@pytest.mark.long
 def test_bad_study_is_one_message_and_no_traceback(tmp_path):
     path = tmp_path / "STUDY.toml"
     path.write_text(EXAMPLE.read_text().replace("preload", "prelaod"))
@@ -159,3 +162,18 @@ def test_report_needs_results(monkeypatch, capsys, tmp_path):
     status, _, err = call(monkeypatch, capsys, "report", tmp_path)
     assert status == 2
     assert "no results.h5" in err
+
+
+def test_tighten_prints_the_turns_and_writes_them(monkeypatch, capsys, tmp_path):
+    (tmp_path / "joint.toml").write_text(TINY_JOINT)
+    table = tmp_path / "plan.csv"
+    arguments = ("tighten", tmp_path / "joint.toml", "--passes", "2", "--out", table)
+    status, output, error = call(monkeypatch, capsys, *arguments)
+    assert status == 0, error
+    assert "All bolts end within 0.00% of their preloads" in output
+    assert len(table.read_text().splitlines()) == 3
+    loose = TINY_JOINT.replace("preload = 5e3", "preload = 0")
+    (tmp_path / "loose.toml").write_text(loose)
+    status, _, error = call(monkeypatch, capsys, "tighten", tmp_path / "loose.toml")
+    assert status == 2
+    assert "no bolt has a preload to be brought to" in error

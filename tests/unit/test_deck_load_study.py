@@ -11,7 +11,7 @@ from faying.assessment.imported_recovery import recover_from_boundary_loads
 from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize
-from faying.report.tables import applied_loads
+from faying.report.questions import applied_loads
 from faying.study.load_model import build, load_model
 from faying.study.recover import RecoverOptions, recover
 from faying.study.schema import read_study

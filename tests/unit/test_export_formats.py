@@ -60,6 +60,7 @@ def contents(folder):
     return {path.relative_to(folder): path for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", FORMATS)
 def test_format_writes_its_files(run, tmp_path, name):
     chosen = usable(name)
@@ -74,6 +75,7 @@ def test_format_writes_its_files(run, tmp_path, name):
     assert set(contents(tmp_path).values()) == set(paths)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", FORMATS)
 def test_format_needs_no_run(joint, classic, tmp_path, name):
     """A model made in Python has no load cases, and that is all it lacks."""
@@ -140,6 +142,7 @@ def test_missing_extra_is_named(given, tmp_path, format_module):
         export(given, "npz", out=tmp_path / "joint.npz")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -156,6 +159,7 @@ def test_wrong_wishes_are_one_message(monkeypatch, capsys, quick_demo, arguments
     assert len(err.strip().splitlines()) == 1
 
 
+@pytest.mark.long
 def test_wrong_places_are_one_message(monkeypatch, capsys, quick_demo, tmp_path):
     status, _, err = call(monkeypatch, capsys, "export", tmp_path, "--to", "npz")
     assert status == 2
@@ -168,6 +172,7 @@ def test_wrong_places_are_one_message(monkeypatch, capsys, quick_demo, tmp_path)
         assert str(target) in err
 
 
+@pytest.mark.long
 def test_command_says_what_it_wrote(monkeypatch, capsys, quick_demo, tmp_path):
     target = tmp_path / "pictures"
     status, out, _ = call(
@@ -193,6 +198,7 @@ def test_command_says_what_it_wrote(monkeypatch, capsys, quick_demo, tmp_path):
         assert expected in out
 
 
+@pytest.mark.long
 def test_class_of_a_hand_over_is_said_first(
     monkeypatch, capsys, quick_demo, format_module, tmp_path
 ):
@@ -256,6 +262,7 @@ def test_stored_displacements_of_exact_methods_are_those_of_the_full_model(run):
             np.testing.assert_allclose(found, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
 
 
+@pytest.mark.long
 def test_results_without_shapes_are_still_handed_over(quick_demo, tmp_path):
     """Of an older version, or beyond the limit."""
     copy = tmp_path / "results.h5"

@@ -72,6 +72,7 @@ def call(study, *options, limit=None):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("limit", [50, 3000, 100_000])
 def test_full_disk(study, limit):
     """The stamp, the summary or the results do not fit; nothing is left half written."""
@@ -101,6 +102,7 @@ def test_old_results_survive_a_full_disk(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.long
 def test_two_runs_in_one_folder(study):
     out = study.parent / "out"
     out.mkdir()
@@ -132,6 +134,7 @@ def writing(path):
     return process, Path(process.stdout.readline().strip())
 
 
+@pytest.mark.long
 def test_next_run_removes_what_killed_ones_left(study):
     out = study.parent / "out"
     (out / "figures").mkdir(parents=True)
@@ -155,6 +158,7 @@ def test_next_run_removes_what_killed_ones_left(study):
             process.communicate()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("stop", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
 )
@@ -209,6 +213,7 @@ def test_a_command_interrupted_early_says_how_to_begin_again(tmp_path, capsys, s
     assert capsys.readouterr().err == said
 
 
+@pytest.mark.long
 def test_a_run_without_a_terminal_tells_its_stages(study):
     """A line as each begins: what is read in a log while it runs."""
     lines = call(study).stderr.splitlines()
@@ -250,6 +255,7 @@ class Tags(HTMLParser):
         self.found |= {name for name, _ in attrs if name.startswith("on")}
 
 
+@pytest.mark.long
 def test_names_with_markup(tmp_path):
     """Of everything a file can name: shown as they are, in files of the folder only."""
     results = fake_results()
@@ -281,6 +287,7 @@ def test_names_too_long_for_files():
     assert len(set(names.values())) == 3
 
 
+@pytest.mark.long
 def test_control_characters_do_not_reach_the_terminal(tmp_path):
     (tmp_path / "study.toml").write_text('[model]\nsource = "\\u001b[31m"\n')
     arguments = [sys.executable, "-m", "faying.cli", "check", "study.toml"]

@@ -11,6 +11,7 @@ from matplotlib.image import imread
 
 import faying.sources
 from fake_results import NX, NY, fake_results
+from faying.display.quantities import number, percent, place, seconds
 from faying.exceptions import FormatError
 from faying.files.names import file_names
 from faying.interface.facets import reference_nodes, shape_functions
@@ -36,7 +37,6 @@ from faying.report.figures.pressure import pressure_figure, summary
 from faying.report.figures.response import response_figure
 from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import time_step_figure
-from faying.report.quantities import number, percent, place, seconds
 from faying.report.style import colour, house_style, new_figure
 from faying.study.step_check import step_check
 from faying.units import units_of
@@ -83,6 +83,7 @@ def test_every_picture_of_the_paper_is_drawn(entries):
     ]
 
 
+@pytest.mark.long
 def test_pictures_are_not_blank(entries):
     for entry in entries:
         pixels = imread(entry.path)[..., :3]
@@ -117,6 +118,7 @@ def test_drawing_leaves_no_global_state():
     assert dict(mpl.rcParams) == before
 
 
+@pytest.mark.long
 def test_drawing_needs_no_pyplot():
     """In a process of its own: packages that other tests import bring pyplot themselves."""
     script = "import sys, faying.report.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
@@ -330,18 +332,21 @@ def bare(results):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("spoiled", [without_contact, bare])
 def test_empty_and_zero_data_still_make_pictures(spoiled, tmp_path, coarse):
     for entry in write_figures(spoiled(RESULTS), tmp_path):
         assert entry.path.is_file()
 
 
+@pytest.mark.long
 def test_dollar_signs_in_names_are_text(tmp_path, coarse):
     case = replace(RESULTS.cases["LC1"], name="a$b$")
     results = replace(RESULTS, title="$\\frac{$", cases={"a$b$": case})
     assert len(write_figures(results, tmp_path)) > 4
 
 
+@pytest.mark.long
 def test_case_named_like_a_section_keeps_its_pictures_apart(tmp_path, coarse):
     case = replace(RESULTS.cases["LC1"], name="model", methods={})
     paths = [e.path for e in write_figures(replace(RESULTS, cases={"model": case}), tmp_path)]
@@ -513,6 +518,7 @@ def test_wide_pictures_are_told_apart(entries):
     assert not wide & {"model", "tightening", "case_LC1_deformed"}
 
 
+@pytest.mark.long
 def test_titles_with_long_names_stay_in_the_picture(coarse):
     name = "Betriebslast Nr. 1: Zug und Biegung, ungünstig, kalt, nach 10 Jahren im Freien"
     static = replace(RESULTS.cases["LC1"], name=name)

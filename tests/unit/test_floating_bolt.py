@@ -31,6 +31,7 @@ def test_supports_take_names_of_bodies(deck):
         nodes_of_set(assembly, "body 9")
 
 
+@pytest.mark.long
 def test_a_floating_bolt_clamps_as_if_it_were_held(deck):
     """Its springs take as good as nothing of the preload, and of a load less if they are softer."""
     study = first_study(deck, deck.with_suffix(".toml"))

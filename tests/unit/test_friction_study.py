@@ -13,14 +13,13 @@ import pytest
 import faying as fy
 from faying import cli
 from faying.contact.laws import Coulomb, Hard, Penalty
+from faying.display.quantities import number
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.export.formats import export
 from faying.report.figures.slip import plot_slip_states
-from faying.report.friction_table import friction_table
 from faying.report.html import write_report
-from faying.report.joint import slip_judgement
-from faying.report.quantities import number
 from faying.report.slip import slip_sentence, slipping
+from faying.report.slip_tables import demand_table, friction_table
 from faying.report.style import new_figure
 from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
@@ -29,10 +28,15 @@ from faying.study.load_model import build
 from faying.study.loads import case_load
 from faying.study.path_cases import rest_state
 from faying.study.path_record import packed_record
+from faying.study.run_verdict import run_verdict
 from faying.study.schema import parse_study, read_study
 from faying.study.store import read_results
 from faying.units import units_of
 from faying.workflow.run import run
+from table_cells import cells
+
+FIRST = "first point slips at [× load]"
+"""Column of the load factor at which the first point slips."""
 
 STUDY = """
 [model]
@@ -126,9 +130,9 @@ def test_two_safeties_against_slip_are_told_apart(results):
     assert sliding.value == min(one.gross_slip for one in reserves.values())
     # All slips along one motion by nine tenths: without much of a bolt that is nearly the same.
     assert sliding.value > 0.89 * slip.safety["pull"]
-    (row,) = slip_judgement(results).rows
-    assert row[-1].text == f"{number(sliding.value)} times {sliding.case}"
-    assert row[-2].text == number(sums.value)
+    assert cells(demand_table(results))["joint"]["safety S_G"] == number(sums.value)
+    (check,) = (one for one in run_verdict(results).parts[-1].checks if one.quantity == "sliding")
+    assert (check.case, check.value) == (sliding.case, sliding.value)
     assert opening.requirement == "min_opening_factor"
     assert found.interfaces["joint"].opening == {"pull": reserves["pull"].openings[0]}
 
@@ -238,6 +242,7 @@ def build_smooth(results):
     return fy.tighten(model, {"bolt": 5e3}).initial_forces["bolt"]
 
 
+@pytest.mark.long
 def test_tractions_are_recovered_from_a_history(finished, tmp_path, monkeypatch, capsys):
     """From boundary loads, as in Python; in file, table and pictures."""
     out = tmp_path / "run"
@@ -286,6 +291,7 @@ def test_cycles_keep_their_last_loop_and_fretting(results):
     assert (large.fretting[slipping] > 0).all()
 
 
+@pytest.mark.long
 def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_path, monkeypatch):
     """Within the cycles of the full model: their smaller amplitude is there, the larger is not."""
     from faying.study import path_cases
@@ -347,27 +353,27 @@ def test_the_joint_is_judged_over_all_increments(results):
     assert joint.least_clamp_case == "way"
 
 
+@pytest.mark.long
 def test_the_report_says_first_what_slips(results, tmp_path):
     page = write_report(results, tmp_path).read_text(encoding="utf-8")
-    first = re.search(r'class="verdict">([^.]*\.)', page)[1]
-    assert first.startswith("The joint slips: up to ")
-    assert page.index(first) < page.index('id="view"')  # on the first screen
+    slips = re.search(r"<p>(The joint slips: up to [^.]*\.)", page)[1]
+    assert page.index('id="slip"') < page.index(slips) < page.index('id="pressure"')
     assert page.count("The joint slips: ") == 1
-    assert "macroslip" in first
-    assert "<h3>Friction</h3>" in page
+    assert "macroslip" in slips
     names = {path.stem for path in (tmp_path / "figures").iterdir()}
     assert {"case_pull_slip", "case_pull_path", "case_way_slip", "case_way_path"} <= names
     assert {"case_shake_slip", "case_shake_loops", "case_shake_fretting"} <= names
     assert "case_shake_path" not in names
-    rows = {row[0].text: [cell.text for cell in row] for row in friction_table(results).rows}
+    rows = cells(friction_table(results))
     assert set(rows) == {"pull", "way", "shake"}
     reserve = results.cases["pull"].reserve
     assert reserve.first_slip < 1e-3  # tightening left points on their bound
-    assert rows["pull"][4] == "once it acts"
-    assert rows["pull"][5].startswith("joint (")
-    assert rows["pull"][6] == f"{number(reserve.onset)} ×"
-    assert rows["way"][4] == "—"
-    assert rows["shake"][2].endswith("per cycle")
+    assert rows["pull"][FIRST] == "< 0.001"
+    assert rows["pull"]["where"].startswith("joint (")
+    assert rows["pull"]["slip begins at [× load]"] == number(reserve.onset, 4)
+    assert rows["way"][FIRST] == "—"
+    assert rows["shake"]["energy taken [N·mm]"] == "—"  # damping tells it, of a cycle
+    assert page.index('id="damping"') < page.index("energy per cycle [N·mm]")
 
 
 def test_slip_that_slides_nothing_is_told_from_sliding(results):
@@ -382,14 +388,14 @@ def test_slip_that_slides_nothing_is_told_from_sliding(results):
             reserve=replace(case.reserve, **reserve),
         )
         only = replace(results, cases={"pull": one})
-        return slip_sentence(only), [cell.text for cell in friction_table(only).rows[0]]
+        return slip_sentence(only), cells(friction_table(only))["pull"]
 
     sentence, _ = said(gross_slip=0.8)
     assert sentence.endswith("(macroslip) in pull.")
     sentence, row = said(gross_slip=None, first_slip=1e-7)
     assert sentence.endswith("in pull, in directions that cancel: nothing slides as a whole.")
-    assert row[4] == "once it acts"
-    assert row[8].startswith("above ")
+    assert row[FIRST] == "< 0.001"
+    assert row["slides as a whole at [× load]"].startswith("above ")
 
 
 def test_reports_without_slip_say_nothing_of_it(results):
@@ -419,6 +425,7 @@ def test_slip_states_are_drawn_where_they_are(results):
     )
 
 
+@pytest.mark.long
 def test_friction_after_tightening_begins_without_traction(tmp_path):
     text = "friction_during_preload = false\n" + STUDY.split("[[load_case]]")[0]
     case = "[[load_case]]".join(["", STUDY.split("[[load_case]]")[1]])
@@ -573,6 +580,7 @@ def test_a_path_turns_no_bolt_into_a_press_or_a_crane(tmp_path, factor):
         build(study)
 
 
+@pytest.mark.long
 def test_motions_start_from_what_tightening_left(tmp_path):
     text = (
         "friction_during_preload = false\n"
@@ -638,7 +646,7 @@ def _check_what_friction_does(found, motion, out):
     assert 0 < summary["half_step"]["max_traction_change"] < 1
     assert 0 < summary["half_step"]["dissipation_change"] < 1
     page = write_report(found, out).read_text(encoding="utf-8")
-    assert re.search(r'class="verdict">([^.]*\.)', page)[1].startswith("The joint slips: up to ")
+    assert "<p>The joint slips: up to " in page
     assert {"case_jump_slip", "case_jump_friction"} <= {p.stem for p in out.glob("figures/*.png")}
     (row,) = friction_table(found).rows
     assert row[0].text == "jump"

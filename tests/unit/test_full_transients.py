@@ -38,6 +38,7 @@ def prepared(tmp_path, *, count, joint=SMALL_JOINT):
     return prepare_joint(study, Stages(None)), study.load_cases
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("joint", [SMALL_JOINT, SMALL_JOINT + RUBS], ids=["smooth", "rough"])
 def test_pieces_make_the_response_of_the_whole(tmp_path, joint):
     prepared_joint, cases = prepared(tmp_path, count=2 * PIECE + 8, joint=joint)
@@ -66,6 +67,7 @@ def test_pieces_make_the_response_of_the_whole(tmp_path, joint):
         np.testing.assert_allclose(*moved, rtol=0, atol=1e-7 * np.abs(moved[1]).max())
 
 
+@pytest.mark.long
 def test_displacements_of_all_instants_are_not_held(tmp_path):
     def most(count):
         joint, cases = prepared(tmp_path, count=count)

@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from faying.cli import app
 from faying.linalg.memory import NotEnoughMemoryError
-from faying.report.verdict import headline, verdicts
+from faying.report.methods import headline, verdicts
 from faying.study import inertia
 from faying.study.schema import parse_study
 from faying.study.store import read_results
@@ -105,12 +105,13 @@ def test_a_method_is_judged_by_the_cases_it_was_compared_on(taken):
     assert found["compliance"].only == ""
 
 
+@pytest.mark.long
 def test_console_and_report_say_so(tmp_path):
     (tmp_path / "joint.toml").write_text(text(report="true"))
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["run", str(tmp_path / "joint.toml"), "--out", str(out)])
     assert result.exit_code == 0
-    report = (out / "report.html").read_text()
+    report = (out / "methods.html").read_text()
     for said in (result.output, report):
         line = " ".join(said.split())
         assert "jump: the pressure error of compliance is estimated at 3.58% of the peak" in line
@@ -126,6 +127,7 @@ def test_a_study_may_say_no(tmp_path):
     assert "attachment modes" not in summary["timings"]["stages"]
 
 
+@pytest.mark.long
 def test_the_mark_is_the_stated_tolerance(tmp_path):
     """That of the study, unless a load case has its own."""
     jump = 'name = "jump"\nkind = "step"'
@@ -141,6 +143,7 @@ def test_the_mark_is_the_stated_tolerance(tmp_path):
     assert cases["push"]["remedy"]["tolerance"] == 0.001
 
 
+@pytest.mark.long
 def test_a_reduced_reference_that_is_off_gives_way(tmp_path):
     """What the methods are compared with is then the model with inertia."""
     summary, results = outcome(tmp_path, modes=0, reference="none")

@@ -51,6 +51,7 @@ ROADS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("road", list(ROADS))
 def test_a_state_from_before_a_load_was_added_is_that_of_the_joint(road, pushed, states):
     before, itself = (ROADS[road](pushed, start) for start in states)

@@ -114,6 +114,7 @@ def test_rise_times_that_fit_nothing(tmp_path, keys, said):
         case(tmp_path, tip(-500.0), keys)
 
 
+@pytest.mark.long
 def test_check_and_run_name_jumps(tmp_path):
     times = "periods = 0.25\nsteps_per_period = 40"
     table = f"[[load_case]]\nname = 'NAME'\nkind = 'step'\nforces = [{tip(-150.0)}]\n{times}\n"

@@ -254,6 +254,7 @@ def test_motions_of_a_structure_without_mass(deck):
         fy.craig_bampton(build_loaded(load_model(read_study(path))))
 
 
+@pytest.mark.long
 def test_statics_need_no_mass(deck, tmp_path):
     """Same pressures with and without density, whatever the number of modes."""
     static = STEP.replace('"step"', '"static"').split("steps_per_period")[0]

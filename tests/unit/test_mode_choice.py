@@ -119,6 +119,7 @@ def test_python_and_reduce_choose_the_same(chosen, tmp_path):
     np.testing.assert_allclose(again.estimates, told["estimates"], rtol=1e-6)  # round-off
 
 
+@pytest.mark.long
 def test_a_jump_asks_for_more_and_what_no_number_reaches_is_said(chosen, tmp_path):
     text = STUDY.replace("= 0.01", "= 0.001") + JUMP
     (tmp_path / "joint.toml").write_text(text)
@@ -209,6 +210,7 @@ def test_a_tolerance_is_positive():
         fy.choose_normal_modes(model, fy.Load({}), step=1e-5, duration=1e-4, tolerance=0.0)
 
 
+@pytest.mark.long
 def test_a_joint_with_friction_is_judged_from_where_it_was_tightened(tmp_path):
     rubs = (
         '[[interface]]\nname = "joint"\npenalty = 1e6\nfriction = 0.2\ntangential_penalty = 8e5\n'

@@ -209,6 +209,7 @@ def test_model_without_shapes_says_so(before, tmp_path):
         fy.solve_static(bare, LOAD).full_displacement()
 
 
+@pytest.mark.long
 def test_model_of_a_run_is_saved_too(quick_demo, tmp_path):
     from faying.study.recover import results_of
 
@@ -220,6 +221,7 @@ def test_model_of_a_run_is_saved_too(quick_demo, tmp_path):
     assert (back.name, back.method, back.units) == (rom.name, "jim-b+compliance", rom.units)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["compliance", "deck load", "moving"])
 def test_exports_of_a_loaded_model_are_the_same(before, after, tmp_path, name):
     for to in ("npz", "fmu") if name != "moving" else ("exudyn",):

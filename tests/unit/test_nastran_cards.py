@@ -466,8 +466,8 @@ def test_warping_constants_serve_warping_points_alone(read: Read) -> None:
     assert (
         beam.section == read("PBEAM,5,9,1.,2.,3.,0.,4.", "CBEAM,7,5,1,5,1.,0.,0.").beams[0].section
     )
-    with pytest.raises(FormatError, match="a warping point"):
-        read(card, "CBEAM,7,5,1,5,1.,0.,0.\n,,,,,,,,\n,1,2")
+    with pytest.raises(FormatError, match="a warping point at one end only"):
+        read(card, "CBEAM,7,5,1,5,1.,0.,0.\n,,,,,,,,\n,1")
 
 
 def test_supports(read: Read) -> None:

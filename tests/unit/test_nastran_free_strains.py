@@ -12,6 +12,7 @@ from faying.linalg.factorization import factorize
 from faying.model.assembly import Assembly
 from faying.model.constraints import constrain
 from faying.model.matrices import assemble_matrices, used_components
+from faying.model.temperature import Temperature, expansion_of
 
 LENGTH, ALPHA, YOUNGS = 8.0, 1.2e-5, 210000.0
 PLACES = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 4, 8)]
@@ -71,6 +72,17 @@ def test_bar_grows_by_its_temperature(
     motion = solved(assembly, load)
     np.testing.assert_allclose(motion[assembly.mesh.nodes[:, 0] == LENGTH, 0], tip, **SOLVED)
     assert any(f"part of load '{load}'" in note for note in assembly.ignored)
+
+
+def test_the_coefficient_of_the_deck_serves_temperatures_of_a_study(deck: Deck) -> None:
+    assembly = deck(
+        f"SOL 101\nCEND\nSPC=1\nTEMP(LOAD)=3\nBEGIN BULK\n{BAR}{STEEL}TEMPD,3,80.\nENDDATA\n"
+    )
+    forces = np.zeros((12, 6))
+    forces[assembly.loads["temperature"].nodes] = assembly.loads["temperature"].forces
+    warm = expansion_of(assembly, Temperature(reference=20.0, uniform=100.0), {})
+    # Round-off of sums of eight nodes.
+    np.testing.assert_allclose(warm.forces, forces, rtol=1e-12, atol=1e-9)
 
 
 def test_reference_temperature_counts_unless_there_is_an_initial_one(deck: Deck) -> None:

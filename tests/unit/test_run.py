@@ -139,6 +139,7 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     assert summary["timings"]["methods"]["nmf"].keys() == {"offline", "per_static_case"}
 
 
+@pytest.mark.long
 def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
     # Processor time, for what else runs on the machine must not decide.
     monkeypatch.setattr(progress, "clock", time.process_time)
@@ -163,6 +164,7 @@ WORK = (
 """What runs once did outside all stages; a certificate of many points took longer than the rest."""
 
 
+@pytest.mark.long
 def test_work_that_may_take_long_is_in_a_stage(study, tmp_path, monkeypatch):
     now = [0.0]
 
@@ -199,6 +201,7 @@ def test_results_hold_what_the_run_validated(finished):
     assert np.all(np.diff(validation.penalty.sweep.penalties) > 0)
 
 
+@pytest.mark.long
 def test_the_time_step_check_compares_fields_of_the_full_model(study, finished):
     results = read_results(finished / "results.h5")
     jump = results.cases["jump"]
@@ -218,6 +221,7 @@ def test_the_time_step_check_compares_fields_of_the_full_model(study, finished):
     assert said["step_check"] == "half step"
 
 
+@pytest.mark.long
 def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
     path = tmp_path / "tiny.toml"
     path.write_text(
@@ -233,6 +237,7 @@ def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
     assert summary["load_cases"]["jump"]["step_check"] is None
 
 
+@pytest.mark.long
 def test_a_time_step_check_that_fails_costs_no_result(study, tmp_path, monkeypatch):
     original = cases.full_transients
 
@@ -249,6 +254,7 @@ def test_a_time_step_check_that_fails_costs_no_result(study, tmp_path, monkeypat
     assert outcome.summary["load_cases"]["jump"]["methods"]["compliance"]["0"]
 
 
+@pytest.mark.long
 def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, monkeypatch):
     def broken(*_, **__):
         message = "nobody foresaw this"
@@ -288,6 +294,7 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
     assert results.cases["bend"].mesh_errors == {}
 
 
+@pytest.mark.long
 def test_a_solution_without_contact_is_kept_though_nothing_compares_with_it(
     study, tmp_path, monkeypatch
 ):
@@ -317,6 +324,7 @@ def test_workers_leave_a_piece_without_solution_to_the_run(study, tmp_path, monk
     worker_tasks.compute_pieces(study, None, checkpoint, progress.Stages(None))
 
 
+@pytest.mark.long
 def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
     text = STUDY.replace("element_size = 5.0", 'element_size = 5.0, shape = "tet10"').replace(
         "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
@@ -334,6 +342,7 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
     assert advice["reached"]
 
 
+@pytest.mark.long
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
     solved = []
     original, together = case_solution.solve_transient, full_transients.transient_pieces
@@ -412,6 +421,7 @@ def test_resuming_with_another_deck_is_refused(tmp_path):
         check_same_joint(checkpoint, joints[1])
 
 
+@pytest.mark.long
 def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monkeypatch):
     path = tmp_path / "tiny.toml"
     methods = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
@@ -439,6 +449,7 @@ def test_resuming_another_study_is_refused(study, tmp_path, monkeypatch):
         run(read_study(other), tmp_path, resume=True)
 
 
+@pytest.mark.long
 def test_a_method_that_does_not_converge_is_recorded_and_the_rest_kept(
     study, tmp_path, monkeypatch
 ):
@@ -465,6 +476,7 @@ def _raise(error: BaseException):
     return solve
 
 
+@pytest.mark.long
 def test_hard_contact_with_a_training_box(tmp_path):
     """Pressures do not follow from gaps there, so one yardstick of unseen loads is absent."""
     text = STUDY.replace(

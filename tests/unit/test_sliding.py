@@ -45,6 +45,7 @@ def test_all_of_it_where_everything_slips_along_one_motion(seed, motion, curved)
     assert half == pytest.approx(0.5, abs=1e-4)
 
 
+@pytest.mark.long
 @given(st.integers(0, 99), st.booleans())
 def test_no_motion_meets_more(seed, curved):
     places, tangents, bounds = interface(seed, curved=curved)

@@ -100,6 +100,7 @@ def off(found, expected):
     return np.abs(np.asarray(found) - expected).max() / np.abs(expected).max()
 
 
+@pytest.mark.long
 def test_results_are_those_of_a_run(reduced, tmp_path):
     """Static cases in the increments of a study; the step begins where the bolts were tightened."""
     study, file, loads = reduced
@@ -126,6 +127,7 @@ def test_results_are_those_of_a_run(reduced, tmp_path):
     assert off(bolt, expected["jump"].bolt_forces["bolt"]) < EQUAL
 
 
+@pytest.mark.long
 def test_workers_solve_the_same(reduced, tmp_path):
     _, file, loads = reduced
     solved(file, loads, tmp_path / "alone")

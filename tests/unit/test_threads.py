@@ -70,6 +70,7 @@ report = false
 )
 
 
+@pytest.mark.long
 def test_runs_reductions_and_solved_loads_have_one_thread(tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
     (tmp_path / "loads.csv").write_text("case,tip.Fz\na,-150\n")

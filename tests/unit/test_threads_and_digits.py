@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 SCRIPT = """
 import numpy as np
 import scipy.sparse as sp
@@ -33,6 +35,7 @@ print("other digits with two threads" if free != alone else "the same with two t
 """
 
 
+@pytest.mark.long
 def test_digits_do_not_depend_on_limits_before():
     """In a process of its own, in which MKL is not loaded when threads are first limited."""
     two = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "2")

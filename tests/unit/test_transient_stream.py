@@ -133,6 +133,7 @@ def test_space_that_was_reserved_is_given_back(rom, load, tmp_path):
     assert path.stat().st_size < SLACK
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_history(rom, load, tmp_path):
     def peak(n_step):
         tracemalloc.start()

@@ -70,6 +70,7 @@ def with_an_endless_heap(data):
     return bytes(damaged)
 
 
+@pytest.mark.long
 def test_byte_on_which_hdf5_stalls(path, monkeypatch):
     monkeypatch.setattr(hdf5_watch, "STALLED", 1.0)
     whole = path.read_bytes()
@@ -80,6 +81,7 @@ def test_byte_on_which_hdf5_stalls(path, monkeypatch):
     assert read_results(path).title == RESULTS.title
 
 
+@pytest.mark.long
 def test_process_that_looks_is_started_anew_and_takes_no_modules_of_the_folder(
     path, tmp_path, monkeypatch
 ):
@@ -94,6 +96,7 @@ def test_process_that_looks_is_started_anew_and_takes_no_modules_of_the_folder(
     assert read_results(path).title == RESULTS.title
 
 
+@pytest.mark.long
 def test_other_files_are_not_opened(path, tmp_path):
     os.mkfifo(tmp_path / "pipe")  # whoever opens it waits for ever
     for name in ("nodes", "interfaces", "cases/LC1/reference"):
@@ -138,6 +141,7 @@ def test_sizes_beyond_the_file(path):
     assert "says shape (10000000000, 100), 8e+12 bytes, and holds 0" in refused(path, huge)
 
 
+@pytest.mark.long
 def test_sizes_beyond_the_memory(path, monkeypatch):
     monkeypatch.setenv("FAYING_MEMORY", "1e7")
     zeros = put("nodes", np.zeros((10**6, 3)), compression="gzip")
@@ -230,6 +234,7 @@ def whole(tmp_path_factory):
     return path, names
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", range(60))
 def test_damaged_results(whole, seed):
     original, names = whole
@@ -291,6 +296,7 @@ KEPT = "reduced/compliance/0"
 PORTS = "ports"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "place"),
     [

@@ -57,6 +57,7 @@ def invoked(*words):
     return " ".join(done.output.split())
 
 
+@pytest.mark.long
 def test_friction_leaves_them_next_to_nothing(tmp_path):
     study = written(tmp_path, "friction = 0.4")
     assert "hold what nothing but contact does: " in invoked("check", study)
@@ -67,6 +68,7 @@ def test_friction_leaves_them_next_to_nothing(tmp_path):
     assert not [text for text in summary["warnings"] if "weak springs" in text]
 
 
+@pytest.mark.long
 def test_without_friction_run_and_solve_warn(tmp_path):
     study = written(tmp_path, "")
     said = invoked("run", study, "--out", tmp_path / "out")

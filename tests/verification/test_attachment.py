@@ -111,6 +111,7 @@ def test_static_solutions_are_those_of_the_full_model(parameters):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_a_joint_that_nothing_was_tried_on_follows_a_jump(scheme):
     """Three plates under two bolts: 1 % where compliance alone is up to 20 % off."""
@@ -140,6 +141,7 @@ def test_a_joint_that_nothing_was_tried_on_follows_a_jump(scheme):
     assert poor.max_relative_error > 5 * good.max_relative_error
 
 
+@pytest.mark.long
 def test_friction_moves_as_in_the_full_model(joint, classic):
     model = joint.with_friction(0.2)
     rom = fy.reduce(model, fy.attachment_modes(model, classic=classic))
@@ -254,6 +256,7 @@ def test_runs_say_what_is_estimated_of_tractions():
         assert ("of tractions" in lines[1]) == said
 
 
+@pytest.mark.long
 def test_studies_name_it(tmp_path):
     """Reduced, compared, kept with the results and handed over like the others."""
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")

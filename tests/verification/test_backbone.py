@@ -59,6 +59,7 @@ def joint():
     return fy.lap_joint(element_size=5.0).with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
 
 
+@pytest.mark.long
 def test_a_mass_on_a_slider_has_its_closed_form(slider):
     """Slip at constant force: exact for any increments, to the residual of an increment."""
     found = fy.backbone(slider, 1, [0.002, 0.02, 0.1, 0.5], masing=True, increments=100)
@@ -104,6 +105,7 @@ def test_a_mode_that_does_not_move_the_joint_says_so(slider):
     assert "mode 2 does not move the joint" in found.remarks[0]
 
 
+@pytest.mark.long
 def test_cycles_are_those_of_the_path(joint):
     """The load of the mode as a pattern, through solve_path and all displacements."""
     found = fy.backbone(joint, 2, [0.05], increments=20)
@@ -162,6 +164,7 @@ def test_energies_stand_for_amplitudes(slider):
         fy.backbone(slider, 1, [1.0], over="force")
 
 
+@pytest.mark.long
 def test_a_reduced_model_has_the_backbone_of_the_full_one(joint):
     rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=20), compliance=True)
     full, reduced = (fy.backbone(one, 1, [0.05, 0.3], increments=20) for one in (joint, rom))
@@ -171,11 +174,13 @@ def test_a_reduced_model_has_the_backbone_of_the_full_one(joint):
     np.testing.assert_allclose(reduced.damping_ratio, full.damping_ratio, rtol=5e-3)
 
 
+@pytest.mark.long
 def test_loop_and_slip_agree_as_increments_shrink(joint):
     coarse, fine = (fy.backbone(joint, 2, [0.1], increments=n) for n in (20, 80))
     assert abs(fine.energy_difference[0]) < 0.6 * abs(coarse.energy_difference[0])
 
 
+@pytest.mark.long
 def test_masing_is_wrong_where_normal_forces_change(joint):
     """In bending the interface opens and closes; the first loading knows one side alone."""
     found = fy.backbone(joint, 1, [0.3], masing=True)
@@ -224,3 +229,23 @@ def test_a_joint_without_friction_is_refused():
     smooth = fy.lap_joint(element_size=5.0).with_bolt_forces({"bolt": 10e3})
     with pytest.raises(ModelError, match="no interface has friction; give it with"):
         fy.backbone(smooth, 1, [0.1])
+
+
+@pytest.mark.long
+def test_a_multiple_of_the_frequency_that_meets_another_mode_is_said():
+    """Mode 3 of this joint in motion: 1.5 times what cycles damp, by mode 6 at twice its frequency.
+
+    A transient had 2.3 times the damping at 0.01 mm; mode 1 met nothing.
+    """
+    model = fy.lap_joint(element_size=5.0, penalty=1e6, damping=fy.Rayleigh(alpha=50.0, beta=2e-7))
+    rubbing = model.with_bolt_forces({"bolt": 8e3}).with_friction(0.2, tangential_penalty=8e5)
+    rom = fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=20), compliance=True)
+    rest = fy.solve_path(rom, [fy.Load()])
+    third, first = (
+        fy.backbone(rom, mode, [size], initial=rest, increments=24)
+        for mode, size in ((3, 0.01), (1, 0.05))
+    )
+    said = [text for text in third.remarks if "2 times the frequency meets mode 6" in text]
+    assert len(said) == 1
+    assert "fy.frequency_response" in said[0]
+    assert not any("meets mode" in text for text in first.remarks)

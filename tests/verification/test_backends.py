@@ -128,6 +128,7 @@ def test_threads_may_solve_at_once(backend, interior):
     assert threading.active_count() <= before
 
 
+@pytest.mark.long
 def test_two_threads_in_every_library(backend):
     """OpenMP of MKL beside the threads of NumPy's and SciPy's BLAS, in a process of its own."""
     script = f"""
@@ -150,6 +151,7 @@ for _ in range(3):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 @needs_mkl
 def test_memory_is_freed_with_the_factorization(interior, monkeypatch):
     gc.collect()  # factorizations that other tests left are none of this one's

@@ -121,6 +121,7 @@ def test_formulas_are_consistent():
     assert energy() == pytest.approx(0.01254712 * scale, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("penalty", ["auto", "hard"])
 def test_stick_zone_traction_and_energy(penalty):
     coarse, fine = pushed(1 / 8, penalty), pushed(1 / 16, penalty)

@@ -41,11 +41,13 @@ def largest_error(model: fy.Model, count: int) -> float:
     return float(error.max())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("penalty", [1e4, 1e5, "auto", "hard"])
 def test_compliance_is_statically_exact_at_any_penalty(penalty):
     assert largest_error(preloaded(penalty=penalty), count=200) < 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "parameters",
     [
@@ -70,6 +72,7 @@ def lc2_step(model: fy.Model) -> tuple[fy.Load, dict]:
     return load, {"step": period / 100, "duration": 2 * period}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("penalty", [1e4, 1e5, "auto", "hard"])
 def test_compliance_follows_a_step_of_the_load(penalty):
     # Bounds of issue 3; measured 0.3 to 1.1 % (max), 0.02 % (rms), docs/theory/transient_accuracy.
@@ -86,6 +89,7 @@ def test_compliance_follows_a_step_of_the_load(penalty):
     assert accuracy.displacement_error < 1e-3
 
 
+@pytest.mark.long
 def test_compliance_follows_a_smooth_load_by_generalized_alpha():
     model = preloaded()
     load, options = lc2_step(model)

@@ -77,6 +77,7 @@ def test_hard_contact_under_many_random_loads(hard_joint):
     check_random_loads(hard_joint, 80, seed=1)
 
 
+@pytest.mark.long
 def test_default_mesh(fine_joint):
     check_random_loads(fine_joint, 2)
 

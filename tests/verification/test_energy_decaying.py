@@ -155,6 +155,7 @@ def stiff_joint():
     return fy.preload(model, {"bolt": 10e3}, sticking=fy.Sticking(threshold=0.5, stiffness=1e6))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rho", [0.8, 1.0])
 def test_a_poor_basis_under_a_stiff_penalty_stays_bounded(stiff_joint, rho):
     """Generalized-α ends at 6e14 MPa here; the basis has 20 modes for 384 points."""
@@ -169,6 +170,7 @@ def test_a_poor_basis_under_a_stiff_penalty_stays_bounded(stiff_joint, rho):
     assert gained.max() < 0.01 * balance.work.max()
 
 
+@pytest.mark.long
 def test_pressures_are_as_accurate_as_those_of_generalized_alpha(stiff_joint):
     """Where that is stable: under a smooth load, of the model with exact compliance."""
     rom = fy.reduce(stiff_joint, fy.craig_bampton(stiff_joint, normal_modes=5), compliance=True)

@@ -59,6 +59,7 @@ def bend(system, integrator):
     return fy.solve_transient(system, BENT, step=1e-5, duration=1e-2, integrator=integrator)
 
 
+@pytest.mark.long
 def test_the_shortest_known_case_is_found(wild, caplog):
     motion = bend(wild, fy.GeneralizedAlpha())
     assert motion.max_pressure.max() > 1e10
@@ -218,6 +219,7 @@ integrator = "generalized-alpha"
 """
 
 
+@pytest.mark.long
 def test_a_run_ends_with_status_1_and_names_what_grew(tmp_path):
     path, out = tmp_path / "wild.toml", tmp_path / "out"
     path.write_text(STUDY)

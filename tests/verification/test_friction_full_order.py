@@ -204,6 +204,7 @@ def compare(model, loads, count=None):
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("friction", "penalty"), [CASES[0], CASES[7], CASES[18], CASES[14]])
 def test_paths_are_those_of_the_full_order(friction, penalty):
     count = 4 if penalty == "hard" else None  # these take long; the slow ones have all

@@ -92,6 +92,7 @@ def errors(found, exact):
     return wrong.max() / size.max(), np.sqrt((wrong**2).mean()) / size.max()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("modes", "first", "steps"), [(20, 5, 200), (40, 0, 50)])
 def test_reduced_models_follow_the_full_one(gauss, full, modes, first, steps):
     """No joint modes: what the basis lacks is the inertia of quick motions.
@@ -122,6 +123,7 @@ def test_interfaces_with_inertia_leave_nothing_out(gauss, full):
         assert errors(mine, exact)[0] < 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_friction_obeys_its_law_and_closes_the_balance(coarse, rom, scheme):
     for system in (coarse, rom):
@@ -163,6 +165,7 @@ def test_contact_at_the_ends_of_steps_belongs_to_displacements(rom, scheme):
     np.testing.assert_allclose(motion.shear_slip[..., contact.rubbing], moved + yields, atol=small)
 
 
+@pytest.mark.long
 def test_pieces_go_on_to_the_bit(rom, tmp_path, monkeypatch):
     """Streamed, stopped and resumed."""
     monkeypatch.setattr(transient_stream, "PIECE", 10)
@@ -186,6 +189,7 @@ def test_pieces_go_on_to_the_bit(rom, tmp_path, monkeypatch):
             assert one.attrs["energy_gain"] == other.attrs["energy_gain"]
 
 
+@pytest.mark.long
 def test_side_by_side_they_are_what_they_are_alone(rom):
     loads = [PULLED, fy.Load({"tip.Fx": -1e3}), fy.Load(LC2)]
     starts = [
@@ -263,6 +267,7 @@ def test_hard_contact_with_friction_moves():
     assert motion.dissipation.sum() > 0
 
 
+@pytest.mark.long
 def test_saved_models_move_alike_to_the_bit(rom, tmp_path):
     rom.save(tmp_path / "joint.h5")
     again = fy.load(tmp_path / "joint.h5")
@@ -273,6 +278,7 @@ def test_saved_models_move_alike_to_the_bit(rom, tmp_path):
             np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name))
 
 
+@pytest.mark.long
 def test_the_full_model_gives_itself_back(coarse):
     """Recovered from its own motion, from any scheme that balances the instants themselves."""
     motion = fy.solve_transient(coarse, PULLED, step=STEP, duration=20 * STEP)
@@ -293,6 +299,7 @@ def test_the_full_model_gives_itself_back(coarse):
     np.testing.assert_allclose(late.traction, motion.traction[[7, 19]], rtol=0, atol=1e-7 * peak)
 
 
+@pytest.mark.long
 def test_pressures_and_tractions_are_recovered(coarse, rom):
     """With the full model and without it; tractions keep what the trajectory did before."""
     options = {"step": STEP, "duration": 60 * STEP}

@@ -132,6 +132,7 @@ def test_formula_is_that_of_another_program():
     assert result.failed == 0
 
 
+@pytest.mark.long
 def test_slip_displacement_and_energy():
     coarse, fine = (errors(pulled(n)) for n in (50, 100))
     # Slip ends somewhere in an element, and fronts of seven forces are spread over elements; half

@@ -59,6 +59,7 @@ def test_peak_and_width(penalty):
     assert abs(pressed - HERTZ.half_width) <= 1 / 16  # the edge is known to one element
 
 
+@pytest.mark.long
 def test_nodal_pressure_of_hard_contact_converges():
     errors = [error(fine) for fine in (1 / 4, 1 / 8, 1 / 16)]
     # The node where contact ends carries half of its neighbour: first order, measured 0.0955,
@@ -67,6 +68,7 @@ def test_nodal_pressure_of_hard_contact_converges():
     assert errors[2] < 0.03
 
 
+@pytest.mark.long
 def test_pressure_at_gauss_points_converges():
     errors = [error(fine, "auto") for fine in (1 / 4, 1 / 8, 1 / 16)]
     # Measured 0.0047, 0.0035, 0.0030, down to the 0.2 % of the blocks' size.
@@ -94,6 +96,7 @@ def solve_apart(fine, penalty, minus):
     return place, blocks.joint.weights, type(blocks)(model).pressed(HERTZ.load)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("minus", ["body 0", "body 1"])
 def test_meshes_that_do_not_match(minus):
     errors = []

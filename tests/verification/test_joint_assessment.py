@@ -99,6 +99,7 @@ def compared(system, path, factors):
     return worst / largest
 
 
+@pytest.mark.long
 def test_path_is_that_of_200_separate_solutions(joint):
     path = fy.load_path(joint, LOAD)
     factors = np.random.default_rng(1).uniform(0, 4, 200)
@@ -137,6 +138,7 @@ def test_hard_contact_at_too_many_points_is_refused():
         fy.load_path(model, LOAD)
 
 
+@pytest.mark.long
 def test_certified_clamp_forces_contain_the_full_models(joint):
     """In 1000 random cases of two bases that are off; of the better one they are narrower."""
     values = np.random.default_rng(2).uniform(-1, 1, (1000, 3)) * [2e3, 500.0, 20e3]
@@ -165,6 +167,7 @@ def pair():
     return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
 
 
+@pytest.mark.long
 def test_clamp_forces_around_bolts_are_certified(pair):
     """In 1000 random cases: ranges that the full model has, in intervals from two bases off it."""
     values = np.random.default_rng(3).uniform(-1, 1, (1000, 3)) * [2e3, 500.0, 20e3]

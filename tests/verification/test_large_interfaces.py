@@ -152,6 +152,7 @@ def test_two_thousand_points_within_the_stated_tolerance(plates, small_plates):
     np.testing.assert_allclose(compressed.states, exact.states, rtol=0, atol=1e-7)  # of order 1
 
 
+@pytest.mark.long
 def test_iterative_and_direct_solutions_of_compressed_problems_agree(small_plates):
     direct = small_plates.static_contact.space
     iterative = replace(direct, direct=0)

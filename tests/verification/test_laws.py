@@ -101,6 +101,7 @@ ROADS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("road", ROADS)

@@ -99,6 +99,7 @@ def test_few_or_dense_columns_are_solved_for(plates, solved, monkeypatch):
     np.testing.assert_allclose(few, some[: pardiso.FEW, : pardiso.FEW], rtol=0, atol=1e-12)
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     n=st.integers(1, 60),
@@ -121,10 +122,17 @@ def test_ports_of_any_rows(n, density, n_port, port_density, seed):
 
 def test_memory_is_foretold_and_what_does_not_fit_takes_longer(plates, monkeypatch, caplog):
     K, ports = plates
-    told = estimate_port_memory(K, ports, backend="pardiso")
+    told, _ = estimate_port_memory(K, ports, backend="pardiso")
     assert told > max(24 * ports.shape[0] ** 2, estimate_memory(K).peak)
     factor = factorize(K, backend="pardiso")
     right = port_compliance(ports, factor)
+    factors = estimate_memory(K, backend="pardiso")
+    monkeypatch.setenv("FAYING_MEMORY", str(10 * (factors.factor + told)))
+    at_once = factors.with_ports(*estimate_port_memory(K, ports, backend="pardiso"))
+    assert at_once.peak == factors.factor + told
     monkeypatch.setenv("FAYING_MEMORY", str(told // 2))
+    foretold = factors.with_ports(*estimate_port_memory(K, ports, backend="pardiso"))
+    assert foretold.one_by_one
+    assert foretold.peak == max(factors.peak, factors.factor + 24 * ports.shape[0] ** 2)
     assert_agree(port_compliance(ports, factor), right)
     assert f"{ports.shape[0]} ports are solved for one by one" in caplog.text

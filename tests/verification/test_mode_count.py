@@ -18,7 +18,7 @@ from faying.linalg.singular import InertiaError
 from faying.reduction import normal_modes
 from faying.reduction.mode_count import check_modes, count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
-from faying.report.tables import model_table
+from faying.report.model_tables import model_table
 from faying.study.schema import read_study
 from faying.study.store import read_results
 from faying.workflow.run import run
@@ -153,6 +153,7 @@ def test_frequencies_of_the_preloaded_joint(joint):
     assert count_frequencies_below(joint, (found[0] + found[1]) / 2) == 1
 
 
+@pytest.mark.long
 def test_a_run_reports_the_count(quick_demo):
     said = json.loads((quick_demo / "summary.json").read_text(encoding="utf-8"))
     count = said["normal_modes"]

@@ -123,6 +123,7 @@ class TestContactPatch:
         # the smooth surfaces leave a thousandth.
         np.testing.assert_allclose(pressure, 100.0, rtol=bound)
 
+    @pytest.mark.long
     def test_deviation_on_curved_faces_is_of_second_order(self):
         off = []
         for n in (4, 8, 16):

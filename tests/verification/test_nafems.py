@@ -127,6 +127,7 @@ def test_formulas_of_the_punch_are_consistent():
     assert carried == pytest.approx(LOAD, rel=1e-3)
 
 
+@pytest.mark.long
 def test_punch():
     errors = [abs(centre(1 / n) / PUNCH.pressure(0.0) - 1) for n in (5, 10)]
     # The rim, 0.4 mm wide, is not resolved by elements of 4 mm, and what it does not carry the

@@ -153,6 +153,7 @@ def test_frequencies_of_the_preloaded_joint(gauss):
     np.testing.assert_allclose(found, [643.2, 1161.1, 3598, 4031, 4639], rtol=2e-3)
 
 
+@pytest.mark.long
 def test_step_response(gauss, data):
     """621 instants of implicit Euler, the whole run of the reference (6 s on one core)."""
     model, _ = gauss
@@ -226,6 +227,7 @@ def from_their_matrices(mesh, data, rule):
     return model.with_bolt_forces({"bolt": 8000.0})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rule", RULES)
 def test_from_their_matrices(rule, mesh, data):
     loose = from_their_matrices(mesh, data, rule)

@@ -26,6 +26,7 @@ def rom():
     return fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=15), compliance=True)
 
 
+@pytest.mark.long
 def test_small_vibrations_die_out_by_the_damping_matrix(rom):
     """Cycles that were there before move points off their bounds, and nothing slips then."""
     path = [fy.Load({"tip.Fz": force}) for force in (0.0, 30.0, -30.0, 20.0, -20.0, 10.0, 0.0)]
@@ -45,6 +46,7 @@ def test_small_vibrations_die_out_by_the_damping_matrix(rom):
     np.testing.assert_array_equal(found.solution.states.shape, (401, len(rom.K)))
 
 
+@pytest.mark.long
 def test_the_sign_of_a_mode_is_not_the_eigensolvers(rom, monkeypatch):
     """Masing's first loading and a ring-down begin on one side: that of the place they name."""
 
@@ -69,6 +71,7 @@ def test_the_sign_of_a_mode_is_not_the_eigensolvers(rom, monkeypatch):
     assert abs(up[0] / other[0] - 1) > 0.1
 
 
+@pytest.mark.long
 def test_a_joint_that_settles_is_not_damped_by_what_friction_takes():
     """Pulled and let go before, it slips on in every cycle, by energy that was left in it."""
     slippery = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)

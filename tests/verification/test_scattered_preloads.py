@@ -46,6 +46,7 @@ def test_without_scatter_all_are_as_meant(joint):
         assert one.least == one.most == pytest.approx(one.meant, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.long
 def test_reduced_models_of_exact_pressures_scatter_alike(joint):
     rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=5), compliance=True)
     some, others = spreads(joint, tightening_factor=2.0), spreads(rom, tightening_factor=2.0)
@@ -93,6 +94,7 @@ def test_friction_in_thread_and_head_scatters_what_one_torque_gives(joint):
         assert value == pytest.approx(expected, rel=0.03)  # of 200 tightenings
 
 
+@pytest.mark.long
 def test_friction_of_bolts_multiplies_the_scatter_of_the_torque(joint):
     def width(**keys):
         scatter = fy.PreloadScatter(**keys)
@@ -105,6 +107,7 @@ def test_friction_of_bolts_multiplies_the_scatter_of_the_torque(joint):
     assert max(tool, friction) < both < tool + friction
 
 
+@pytest.mark.long
 def test_friction_of_the_surfaces_scatters_along_paths():
     preloaded = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3}).with_friction(0.2)
     rom = fy.reduce(preloaded, fy.craig_bampton(preloaded, normal_modes=3), compliance=True)

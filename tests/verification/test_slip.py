@@ -148,6 +148,7 @@ def test_slip_sets_in_where_points_slip_that_tightening_left_stuck(smooth):
     assert shares[0] <= 0.05 < shares[1] + 1e-12
 
 
+@pytest.mark.long
 def test_gross_slip_does_not_depend_on_the_increments():
     """Off the middle, across and twisted: single points turn around and stick on the way."""
     model = fy.lap_joint(element_size=5.0, bolt_positions=((-8.0, 3.0),))

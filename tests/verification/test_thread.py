@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.assessment.thread import thread_stress
+from faying.assessment.strength.thread import thread_stress
 from faying.exceptions import ModelError
 
 FORCES = np.array([18e3, 30e3, 25e3])
@@ -55,7 +55,7 @@ def test_units_change_nothing():
     ("keys", "message"),
     [
         ({"pitch": 6.0}, "has the pitch 6"),
-        ({"grade": "A2-70"}, "grade 'A2-70' is none"),
+        ({"grade": "A9-70"}, "grade 'A9-70' is none"),
         ({"grade": "8.0"}, "grade '8.0' is none"),
     ],
 )

@@ -97,6 +97,7 @@ def assert_same(found: Results, wanted: Results, tolerance: float) -> None:
         assert np.abs(difference).max() < tolerance * scale
 
 
+@pytest.mark.long
 def test_a_deck_gives_the_pressures_of_the_generator(model, generated, tmp_path):
     write_deck(model.assembly, tmp_path / "joint.bdf")
     head = f"""
@@ -171,6 +172,7 @@ def write_matrix(path: Path, matrix: sp.sparray) -> None:
         scipy.io.savemat(path, {path.stem: matrix.tocsc()})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["npz", "mtx", "mat"])
 def test_matrices_give_the_pressures_of_the_generator(model, generated, tmp_path, kind):
     found = run(tmp_path, export(model, tmp_path, kind))
@@ -180,6 +182,7 @@ def test_matrices_give_the_pressures_of_the_generator(model, generated, tmp_path
     assert found.interfaces["joint"].faces[0].minus.shape == (28, 4)
 
 
+@pytest.mark.long
 def test_unconstrained_matrices_and_a_list_of_what_is_held(model, generated, tmp_path):
     joint = lap_joint_assembly(element_size=5.0)
     loose = fy.build_model(

@@ -79,6 +79,7 @@ def free_vibration_beside_a_stop(scheme, step):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scheme", "order"),
     [("euler", 1), ("trapezoidal", 2), ("alpha", 2), ("decaying", 2), ("midpoint", 2)],

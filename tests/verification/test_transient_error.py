@@ -95,6 +95,7 @@ def test_finer_model_holds_the_coarser_one(joint, classic):
     assert one == other
 
 
+@pytest.mark.long
 def test_divided_steps_are_judged_with_the_same_steps(joint, bases):
     load, scheme = rising(0.1), fy.EnergyDecaying(0.0)
     rom = fy.reduce(joint, bases[10], compliance=True)

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
+import numpy as np
+
 from faying._typing import Vector
 from faying.assessment.certificate import Certificate
 
@@ -79,8 +81,9 @@ def clamp_range(
         At rest.
     forces : load case to (n_instant,) [force]
     certified : load case to (2,) [force]
-        Of those that are certified.
+        Of those that are certified; infinite intervals of parts of hard contact are none.
     """
+    certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
     lows = {case: float(force.min()) for case, force in forces.items()}
     highs = {case: float(force.max()) for case, force in forces.items()}
     least, most = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)

@@ -7,8 +7,8 @@ import numpy as np
 from faying._typing import SparseMatrix, Vector
 from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.model import Model
-from faying.linalg.factorization import factorize
 from faying.linalg.inertia import count_negative
+from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
@@ -37,7 +37,8 @@ def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = 
     is missing.
     """
     tangent = _tangent(model, state)
-    squares, _ = lowest_modes(tangent, model.M, factorize(tangent), count)
+    factor = factorize_relieved(tangent, model.M, model.rigid_motions)
+    squares, _ = lowest_modes(tangent, model.M, factor, count)
     return np.sqrt(squares) / (2 * np.pi)
 
 
@@ -69,7 +70,9 @@ def count_frequencies_below(
     >>> fy.count_frequencies_below(joint, 1e3)
     2
     """
-    return count_negative(_tangent(model, state) - (2 * np.pi * frequency) ** 2 * model.M)
+    below = count_negative(_tangent(model, state) - (2 * np.pi * frequency) ** 2 * model.M)
+    rigid: int = model.rigid_motions.shape[1]
+    return below - rigid
 
 
 def _tangent(model: Model, state: Solution | None) -> SparseMatrix:

@@ -1,18 +1,30 @@
-"""What first happens as a load grows: increments, and the one in which it happens bisected."""
+"""What first happens as a load grows: increments, and where in one of them it happens."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+import numpy as np
+
 from faying.exceptions import ConvergenceError
 
 State = TypeVar("State")
 
-PRECISION = 1e-3
-"""Width of the interval in which a factor is found, over the factor."""
+Event = Callable[[State, State], float]
+"""What is left, after an increment and before it, until something happens: zero or less if it has.
 
-MOST_BISECTIONS = 12
-"""Bisections of an increment: what happens below a four-thousandth of it happens at once."""
+Of what only happens or not it is infinite, or minus infinity.
+"""
+
+PRECISION, CLOSE = 1e-3, 1e-6
+"""Width of the interval in which a factor is found, over the factor: of what only happens or not,
+and of what a number says."""
+
+MOST_HALVINGS, MOST_CHORDS = 12, 40
+"""Cuts of an increment: what happens below a four-thousandth of it happens at once."""
+
+NOTHING = 1e-9
+"""What is left, over what was before the increment, that is as good as nothing."""
 
 LARGEST = 10.0
 """Load factor at which the search is given up."""
@@ -43,7 +55,7 @@ class Growth(Generic[State]):
 def first_events(
     reach: Callable[[float, State], State],
     start: State,
-    events: Mapping[str, Callable[[State, State], bool]],
+    events: Mapping[str, Event[State]],
     *,
     increments: int,
     largest: float,
@@ -51,20 +63,21 @@ def first_events(
     """Let a load grow until all of some events have happened, or to a factor.
 
     It grows in equal increments to its nominal value, from there on by the same share of itself.
-    The increment in which something first happens is halved, and what is left of it again, so that
-    the path goes there in smaller and smaller increments.
+    The increment in which something first happens is cut where a chord says that it does
+    (regula falsi of Anderson and Björck), or halved where no number says when, and what is left of
+    it again, so that the path goes there in smaller and smaller increments.
 
     Parameters
     ----------
     reach
         Takes a load factor and the state before to the state there, in one increment.
     events
-        Name to whether it happens, given the state after an increment and that before.
+        By name.
 
     Raises
     ------
     ConvergenceError
-        If a trial of a bisection is not solved.
+        If a trial in an increment is not solved.
     """
     factors: dict[str, float] = {}
     states: dict[str, tuple[State, State]] = {}
@@ -76,22 +89,46 @@ def first_events(
         except ConvergenceError:
             stopped = True
             break
-        for name, happens in events.items():
-            if name in factors or not happens(after, here):
-                continue
-            low, high, before, begun = factor, target, here, after
-            for _ in range(MOST_BISECTIONS):
-                if high - low <= PRECISION * high:
-                    break
-                middle = (low + high) / 2
-                trial = reach(middle, before)
-                if happens(trial, before):
-                    high, begun = middle, trial
-                else:
-                    low, before = middle, trial
-            factors[name], states[name] = high, (begun, before)
+        for name, left in events.items():
+            if name not in factors and left(after, here) <= 0:
+                factors[name], states[name] = _cut(reach, left, (factor, target), (here, after))
         here, factor = after, target
     return Growth(factors=factors, states=states, largest=factor, stopped=stopped)
+
+
+def _cut(
+    reach: Callable[[float, State], State],
+    left: Event[State],
+    factors: tuple[float, float],
+    states: tuple[State, State],
+) -> tuple[float, tuple[State, State]]:
+    """Return the factor at which something happens in an increment, the states there and before."""
+    (low, high), (before, begun) = factors, states
+    above, below = left(before, before), left(begun, before)
+    passed: bool | None = None
+    counts = 0 < above < np.inf
+    precision, most = (CLOSE, MOST_CHORDS) if counts else (PRECISION, MOST_HALVINGS)
+    nothing = NOTHING * above if counts else 0.0
+    for _ in range(most):
+        if high - low <= precision * high:
+            break
+        middle = low + (above / (above - below) if counts else 0.5) * (high - low)
+        trial = reach(middle, before)
+        value = left(trial, before)
+        happened = value <= nothing
+        if counts and happened == passed:
+            # The other end stays again: it counts less, so that the next chord goes beyond.
+            less = 1 - value / (below if happened else above)
+            less = less if less > 0 else 0.5
+            above, below = (above * less, below) if happened else (above, below * less)
+        passed = happened
+        if happened:
+            high, begun, below = middle, trial, value
+        else:
+            low, before, above = middle, trial, value
+        if abs(value) <= nothing:
+            break
+    return high, (begun, before)
 
 
 def _next(factor: float, increments: int) -> float:

@@ -27,8 +27,12 @@ from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.thread import Thread, thread_stress
-from faying.assessment.verdicts import verdicts
+from faying.assessment.strength.clamp_ends import clamp_checks
+from faying.assessment.strength.preload_ends import preload_ends
+from faying.assessment.strength.stressed import with_threads
+from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import PreloadRange, variation_of
+from faying.assessment.verdicts import verdicts, wanted_clamps
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import nearest_bolts, surroundings
@@ -146,7 +150,13 @@ def assess(
         if scatter is not None
         for spread in preload_spreads(system, surfaces, load, scatter, threads or {})
     ]
-    return with_threads(replace(found, scatter=tuple(spreads)), states, threads or {}, system.units)
+    factor = 1.0 if scatter is None else scatter.tightening_factor
+    ranges = dict.fromkeys(system.bolts, PreloadRange(variation=variation_of(factor)))
+    ends = preload_ends(system, at_rest, states, {load.name: load for load in loads}, ranges)
+    limits = wanted_clamps(wanted.min_clamp_force, surfaces)
+    clamps = tuple(clamp_checks(ends, surfaces, limits, system.units))
+    found = replace(found, scatter=tuple(spreads), checks=clamps)
+    return with_threads(found, states, threads or {}, system.units, ends)
 
 
 def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:
@@ -154,47 +164,6 @@ def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution)
     if isinstance(system, Model) or system.contact.residual_compliance is not None:
         return cases.pressure
     return solve_cases_at_ports(system.joint, loads).pressure
-
-
-def with_threads(
-    found: Assessment,
-    cases: Mapping[str, CaseState],
-    threads: Mapping[str, Thread],
-    units: str,
-) -> Assessment:
-    """Return an assessment with the stress in the threads that are known.
-
-    Parameters
-    ----------
-    cases
-        What was judged.
-
-    Raises
-    ------
-    ModelError
-        If a bolt is not there, or the units are not known.
-    """
-    unknown = sorted(set(threads) - set(found.bolts))
-    if unknown:
-        known = ", ".join(found.bolts)
-        message = f"threads: there is no bolt '{unknown[0]}'; there are {known}"
-        raise ModelError(message)
-    stressed = {
-        name: replace(
-            found.bolts[name],
-            thread=thread_stress(
-                thread,
-                found.bolts[name].preload,
-                np.concatenate([one.bolt_forces[name] for one in cases.values()]),
-                np.concatenate([one.bolt_moments[name] for one in cases.values()])
-                if found.bolts[name].bending is not None
-                else None,
-                units,
-            ),
-        )
-        for name, thread in threads.items()
-    }
-    return replace(found, bolts={**found.bolts, **stressed})
 
 
 def judged(

@@ -6,11 +6,12 @@ from typing import final
 
 from faying._typing import Matrix, Vector
 from faying.assessment.bolt_bending import BoltBending
+from faying.assessment.check import Check
 from faying.assessment.clamp_range import CertifiedClamps, ClampRange
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import OPEN_BELOW, Verdict
 from faying.assessment.slip_demand import SlipDemand
-from faying.assessment.thread import ThreadStress
+from faying.assessment.strength.thread import ThreadStress
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -28,6 +29,8 @@ class CaseState:
         Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where seen.
     retightened
         Whether bolts are loosened or tightened in it, so that not all they lose is due to loads.
+    times : (n_instant,) [time]
+        None of cases without time.
     """
 
     pressure: Matrix
@@ -35,6 +38,7 @@ class CaseState:
     certified: CertifiedClamps | None = None
     bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
     retightened: bool = False
+    times: Vector | None = None
 
 
 @final
@@ -175,6 +179,8 @@ class Assessment:
         What scatter of the preloads does to static load cases, where that was asked for.
     open_below : [1]
         Share of the area pressed at rest below which an area is open.
+    checks
+        Strength of the bolts whose thread is known, each where it is nearest to failing.
     """
 
     bolts: Mapping[str, BoltAssessment]
@@ -182,6 +188,7 @@ class Assessment:
     verdicts: tuple[Verdict, ...] = ()
     scatter: tuple[Spread, ...] = ()
     open_below: float = OPEN_BELOW
+    checks: tuple[Check, ...] = ()
 
     @property
     def met(self) -> bool:

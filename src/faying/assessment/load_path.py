@@ -14,19 +14,15 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-import scipy.linalg as la
 
 from faying._typing import Mask, Matrix, Vector, frozen
 from faying.contact.active_set import solve_complementarity
-from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.dense_points import DensePoints
-from faying.contact.linear_pieces import LinearPiece, PointPiece
-from faying.contact.pair_pieces import PairPiece
-from faying.contact.supported_pairs import InaccurateError
+from faying.contact.linear_pieces import PointPiece
 from faying.exceptions import ConvergenceError, ModelError
-from faying.joint.system import Joint, PortCompliance
+from faying.joint.system import Joint
 from faying.simulation.load import Load
-from faying.simulation.static import port_forces
+from faying.simulation.static import port_forces, solved_case
 
 TOGETHER = 1e-10
 """Force or slack, over the largest of the problem, below which a point is at a kink itself.
@@ -148,17 +144,20 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
 
     Notes
     -----
-    A kink for each point that opens or closes, some hundreds on a joint. Between n pairs of elastic
-    contact some n² operations each, and n³ when n/4 points have changed; of hard contact products
-    with H, and a factorization of the closed points at every thirtieth.
+    A kink for each point that opens or closes, some hundreds on a joint: products with H, and a
+    factorization of the closed points at every thirtieth.
     """
     return input_path(system, load.inputs(system, np.zeros(1))[0], most=most)
 
 
 def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPath:
     """Follow the contact as :func:`load_path`, of a load given by its inputs (n_input,)."""
-    a, b = growing_gap(system, inputs)
-    factors, forces, closed, rate, ended = _followed(system.static_contact, a, b, most)
+    fixed, growing = growing_displacements(system, inputs)
+    a, b = system.contact.free_gap(fixed), np.asarray(system.contact.interpolation @ growing)
+    at_rest = solved_case(system, fixed).forces
+    piece = PointPiece.of(system.static_contact.flexibility, np.column_stack([a, b]))
+    walk = Walk(a=a, b=b, at_rest=at_rest)
+    factors, forces, closed, rate, ended = walk.followed(piece, most)
     return LoadPath(
         system=system,
         factors=np.array(factors),
@@ -169,34 +168,18 @@ def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPa
     )
 
 
-def growing_gap(system: Joint, inputs: Vector) -> tuple[Vector, Vector]:
-    """Return the free gap at rest and its growth per load factor (n_point,), bolts locked."""
+def growing_displacements(system: Joint, inputs: Vector) -> tuple[Vector, Vector]:
+    """Return what pairs (n_relative,) move without contact, at rest and per load factor.
+
+    The bolts stay locked.
+    """
     ports = system.port_compliance
     start, growing = inputs.copy(), inputs.copy()
     start[: ports.n_boundary] = 0.0
     start[ports.bolts.stop :] = 0.0
     growing[ports.bolts] = 0.0
-    a = system.static_contact.free_gap(_moved(ports, start))
-    return a, np.asarray(system.contact.interpolation @ _moved(ports, growing))
-
-
-def _followed(condensed: ContactSolver, a: Vector, b: Vector, most: float) -> Followed:
-    """Follow between pairs where contact is elastic and round-off allows, else between points."""
-    at_rest, sides = condensed.solve(a)[0].forces, np.column_stack([a, b])
-    pairs = condensed.supported_pairs if isinstance(condensed, CondensedContact) else None
-    if pairs is not None:
-        try:
-            piece = PairPiece.of(pairs, sides, at_rest > 0)
-            return Walk(a=a, b=b, at_rest=at_rest).followed(piece, most)
-        except (la.LinAlgError, InaccurateError):
-            pass
-    points = PointPiece.of(condensed.flexibility, sides)
-    return Walk(a=a, b=b, at_rest=at_rest).followed(points, most)
-
-
-def _moved(ports: PortCompliance, inputs: Vector) -> Vector:
-    moved: Vector = port_forces(ports, inputs) @ ports.contact_columns
-    return moved
+    at_rest, rate = port_forces(ports, np.array([start, growing])) @ ports.contact_columns
+    return at_rest, rate
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -207,15 +190,13 @@ class Walk:
     b: Vector
     at_rest: Vector
 
-    def followed(self, piece: LinearPiece, most: float) -> Followed:
+    def followed(self, piece: PointPiece, most: float) -> Followed:
         """Go from piece to piece, starting from any.
 
         Raises
         ------
         ConvergenceError
             If the kinks do not end.
-        InaccurateError
-            If a piece cannot be had exactly.
         """
         a, t, forces = self.a, 0.0, self.at_rest
         piece = piece.moved_to(forces > 0)
@@ -252,8 +233,8 @@ class Walk:
         raise ConvergenceError(message)
 
     def _onward(
-        self, t: float, forces: Vector, slack: Vector, turned: Mask, piece: LinearPiece
-    ) -> LinearPiece:
+        self, t: float, forces: Vector, slack: Vector, turned: Mask, piece: PointPiece
+    ) -> PointPiece:
         """Return the piece right after a kink.
 
         Parameters

@@ -18,7 +18,14 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.assessment.backbone import Backbone, amplitude_unit
-from faying.assessment.modal_cycles import Measure, ModalCycle, Swing, measured
+from faying.assessment.modal_cycles import (
+    MULTIPLES,
+    Measure,
+    ModalCycle,
+    Neighbours,
+    Swing,
+    measured,
+)
 from faying.assessment.stuck_modes import StuckMode, stuck_mode
 from faying.display.facts import with_unit
 from faying.exceptions import ModelError, naming
@@ -30,6 +37,10 @@ from faying.simulation.solution import Solution
 
 AWAY = 1e-6
 """Share of a mode's strain energy below which its contact does not take part in it."""
+
+
+MET = 0.05
+"""Velocity of another mode over that of the one that is loaded, from which it is said."""
 
 
 @final
@@ -238,7 +249,14 @@ def modal_analysis(
         increments=increments,
         shape=found,
         measure=measure,
-        swing=Swing.of(system, start, system.static_contact.increments, found, measure),
+        swing=Swing.of(
+            system,
+            start,
+            system.static_contact.increments,
+            found,
+            measure,
+            Neighbours.of(system, rest, found, mode),
+        ),
     )
 
 
@@ -290,6 +308,18 @@ def _remarks(
             "all that is closed on an interface slips from an amplitude of "
             f"{with_unit(reached, unit)} on: no friction is left to stiffen it, and quasi-static "
             "cycles of one mode are a rough picture"
+        )
+    largest = np.max([row.met for row in rows], axis=0)
+    if largest.size and largest.max() > MET:
+        k, n = np.unravel_index(int(np.argmax(largest)), largest.shape)
+        others = swing.neighbours
+        reached = min(row.reached for row in rows if row.met[k, n] > MET)
+        remarks.append(
+            f"{MULTIPLES[k]} times the frequency meets mode {others.modes[n]} of "
+            f"{others.circular[n] / (2 * np.pi):.5g}, which friction makes swing from "
+            f"{with_unit(reached, unit)} on, up to {largest[k, n]:.0%} of the velocity of this "
+            "mode: cycles have no inertia of other modes and may damp several times too little; "
+            "fy.frequency_response and fy.ring_down have it"
         )
     changing = [row.reached for row in rows if not row.stationary]
     if changing:

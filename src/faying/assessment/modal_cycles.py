@@ -6,14 +6,15 @@ from typing import Self, final
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
-from faying.assessment.stuck_modes import StuckMode
+from faying._typing import Indices, Matrix, Vector
+from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment_solver import IncrementSolver
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
 from faying.simulation.path import PathStep, follow
+from faying.simulation.solution import Solution
 
 AT_BOUND = 1e-6
 """Distance from the friction bound, over it, within which a point slips."""
@@ -24,6 +25,17 @@ STILL = 1e-6
 ALIKE = 0.99
 """Share of the largest displacement from which the first place that moves so far is measured:
 which of several alike moves most is round-off."""
+
+
+class StillModeError(ModelError):
+    """A mode leaves the place still where its amplitude should be measured."""
+
+
+MULTIPLES, SAMPLES = (2, 3, 4, 5), 256
+"""Multiples of the frequency at which other modes are looked for, and instants of a cycle."""
+
+MEETS = 0.5
+"""How far the square of a multiple may be from that of another mode, over it, to meet it."""
 
 
 @final
@@ -80,7 +92,7 @@ def measured(system: System, mode: StuckMode, at: str | None) -> tuple[StuckMode
             f"the mode of {mode.frequency:.6g} leaves '{name}' still; measure its amplitude "
             f"where it moves: at = a boundary, or one of its components as '{name}.rx'"
         )
-        raise ModelError(message)
+        raise StillModeError(message)
     sign = side * np.sign(direction[_first(np.abs(direction), 0.5)])
     ports = np.zeros(system.port_compliance.n_boundary)
     ports[boundary_slices(system.boundaries)[name]] = sign * direction / unit
@@ -112,8 +124,75 @@ def _first(sizes: Vector, share: float) -> int:
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Neighbours:
+    """Other modes that a multiple of the frequency may meet, as a mode's inertia moves them.
+
+    Attributes
+    ----------
+    modes : (n,)
+        Their numbers, from 1.
+    circular : (n,) [1/time]
+    damping : (n,) [1]
+        ζ of the damping matrix.
+    moved : (n_relative, n) [length]
+        What M φ of each alone moves the pairs.
+    own : (n,)
+        What M φ of the mode that is loaded alone moves of each.
+    """
+
+    modes: Indices
+    circular: Vector
+    damping: Vector
+    moved: Matrix
+    own: Vector
+
+    @classmethod
+    def of(cls, system: System, state: Solution, mode: StuckMode, number: int) -> Self:
+        """Return those up to the highest multiple of the frequency of a mode."""
+        every = stuck_modes(system, state, 1.1 * MULTIPLES[-1] * mode.frequency, number)
+        others = np.arange(len(every.frequencies)) != number - 1
+        shapes = every.shapes[:, others]
+        answers = system.factorize_static().solve(np.asarray(system.M @ shapes))
+        circular = 2 * np.pi * every.frequencies[others]
+        linear = np.einsum("im,im->m", shapes, system.C @ shapes)
+        return cls(
+            modes=np.flatnonzero(others) + 1,
+            circular=circular,
+            damping=linear / (2 * circular),
+            moved=np.asarray(system.contact.relative_operator @ answers),
+            own=np.asarray((system.M @ mode.shape) @ answers),
+        )
+
+    def swung(self, cycle: Matrix, factors: Vector, circular: float, least: float) -> Matrix:
+        """Return how far each swings in each multiple of a frequency that meets it (n_multiple, n).
+
+        Parameters
+        ----------
+        cycle : (n_step, n)
+            How far each goes quasi-statically along a cycle.
+        factors : (n_step,)
+            cos θ of the load, down and up again.
+        least
+            Damping ratio that each has at least.
+        """
+        turn = np.arccos(np.clip(factors, -1.0, 1.0))
+        half = len(turn) // 2
+        turn[half + 1 :] = 2 * np.pi - turn[half + 1 :]
+        even = np.linspace(0, 2 * np.pi, SAMPLES, endpoint=False)
+        along = np.array([np.interp(even, turn, values) for values in cycle.T])
+        along = along.reshape(-1, SAMPLES)
+        multiples = np.array(MULTIPLES)
+        wave = 2 / SAMPLES * np.exp(-1j * np.outer(even, multiples))
+        ratio = multiples[:, None] * circular / self.circular
+        damping = np.maximum(self.damping, least)
+        far = np.abs((along @ wave).T / (1 - ratio**2 + 2j * damping * ratio))
+        return np.where(np.abs(1 - ratio**2) < MEETS, far, 0.0)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
 class ModalCycle:
-    """What one amplitude gave."""
+    """What one amplitude gave; of ``met`` see :meth:`Swing.met`."""
 
     load: float
     modal: float
@@ -129,6 +208,7 @@ class ModalCycle:
     loads: Vector
     modals: Vector
     slip_distance: Vector
+    met: Matrix
 
 
 @final
@@ -148,6 +228,8 @@ class Swing:
         What M φ alone moves of q, and of the measured displacement.
     at : (n_relative,) [length/force]
         Measured displacement per force between the pairs.
+    neighbours
+        Other modes.
     """
 
     system: System
@@ -157,6 +239,7 @@ class Swing:
     own: float
     own_at: float
     at: Vector
+    neighbours: Neighbours
 
     @classmethod
     def of(
@@ -166,6 +249,7 @@ class Swing:
         solver: IncrementSolver,
         mode: StuckMode,
         measure: Measure,
+        neighbours: Neighbours,
     ) -> Self:
         """Solve for the static response of the bare structure to the load."""
         force = np.asarray(system.M @ mode.shape)
@@ -181,7 +265,22 @@ class Swing:
             own=float(force @ answer),
             own_at=float(measure.rows @ boundary),
             at=at,
+            neighbours=neighbours,
         )
+
+    def met(self, steps: Sequence[PathStep], loads: Vector, swing: float) -> Matrix:
+        """Return velocities of other modes in multiples of the frequency (n_multiple, n).
+
+        Over that of the mode; what friction and gaps do to them along the cycle, with their inertia
+        as if they did not act back, and damped at least as the cycle is.
+        """
+        others = self.neighbours
+        along = np.outer(loads, others.own) + self._pairs(steps) @ others.moved
+        load = float(loads[0])
+        lost = -float(np.trapezoid(self._modal(steps, loads), loads))
+        least = max(lost / (2 * np.pi * load * swing), 0.0)
+        far = others.swung(along, loads / load, float(np.sqrt(load / swing)), least)
+        return np.asarray(np.array(MULTIPLES)[:, None] * far / swing)
 
     def cycle(self, load: float, half: int) -> ModalCycle:
         """Load once, then go to and fro until cycles repeat, each half in so many increments."""
@@ -222,6 +321,7 @@ class Swing:
             loads=loads,
             modals=modal,
             slip_distance=_distance([before, *steps]),
+            met=self.met([before, *steps], loads, (modal[-1] - modal[half]) / 2),
         )
 
     def _pairs(self, steps: Sequence[PathStep]) -> Matrix:

@@ -2,33 +2,30 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import final
+from typing import TypeVar, final
 
 import numpy as np
 
 from faying._typing import Mask, Vector
-from faying.assessment.growth import LARGEST, State, first_events
-from faying.assessment.load_path import growing_gap, input_path
+from faying.assessment.growth import LARGEST, Event, first_events
+from faying.assessment.load_path import growing_displacements
 from faying.assessment.requirements import OPEN_BELOW
-from faying.contact.condensed import CondensedContact
-from faying.contact.forces import ContactForces
-from faying.contact.state import ContactState
-from faying.exceptions import ConvergenceError, ModelError
+from faying.contact.contact import Contact
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
+from faying.simulation.static import SolvedCase, solved_case
 
-MOST_EXACT = 2000
-"""Order of the contact problem up to which a load is followed from kink to kink: ten seconds.
+State = TypeVar("State")
 
-Beyond, and where hard contact has no unique forces, it is followed in increments.
-"""
-
-INCREMENTS = 20
-"""Increments up to the nominal load, of loads that are followed so."""
+INCREMENTS = 10
+"""Increments up to the nominal load."""
 
 TOUCHING = 1e-9
-"""Slack over the largest free gap below which a point is closed."""
+"""Slack of hard contact over the largest free gap below which a point is closed."""
+
+LEAST_SHARE = 1e-9
+"""Share of an area that is round-off of a sum."""
 
 
 @final
@@ -42,9 +39,9 @@ class Openings:
         Area (:func:`areas_that_open`) to the factor from which less than a share of what the
         preload presses there is still pressed.
     first
-        Interface to the factor at which the first point closed at rest opens, of exact paths.
+        Interface to the factor at which the first point closed at rest opens.
     last
-        Interface to the factor from which it carries no force, of exact paths.
+        Interface to the factor from which no point closed at rest is.
     followed
         Factor up to which the load was followed.
     """
@@ -104,85 +101,101 @@ def opening_factors(
     open_below
         Share of the area pressed at rest; from 0, nothing left, to 1.
     largest
-        Factor at which the search ends where the load is followed in increments.
+        Factor at which the search ends.
 
     Raises
     ------
-    ModelError, ConvergenceError
-        As :func:`faying.load_path`.
+    ConvergenceError
+        If a trial in an increment is not solved.
 
     Notes
     -----
-    Exactly, from kink to kink, up to :data:`MOST_EXACT`; beyond in twenty increments to the nominal
-    load and of a twentieth from there on, the one in which an area opens bisected to a thousandth.
+    In ten increments to the nominal load and of a tenth from there on. How deep points are
+    pressed depends continuously on the load, which leads to the factor at which an area opens
+    within an increment. What opens and closes again between two increments is not seen.
     """
-    condensed = system.static_contact
-    if not isinstance(condensed, CondensedContact) or condensed.order <= MOST_EXACT:
-        try:
-            path = input_path(system, inputs)
-        except (ModelError, ConvergenceError):  # hard contact without unique forces, round-off
-            pass
-        else:
-            shares = pressed_shares(areas, path.closed[0], system.contact.weights)
-            opened = {
-                name: path.factor_of(path.closed @ share < _enough(open_below))
-                for name, share in shares.items()
-            }
-            slices = system.contact.slices
-            return Openings(
-                opened=opened,
-                first={name: path.first_opening(areas[name]) for name in slices},
-                last={name: path.loss_of_clamp(name) for name in slices},
-            )
-    return _searched(system, inputs, areas, open_below, largest)
+    contact = system.contact
+    fixed, growing = growing_displacements(system, inputs)
+    touching = TOUCHING * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
+
+    def reach(factor: float, here: SolvedCase | None) -> SolvedCase:
+        before = None if here is None else here.state
+        return solved_case(system, fixed + factor * growing, before)
+
+    def pressed(case: SolvedCase) -> Vector:
+        return pressed_depth(contact, case.gap, touching)
+
+    start = reach(0.0, None)
+    shares = pressed_shares(areas, pressed(start) > 0, contact.weights)
+    every = {name: np.zeros(contact.n_points) for name in contact.slices}
+    for name, own in contact.slices.items():
+        every[name][own] = 1.0 / (own.stop - own.start)
+    asked = [
+        *((OPENED, name, share, enough(open_below)) for name, share in shares.items()),
+        *((FIRST, name, shares[name], enough(1.0)) for name in every if name in shares),
+        *((LAST, name, share, enough(0.0)) for name, share in every.items()),
+    ]
+    found = first_events(
+        reach,
+        start,
+        {
+            f"{what} {name}": opening_event(pressed, share, least)
+            for what, name, share, least in asked
+        },
+        increments=INCREMENTS,
+        largest=largest,
+    )
+    factors: dict[str, dict[str, float]] = {what: {} for what in (OPENED, FIRST, LAST)}
+    for what, name, _, _ in asked:
+        factors[what][name] = found.factors.get(f"{what} {name}", np.inf)
+    return Openings(
+        opened=factors[OPENED], first=factors[FIRST], last=factors[LAST], followed=found.largest
+    )
 
 
-def _enough(share: float) -> float:
-    """Return the share below which an area is open: of none left, below round-off."""
-    return max(share, TOUCHING)
+OPENED, FIRST, LAST = "opened", "first", "last"
 
 
-def opening_events(
-    closed: Callable[[State], Mask], shares: Mapping[str, Vector], open_below: float
-) -> dict[str, Callable[[State, State], bool]]:
-    """Return what says whether an area is open after an increment, by its name.
+def pressed_depth(contact: Contact, gap: Vector, touching: float = 0.0) -> Vector:
+    """Return how deep points (n_point,) are pressed, negative where they are apart [length].
 
     Parameters
     ----------
-    closed
-        Points (n_point,) that are closed in a state.
-    shares
-        From :func:`pressed_shares`.
+    gap : (n_point,) [length]
+        Negative by the penetration where contact yields.
+    touching
+        Gap below which points of hard contact count as pressed.
     """
-    enough = _enough(open_below)
-
-    def event(share: Vector) -> Callable[[State, State], bool]:
-        return lambda after, _: bool(closed(after) @ share < enough)
-
-    return {name: event(share) for name, share in shares.items()}
+    depth = -gap
+    for law, points in zip(contact.laws.values(), contact.slices.values(), strict=True):
+        depth[points] += 0.0 if law.yields else touching
+    return depth
 
 
-_Solved = tuple[ContactForces, ContactState]
+def enough(share: float) -> float:
+    """Return the share below which an area is open, less round-off."""
+    return max(share - LEAST_SHARE, LEAST_SHARE)
 
 
-def _searched(
-    system: Joint, inputs: Vector, areas: Mapping[str, Mask], open_below: float, largest: float
-) -> Openings:
-    """Follow a load in increments, each a static problem of its own."""
-    condensed = system.static_contact
-    a, b = growing_gap(system, inputs)
-    touching = TOUCHING * float(np.abs(a).max(initial=0.0))
+def opening_event(
+    pressed: Callable[[State], Vector], shares: Vector, open_below: float
+) -> Event[State]:
+    """Return how deep the share of an area that must not open is pressed at least.
 
-    def reach(factor: float, here: _Solved) -> _Solved:
-        return condensed.solve(a + factor * b, here[1])
+    Parameters
+    ----------
+    pressed
+        Depth of all points (n_point,) in a state, from :func:`pressed_depth`.
+    shares : (n_point,)
+        From :func:`pressed_shares`.
+    open_below
+        From :func:`enough`.
+    """
+    points = np.flatnonzero(shares)
 
-    def closed(solved: _Solved) -> Mask:
-        # Of forces that are not unique some are zero where the sides touch.
-        return np.asarray(solved[0].slack <= touching if hard else solved[0].forces > 0)
+    def left(after: State, _: State) -> float:
+        depth = pressed(after)
+        order = points[np.argsort(-depth[points])]
+        return float(depth[order[np.searchsorted(np.cumsum(shares[order]), open_below)]])
 
-    hard, start = bool(np.isinf(system.contact.penalty).any()), condensed.solve(a)
-    shares = pressed_shares(areas, closed(start), system.contact.weights)
-    events = opening_events(closed, shares, open_below)
-    found = first_events(reach, start, events, increments=INCREMENTS, largest=largest)
-    opened = {name: found.factors.get(name, np.inf) for name in shares}
-    return Openings(opened=opened, followed=found.largest)
+    return left

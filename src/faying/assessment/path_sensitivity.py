@@ -22,7 +22,7 @@ from faying.assessment.slip import slip_history
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.contact.frictional import FrictionalContact
 from faying.exceptions import ModelError
-from faying.joint.system import System, boundary_slices
+from faying.joint.system import System, boundary_slices, unstretched_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.path import moved_alone
 from faying.simulation.solution import Solution
@@ -238,7 +238,8 @@ class PathSensitivity:
             shear_forces=dx[:, 1:],
             shear_slip=slips,
             dissipation=lost,
-            bolt_forces=stiffness[:, None] * moved[:, ports.bolts] + dinputs[:, ports.bolts],
+            bolt_forces=stiffness[:, None] * moved[:, ports.bolts]
+            + np.swapaxes(unstretched_bolt_forces(self.system, np.swapaxes(dinputs, 1, 2)), 1, 2),
             displacements=moved[:, : ports.n_boundary],
             lower=lower,
             upper=upper,

@@ -10,7 +10,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import case_metrics, metrics_of
 from faying.assessment.rubbed_cases import rubbed_metrics, slip_metrics
-from faying.assessment.thread import Thread
+from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.contact.increment import Increment
+from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.joint.system import Joint
 from faying.simulation.path import PathStep, follow
@@ -59,7 +60,7 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
         increment=Increment(
             forces=forces,
             slack=np.zeros_like(forces),
-            moved=solver.moved(free[0], forces),
+            moved=displaced(solver, free[0], forces),
             iterations=0,
             residual=0.0,
         ),

@@ -27,6 +27,7 @@ from faying.joint.system import (
     bolt_input,
     boundary_slices,
     input_forces,
+    unstretched_bolt_forces,
 )
 from faying.reduction.recovery import (
     Recovery,
@@ -96,7 +97,10 @@ class Recovered(ContactFields):
         """Return the axial force of a bolt (...) [force], tension positive."""
         place = bolt_input(self.system, bolt)
         elongation = self._outer_ports[..., place]
-        return np.asarray(self.system.bolts[bolt].stiffness * elongation + self.inputs[..., place])
+        unstretched = unstretched_bolt_forces(self.system, self.inputs)
+        number = list(self.system.bolts).index(bolt)
+        stiffness = self.system.bolts[bolt].stiffness
+        return np.asarray(stiffness * elongation + unstretched[..., number])
 
     @property
     def _outer_ports(self) -> Matrix:

@@ -21,7 +21,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.derivatives import Derivatives
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.exceptions import ModelError
-from faying.joint.system import System, boundary_slices
+from faying.joint.system import System, boundary_slices, unstretched_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.solution import Solution
 from faying.simulation.static import port_forces, solve_static_inputs
@@ -221,7 +221,8 @@ class Sensitivity:
             system=system,
             contact_forces=dforces,
             slack=dslack,
-            bolt_forces=stiffness[:, None] * elongation + dinputs[ports.bolts],
+            bolt_forces=stiffness[:, None] * elongation
+            + unstretched_bolt_forces(system, dinputs.T).T,
             displacements=moved[: ports.n_boundary],
             lower=lower,
             upper=upper,

@@ -7,8 +7,14 @@ from typing import Self
 import numpy as np
 
 from faying._typing import Mask, Vector
-from faying.assessment.growth import LARGEST, first_events
-from faying.assessment.opening import areas_that_open, opening_events, pressed_shares
+from faying.assessment.growth import LARGEST, Event, first_events
+from faying.assessment.opening import (
+    areas_that_open,
+    enough,
+    opening_event,
+    pressed_depth,
+    pressed_shares,
+)
 from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
 from faying.exceptions import ModelError
@@ -112,7 +118,7 @@ def slip_reserve(
     """Find the load factors at which a joint begins to slip, slips by a share, and as a whole.
 
     The load grows in equal increments to its nominal value, from there on by the same share of
-    itself, and is bisected to where something first happens
+    itself, and is cut to where something first happens
     (:func:`~faying.assessment.growth.first_events`). What is found belongs to a path with such
     increments: ``gross_slip`` of a bolted tee is within 0.4 % with 5 to 80 of them.
 
@@ -140,7 +146,7 @@ def slip_reserve(
     ModelError
         If the system has no friction, the load is a history, or a number is out of range.
     ConvergenceError
-        If a trial of a bisection is not solved.
+        If a trial in an increment is not solved.
 
     Notes
     -----
@@ -153,12 +159,16 @@ def slip_reserve(
     search = _Search.of(system, load, rest)
     stuck = search.stuck()
     opens = {} if open_below is None else search.opening(open_below)
-    events: dict[str, _Event] = {
+    events: dict[str, Event[PathStep]] = {
         **{f"{AREA}{name}": happens for name, happens in opens.items()},
-        "first": lambda after, here: bool(search.states(after, here).slip_share[-1] > 0),
-        "onset": lambda after, here: search.share(search.states(after, here), stuck) >= ONSET,
-        "share": lambda after, here: bool(search.states(after, here).slip_of_closed[-1] >= share),
-        "gross": lambda after, _: bool(search.sliding(after)),
+        "first": _whether(lambda after, here: search.states(after, here).slip_share[-1] > 0),
+        "onset": _whether(
+            lambda after, here: search.share(search.states(after, here), stuck) >= ONSET
+        ),
+        "share": _whether(
+            lambda after, here: search.states(after, here).slip_of_closed[-1] >= share
+        ),
+        "gross": _whether(lambda after, _: bool(search.sliding(after))),
     }
     found = first_events(search.at, search.start, events, increments=increments, largest=largest)
     factors, states = found.factors, found.states
@@ -199,8 +209,9 @@ def _check(system: System, load: Load, share: float, increments: int, largest: f
     load.scaled(1.0)
 
 
-_Event = Callable[[PathStep, PathStep], bool]
-"""Whether something happens in the increment to the first step from the second."""
+def _whether(happens: Callable[[PathStep, PathStep], bool]) -> Event[PathStep]:
+    """Return the event that happens or not in the increment to the first step from the second."""
+    return lambda after, here: -np.inf if happens(after, here) else np.inf
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -273,16 +284,18 @@ class _Search:
                 return name
         return ""
 
-    def opening(self, open_below: float) -> dict[str, _Event]:
-        """Return what says that an area is open, by its name."""
-        contact = self.system.contact
+    def opening(self, open_below: float) -> dict[str, Event[PathStep]]:
+        """Return when areas open, by their names."""
+        contact, solver = self.system.contact, self.system.static_contact.increments
         areas = areas_that_open(self.system.interfaces, contact.slices, self.system.bolts)
 
-        def closed(step: PathStep) -> Mask:
-            return np.asarray(step.increment.forces[0] > 0)
+        def pressed(step: PathStep) -> Vector:
+            return pressed_depth(contact, step.increment.gap(solver.laws))
 
-        shares = pressed_shares(areas, closed(self.start), contact.weights)
-        return opening_events(closed, shares, open_below)
+        shares = pressed_shares(areas, pressed(self.start) > 0, contact.weights)
+        return {
+            name: opening_event(pressed, own, enough(open_below)) for name, own in shares.items()
+        }
 
     def farthest(self, after: PathStep, here: PathStep) -> tuple[str, int]:
         """Return the interface, and the point of it, that slips farthest in an increment."""

@@ -5,10 +5,12 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Matrix, SparseMatrix, Vector
 from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.system import System
-from faying.linalg.factorization import factorize
+from faying.linalg.factorization import Factorization
+from faying.linalg.inertia import count_negative
+from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.solution import Solution
 
@@ -44,11 +46,57 @@ def stuck_mode(system: System, state: Solution, number: int) -> StuckMode:
     One factorization and one Lanczos run of a full model; dense matrices of a reduced one.
     """
     tangent = stuck_stiffness(system, state)
-    squares, shapes = lowest_modes(tangent, system.M, factorize(tangent), number)
+    factor = factorize_relieved(tangent, system.M, system.rigid_motions)
+    squares, shapes = lowest_modes(tangent, system.M, factor, number)
     shape = shapes[:, number - 1]
     bare = float(shape @ (system.K @ shape))
     return StuckMode(
         shape=shape,
         frequency=float(np.sqrt(squares[-1]) / (2 * np.pi)),
         contact_share=max(1.0 - bare / float(squares[-1]), 0.0),
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StuckModes:
+    """All modes up to a frequency, and the static response of the same stuck joint.
+
+    Attributes
+    ----------
+    shapes : (n_dof, n)
+        Mass-normalized, in columns.
+    frequencies : (n,) [1/time]
+    stiffness : (n_dof, n_dof)
+        Of the joint whose closed points stick.
+    factor
+        Its factorization, or what stands for K⁺ of (M11).
+    """
+
+    shapes: Matrix
+    frequencies: Vector
+    stiffness: SparseMatrix | Matrix
+    factor: Factorization
+
+
+def stuck_modes(system: System, state: Solution, highest: float, least: int = 1) -> StuckModes:
+    """Return the modes of small vibrations up to a frequency, and so many at least.
+
+    Notes
+    -----
+    A factorization, another that counts the modes, and one Lanczos run of a full model; dense
+    matrices of a reduced one.
+    """
+    tangent = stuck_stiffness(system, state)
+    rigid = system.rigid_motions
+    factor = factorize_relieved(tangent, system.M, rigid)
+    below = count_negative(tangent - (2 * np.pi * highest) ** 2 * system.M) - rigid.shape[1]
+    count = min(max(below, least), system.K.shape[0] - rigid.shape[1])
+    squares, shapes = lowest_modes(tangent, system.M, factor, count)
+    usable = np.isfinite(squares) & (squares > 0)
+    return StuckModes(
+        shapes=shapes[:, usable],
+        frequencies=np.sqrt(squares[usable]) / (2 * np.pi),
+        stiffness=tangent,
+        factor=factor,
     )

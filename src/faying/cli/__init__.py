@@ -15,6 +15,7 @@ from faying.cli.report import report
 from faying.cli.run import run
 from faying.cli.schema import schema
 from faying.cli.solve import solve
+from faying.cli.tighten import tighten
 from faying.cli.view import view
 from faying.exceptions import FayingError
 
@@ -30,7 +31,20 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
-for command in (demo, init, run, check, report, recover, export, reduce, solve, schema, view):
+for command in (
+    demo,
+    init,
+    run,
+    check,
+    report,
+    recover,
+    export,
+    reduce,
+    solve,
+    tighten,
+    schema,
+    view,
+):
     app.command()(command)
 
 

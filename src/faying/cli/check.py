@@ -30,7 +30,7 @@ def check(
 
     from faying.cli.description import described
     from faying.cli.progress import progress_bar
-    from faying.joint.diagnosis import check_held
+    from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
     from faying.study.bare_deck import is_bare, study_or_deck
     from faying.study.declared import missing_contact
     from faying.study.jumps import jump_sentence, load_jumps
@@ -79,7 +79,7 @@ def check(
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
     if found.free.count and not bare:
         # Last, so that what can move is seen in the tables and the picture first.
-        check_held(model)
+        check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
 
 
 def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from faying.contact.laws import Coulomb, Penalty
 from faying.interface.interface import Interface
-from faying.joint.diagnosis import FreeParts
+from faying.joint.diagnosis import AS_A_WHOLE, FreeParts
 from faying.joint.expected_memory import expected_memory
 from faying.joint.model import Model
 from faying.linalg.machine_memory import free_memory
@@ -29,6 +29,7 @@ from faying.study.bare_deck import is_bare, quoted
 from faying.study.declared import kept_share
 from faying.study.load_model import LoadedModel
 from faying.study.tables import ForceSection, LoadCaseSection, Study
+from faying.study.threads import forced_bolts
 from faying.study.understood import Understood
 
 MOST_IDS = 6
@@ -137,7 +138,7 @@ def _factorization(memory: FactorMemory) -> str:
     enough = free is None or memory.peak <= free
     return (
         f"{memory.backend}, {gigabytes(memory.factor)} of factors, {gigabytes(memory.peak)} while "
-        f"they are made and used between pairs{about}{there}"
+        f"they are made and used between pairs{' one by one' * memory.one_by_one}{about}{there}"
         f"{'' if enough else ', which is not enough'}"
     )
 
@@ -256,7 +257,6 @@ def _interface(interface: Interface) -> tuple[object, ...]:
 
 def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
     columns = ["name", "tightened", "along", "stiffness EA/L", "preload", "said by"]
-    wished = {b.name for b in study.bolts if b.preload is not None or b.initial_force is not None}
     rows = (
         (
             spec.name,
@@ -264,7 +264,7 @@ def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
             _point(np.round(bolt_direction(model.assembly, spec), 4).tolist()),
             float(model.bolts[spec.name].stiffness),
             _force_of(loaded, spec.name),
-            "the study" if spec.name in wished else "the source",
+            "the study" if spec.name in forced_bolts(study) else "the source",
         )
         for spec in loaded.bolts
     )
@@ -339,12 +339,11 @@ def _rigid_body_modes(found: FreeParts) -> Table:
     """Say what can move while nothing but contact resists."""
     if found.count is None:
         rows = [("not looked for", "too many bodies and loose nodes")]
-    elif found.count == 0:
-        rows = [("none", "everything is held")]
     else:
-        rows = list(found.parts.items())
-    number = f": {found.count}" if found.count else ""
-    return _table(f"Rigid-body modes, contact aside{number}", ["what", "how"], rows)
+        whole = [("the whole", AS_A_WHOLE.format(count=found.whole))] if found.whole else []
+        rows = [*found.parts.items(), *whole] or [("none", "everything is held")]
+    title = "Rigid-body modes, contact aside" + (f": {found.count}" if found.count else "")
+    return _table(title, ["what", "how"], rows)
 
 
 def _boundaries(model: Model) -> Table:
@@ -369,8 +368,8 @@ def _load_cases(study: Study) -> Table:
 
 def _force(force: ForceSection) -> str:
     amount = f"{force.value:g}" if force.file is None else force.file.name
-    if force.deck_load is not None:
-        return f"{amount} times deck load {force.deck_load}"
+    if force.boundary is None:
+        return f"{amount} times {'deck load' if force.deck_load else 'temperature'} {force.target}"
     return f"{force.boundary} {force.component} = {amount}"
 
 

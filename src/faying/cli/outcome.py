@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -24,6 +25,9 @@ from faying.units import units_of
 
 ESTIMATED = "estimated_max_relative_error"
 """Entry of a summary that has the estimated error of a transient's pressures."""
+
+STYLES = {"met": "", "not met": "bold red", "unknown": "yellow"}
+"""How a row of the verdict is written."""
 
 
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
@@ -62,39 +66,30 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
             console.print(f"Doubtful: {said}", highlight=False)
     if summary["reference"]["reason"]:
         console.print(f"Reference: {summary['reference']['reason']}", highlight=False)
-    for line in verdict_lines(summary):
-        console.print(line, highlight=False, soft_wrap=True)
     report = out / "report.html"
     console.print(f"Results are in {out}", highlight=False, soft_wrap=True)
     if report.exists():
         console.print(f"Report: {report}", highlight=False, soft_wrap=True)
 
 
+def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
+    """Print the verdict on the joint: a row for each bolt and interface, and a sentence."""
+    verdict = summary["verdict"]
+    if verdict["table"]:
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        for column in verdict["table"][0]:
+            table.add_column(column, overflow="fold")
+        for row in verdict["table"]:
+            table.add_row(*row.values(), style=STYLES[row["verdict"]])
+        console.print(table)
+    for text in verdict["open_questions"]:
+        console.print(f"Not judged: {text}", highlight=False, soft_wrap=True)
+    console.print(verdict["sentence"], highlight=False, soft_wrap=True)
+
+
 def met(summary: Mapping[str, Any]) -> bool:
-    """Say whether the joint is known to hold what the study demands."""
-    judged = summary.get("assessment") is not None or not summary.get("requirements")
-    return judged and all(verdict["met"] is True for verdict in _verdicts(summary))
-
-
-def _verdicts(summary: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    return list((summary.get("assessment") or {}).get("verdicts", []))
-
-
-def verdict_lines(summary: Mapping[str, Any]) -> list[str]:
-    """Return a line for each requirement that was judged."""
-    return list(map(_verdict_line, _verdicts(summary)))
-
-
-def _verdict_line(verdict: Mapping[str, Any]) -> str:
-    if verdict["met"] is None:
-        place = f" ({verdict['place']})" if verdict["place"] else ""
-        return f"Requirement {verdict['requirement']}: UNKNOWN{place}, {verdict['reason']}"
-    mark = "met" if verdict["met"] else "NOT MET"
-    value = "not reached" if verdict["value"] is None else f"{verdict['value']:.5g}"
-    place = f"{verdict['place']}, " if verdict["place"] else ""
-    limit = f"{verdict['limit']:g}"
-    where = f"{place}{verdict['case']}"
-    return f"Requirement {verdict['requirement']} = {limit}: {mark}, {value} ({where})"
+    """Say whether the joint holds: no check fails, and all that is demanded is known."""
+    return bool(summary["verdict"]["holds"])
 
 
 def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:

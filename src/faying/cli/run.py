@@ -15,7 +15,7 @@ NOT_CONVERGED = 1
 """Exit status of a study that ran but did not converge somewhere."""
 
 NOT_MET = 3
-"""Exit status of a joint that does not hold what its study demands."""
+"""Exit status of a joint that does not hold, or of which what is demanded is not known."""
 
 
 def run(
@@ -59,7 +59,7 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
     usable_folder(out)
     from rich.console import Console
 
-    from faying.cli.outcome import met, show_outcome
+    from faying.cli.outcome import met, show_outcome, show_verdict
     from faying.cli.progress import progress_bar
     from faying.study.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
@@ -71,12 +71,15 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
         result = run_study(
             study, out, resume=resume, progress=progress, executor=executor, since=since
         )
-    show_outcome(result.summary, out, Console(markup=False))
+    console = Console(markup=False)
+    show_outcome(result.summary, out, console)
     for warning in result.summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)
     if not result.converged:
         message = f"Some solutions did not converge; {out / 'summary.json'} names them"
         typer.echo(message, err=True)
+    show_verdict(result.summary, console)
+    if not result.converged:
         raise typer.Exit(NOT_CONVERGED)
     if not met(result.summary):
         raise typer.Exit(NOT_MET)

@@ -71,13 +71,14 @@ def solve(
     with resumable(command, folder, ", and the other options as before"):
         from rich.console import Console
 
-        from faying.cli.outcome import met
+        from faying.cli.outcome import met, show_verdict
         from faying.cli.progress import progress_bar
         from faying.reduction.model_reader import load, preload_path_of, study_of
         from faying.simulation.integrators import named_integrator
         from faying.study.load_set import read_loads
         from faying.study.requirement_rules import requirements_of
         from faying.study.schema import stored_requirement
+        from faying.study.threads import stored_threads
         from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
         if step is not None and not 0 < step < float("inf"):
@@ -86,13 +87,14 @@ def solve(
         rom = load(model)
         wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
         usable_folder(folder)
-        tightened = preload_path_of(model)
+        tightened, text = preload_path_of(model), study_of(model)
         options = SolveOptions(
             worst=worst,
             named=tuple(keep or ()),
             certificates=certificates,
             table=table,
-            requirements=requirements_of(wanted.requirement or stored_requirement(study_of(model))),
+            requirements=requirements_of(wanted.requirement or stored_requirement(text)),
+            threads=stored_threads(text, rom.units),
         )
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)
@@ -111,6 +113,8 @@ def solve(
     if not result.converged:
         message = f"Some cases did not converge; {folder / 'summary.json'} names them"
         typer.echo(message, err=True)
+    show_verdict(result.summary, Console(markup=False))
+    if not result.converged:
         raise typer.Exit(NOT_CONVERGED)
     if not met(result.summary):
         raise typer.Exit(NOT_MET)
@@ -121,8 +125,6 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
     from rich import box
     from rich.console import Console
     from rich.table import Table
-
-    from faying.cli.outcome import verdict_lines
 
     console = Console(markup=False, highlight=False)
     sets = {"static cases": summary["static"]} if "static" in summary else {}
@@ -140,8 +142,6 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
                 value = "infinite" if entry["value"] is None else f"{entry['value']:.5g}"
                 table.add_row(label, value, entry["case"])
         console.print(table)
-    for line in verdict_lines(summary):
-        console.print(line, soft_wrap=True)
     for warning in summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)
     console.print(f"Results are in {folder}", soft_wrap=True)

@@ -179,7 +179,7 @@ class Contact:
         return self.components == 1
 
     def check_frictionless(self) -> None:
-        """Refuse friction, which only increments know.
+        """Refuse friction, for what solves without increments.
 
         Raises
         ------
@@ -189,9 +189,9 @@ class Contact:
         rubbing = [name for name, law in self.laws.items() if law.components > 1]
         if rubbing:
             message = (
-                f"interface '{rubbing[0]}' has friction, which paths and transients alone "
-                "know (solve_path, solve_transient): tighten bolts before with_friction, and take "
-                "the model without friction for single static cases and certificates"
+                f"interface '{rubbing[0]}' has friction, which is not carried here: tighten bolts "
+                "before with_friction, solve by solve_static, solve_path or solve_transient, and "
+                "take certificates of the model without friction"
             )
             raise ModelError(message)
 

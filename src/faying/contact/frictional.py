@@ -24,6 +24,7 @@ from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
 from faying.contact.fixed_bounds import FixedBounds
 from faying.contact.increment import Increment
+from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import Factors, NewtonSteps
 from faying.exceptions import ConvergenceError
@@ -141,11 +142,7 @@ class FrictionalContact:
         """Solve one increment; see :meth:`.IncrementSolver.solve`."""
         z_free = self.contact.moved(free) + offset
         found = self.solve_slack(z_free, None if start is None else start.forces)
-        return replace(found, moved=self.moved(free, found.forces))
-
-    def moved(self, free: Vector, forces: Matrix) -> Vector:
-        """Return the relative displacements (n_relative,) under forces (3, n_point)."""
-        return np.asarray(free + self.S @ self.contact.at_pairs(forces[0], forces[1:]))
+        return replace(found, moved=displaced(self, free, found.forces))
 
     def solve_slack(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
         """Solve one increment whose points move by z_free without contact forces.

@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.linalg.gmres import corrected
 
 REGULAR = 1e-11
 """Smallest over largest squared pivot of S from which it has an inverse worth using.
@@ -35,11 +36,17 @@ UNCHANGED = 1e-12
 ACCURATE, LOOSE = 1e-5, 1e-3
 """Relative residuals of (F7): single precision leaves 1e-6, Newton's method corrects the rest."""
 
-MOST_CORRECTIONS = 8
-"""Corrections of a solution in single precision; two or three are usual."""
+MOST_CORRECTIONS = 15
+"""Products of GMRES, which take as long as a factorization."""
 
-SLOWEST = 0.25
-"""What a correction must leave of the residual at most for the factors to serve."""
+CHANGED, MOST_CHANGED = 0.1, 20
+"""Change of K at a point, over the largest K, that counts, and how many such serve for GMRES."""
+
+MOST_BESIDE = 1.1
+"""Pairs that a system may have over those of the factors at hand."""
+
+ROWS = 256
+"""Rows that are mirrored at once."""
 
 
 @final
@@ -49,18 +56,21 @@ class Factors:
 
     Attributes
     ----------
+    K : (n_point, components, components) [force/length]
+        What it was made of.
     pairs : (n_changed,)
         c.
     lu, pivots
         In single precision, double where that does not do.
     """
 
+    K: Matrix
     pairs: Indices
     lu: Matrix
     pivots: Indices
 
     @classmethod
-    def of(cls, pairs: Indices, product: Matrix) -> "Factors":
+    def of(cls, K: Matrix, pairs: Indices, product: Matrix) -> "Factors":
         """Factorize I + ΔB_cc U_cc, given the product, which is overwritten."""
         product.flat[:: len(product) + 1] += 1.0
         single = product.dtype == np.float32
@@ -70,7 +80,12 @@ class Factors:
         if failed or not np.isfinite(lu).all():
             message = "singular system of a Newton step"
             raise LinAlgError(message)
-        return cls(pairs, lu, pivots)
+        return cls(K, pairs, lu, pivots)
+
+    def serve(self, K: Matrix) -> bool:
+        """Say whether K is another at few points only."""
+        changed = np.abs(K - self.K).max(axis=(1, 2)) > CHANGED * np.abs(K).max()
+        return bool(np.count_nonzero(changed) <= MOST_CHANGED)
 
     def solve(self, right: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return the solution of a right-hand side at the pairs c."""
@@ -90,6 +105,8 @@ class GluedPairs:
         Displacements at the points, component by component.
     springs : (components, n_point) [force/length]
         K of points that are closed and stick.
+    glue : (n_relative, n_relative) sparse [force/length]
+        B₀.
     compliance : (n_relative, n_relative) [length/force]
         U.
     stiffness : (n_relative, n_relative) [force/length]
@@ -98,6 +115,7 @@ class GluedPairs:
 
     G: SparseMatrix
     springs: Matrix
+    glue: SparseMatrix
     compliance: Matrix
     stiffness: Matrix
 
@@ -126,9 +144,11 @@ class GluedPairs:
         stiffness = _inverse(S, REGULAR)
         if pulled is not None:
             springs = springs * _pressed(G, springs, stiffness, pulled)
-        _add(stiffness, (G.T @ sp.diags_array(springs.ravel()) @ G).tocsr())
+        glue = _between_pairs(G, springs)
+        _add(stiffness, glue)
         return cls(
             G=read_only(G),
+            glue=read_only(glue),
             springs=frozen(springs),
             compliance=frozen(_inverse(stiffness, 0.0)),
             stiffness=frozen(stiffness),
@@ -140,22 +160,30 @@ class GluedPairs:
         return read_only(self.G.T.tocsr())
 
     @cached_property
-    def glue(self) -> SparseMatrix:
-        """B₀ (n_relative, n_relative)."""
-        return read_only((self.transposed @ sp.diags_array(self.springs.ravel()) @ self.G).tocsr())
-
-    @cached_property
     def _single(self) -> Matrix:
         """U in single precision."""
         return self.compliance.astype(np.float32)
 
     @cached_property
-    def _touching(self) -> SparseMatrix:
-        """Which pairs a point touches (n_relative, n_point)."""
-        n = self.springs.shape[1]
-        pattern = abs(self.G)
-        parts = [pattern[start : start + n] for start in range(0, self.G.shape[0], n)]
-        return sum(parts[1:], parts[0]).T.tocsr()
+    def _local(self) -> tuple[Indices, npt.NDArray[Any]]:
+        """Rows of G point by point: columns (n_point, m) and entries (n_point, components, m).
+
+        Points that fewer relative displacements move than others have zeros at column n_relative.
+        """
+        k, n = self.springs.shape
+        entries = self.G.tocoo()
+        component, point = np.divmod(entries.row, n)
+        size = self.G.shape[1]
+        touched, which = np.unique(point * np.int64(size) + entries.col, return_inverse=True)
+        owner = touched // size
+        first = np.searchsorted(owner, np.arange(n))
+        slot = np.arange(len(touched)) - first[owner]
+        m = int(slot.max(initial=-1)) + 1
+        columns = np.full((n, m), size)
+        columns[owner, slot] = touched % size
+        rows = np.zeros((n, k, m))
+        rows[point, component, slot[which]] = entries.data
+        return columns, rows
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
@@ -204,92 +232,100 @@ class GluedPairs:
         moved = self.compliance @ right
         if not changed.any():
             return moved, right, factors
+        enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
+        if factors is not None and factors.serve(K):
+            pairs, block = self._block(changed, factors.pairs)
+            if len(pairs) <= MOST_BESIDE * len(factors.pairs):
+                single, between = block.astype(np.float32), self._between(pairs)
+                solution = _in_single(single, between, block @ moved[pairs], enough, factors)
+                answer = self._answer(right, pairs, block, solution)
+                if answer is not None:
+                    return *answer, factors
         pairs, block = self._block(changed)
-        enough = float(np.clip(0.05 * left, ACCURATE, LOOSE))
         shared = block @ moved[pairs]
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
-            found = self._in_single(pairs, block, shared, enough, factors)
-        if found is not None:
-            forces, d = self._answer(right, pairs, found[0])
-            rest = right[pairs] - forces[pairs] - block @ d[pairs]
-            if np.linalg.norm(rest) <= LOOSE * np.linalg.norm(right):
-                return d, forces, found[1]
+            single, between = block.astype(np.float32), self._between(pairs)
+            try:
+                factors = Factors.of(K, pairs, single @ between)
+                solution = _in_single(single, between, shared, enough, factors)
+            except LinAlgError:
+                solution = None
+        answer = self._answer(right, pairs, block, solution)
+        if answer is not None:
+            return *answer, factors
         product = block @ self.compliance[pairs].take(pairs, axis=1)
-        exact = Factors.of(pairs, product)
-        forces, d = self._answer(right, pairs, exact.solve(shared))
-        return d, forces, None
+        exact = Factors.of(K, pairs, product).solve(shared)
+        forces = right.copy()
+        forces[pairs] -= exact
+        return self.compliance @ forces, forces, None
 
-    def _answer(self, right: Vector, pairs: Indices, shared: Vector) -> tuple[Vector, Vector]:
-        """Return (Σ + B₀) d and d of the solution m at the pairs c."""
+    def _answer(
+        self, right: Vector, pairs: Indices, block: SparseMatrix, shared: Vector | None
+    ) -> tuple[Vector, Vector] | None:
+        """Return d and (Σ + B₀) d of the solution m at the pairs c, where it is one."""
+        if shared is None:
+            return None
         forces = right.copy()
         forces[pairs] -= shared
-        return forces, self.compliance @ forces
+        d = self.compliance @ forces
+        rest = shared - block @ d[pairs]
+        exact = np.linalg.norm(rest) <= LOOSE * np.linalg.norm(right)
+        return (d, forces) if exact else None
 
-    def _block(self, changed: Matrix) -> tuple[Indices, SparseMatrix]:
-        """Return the pairs c that changed points touch, and ΔB_cc."""
-        k, n = self.springs.shape
+    def _block(
+        self, changed: Matrix, beside: Indices | None = None
+    ) -> tuple[Indices, SparseMatrix]:
+        """Return the pairs c that changed points touch, after others, and ΔB_cc."""
         points = np.flatnonzero(changed.any(axis=(1, 2)))
-        touched = np.zeros(n)
-        touched[points] = 1.0
-        pairs = np.flatnonzero(self._touching @ touched)
-        number = np.full(self.G.shape[1], -1)
+        columns, rows = (of_points[points] for of_points in self._local)
+        touched = np.zeros(self.G.shape[1] + 1, dtype=bool)
+        touched[columns] = True
+        touched[-1] = False
+        pairs, number = np.flatnonzero(touched), np.zeros(len(touched), dtype=np.int64)
+        if beside is not None:
+            pairs = np.concatenate([beside, np.setdiff1d(pairs, beside)])
         number[pairs] = np.arange(len(pairs))
-        rows = (n * np.arange(k)[:, None] + points).ravel()
-        G = self.G[rows]
-        G = sp.csr_array((G.data, number[G.indices], G.indptr), shape=(len(rows), len(pairs)))
-        which = np.arange(len(points))
-        shape = (k, k, len(points))
-        place = len(points) * np.arange(k)
-        first = np.broadcast_to(place[:, None, None] + which, shape).ravel()
-        second = np.broadcast_to(place[None, :, None] + which, shape).ravel()
-        data = changed[points].transpose(1, 2, 0).ravel()
-        local = sp.csr_array((data, (first, second)), shape=(len(rows), len(rows)))
-        return pairs, (G.T @ (local @ G)).tocsr()
+        columns = number[columns]  # what fills up are zeros, wherever they go
+        entries = rows.transpose(0, 2, 1) @ (changed[points] @ rows)
+        first = np.broadcast_to(columns[:, :, None], entries.shape)
+        second = np.broadcast_to(columns[:, None, :], entries.shape)
+        where = (first.ravel(), second.ravel())
+        return pairs, sp.csr_array((entries.ravel(), where), shape=(len(pairs), len(pairs)))
 
-    def _in_single(
-        self,
-        pairs: Indices,
-        block: SparseMatrix,
-        right: Vector,
-        enough: float,
-        factors: Factors | None,
-    ) -> tuple[Vector, Factors] | None:
-        """Solve (F7) for m in single precision, with factors at hand where they serve."""
-        single, b = block.astype(np.float32), np.asarray(right, dtype=np.float32)
-        between = self._single[pairs].take(pairs, axis=1)
-        if factors is not None and np.array_equal(factors.pairs, pairs):
-            found = _corrected(single, between, b, enough, factors)
-            if found is not None:
-                return found, factors
-        try:
-            factors = Factors.of(pairs, single @ between)
-        except LinAlgError:
-            return None
-        found = _corrected(single, between, b, enough, factors)
-        return None if found is None else (found, factors)
+    def _between(self, pairs: Indices) -> Matrix:
+        """Return U_cc in single precision."""
+        return self._single[pairs].take(pairs, axis=1)
 
 
-def _corrected(
-    block: SparseMatrix,
-    between: Matrix,
-    right: npt.NDArray[np.float32],
-    enough: float,
-    factors: Factors,
+def _in_single(
+    block: SparseMatrix, between: Matrix, shared: Vector, enough: float, factors: Factors
 ) -> Vector | None:
-    """Solve (F7) by factors of a similar system and corrections, or not at all."""
-    solution, rest = np.zeros_like(right), right
-    size = before = float(np.linalg.norm(right))
-    for _ in range(MOST_CORRECTIONS):
-        solution = solution + factors.solve(rest).astype(right.dtype)
-        rest = right - solution - block @ (between @ solution)
-        after = float(np.linalg.norm(rest))
-        if after <= enough * size:
-            return np.asarray(solution, dtype=float)
-        if not after <= SLOWEST * before:
-            return None
-        before = after
-    return None
+    """Solve (F7) for m in single precision by factors of the first pairs, or not at all.
+
+    Parameters
+    ----------
+    block, between
+        ΔB_cc and U_cc in single precision.
+    shared : (n_changed,) [force]
+        ΔB_cc (U b)_c.
+    enough
+        Residual that is left [force].
+    """
+    n = len(factors.pairs)
+
+    def near(right: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        return np.concatenate([factors.solve(right[:n]), right[n:]])
+
+    def product(right: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        solution = near(right)
+        return np.asarray(solution + block @ (between @ solution))
+
+    right = np.asarray(shared, dtype=np.float32)
+    if not np.isfinite(right).all():
+        return None
+    found = corrected(product, right, enough, MOST_CORRECTIONS)
+    return None if found is None else np.asarray(near(found), dtype=float)
 
 
 def _pressed(G: SparseMatrix, springs: Matrix, stiffness: Matrix, pulled: Vector) -> Vector:
@@ -297,17 +333,24 @@ def _pressed(G: SparseMatrix, springs: Matrix, stiffness: Matrix, pulled: Vector
     every = np.ones(springs.shape[1])
     pressed = every
     for _ in range(ROUNDS):
-        glue = (G.T @ sp.diags_array((springs * pressed).ravel()) @ G).tocsr()
-        system = stiffness.copy()
+        glue = _between_pairs(G, springs * pressed)
+        # Which points they are needs few digits.
+        system = stiffness.astype(np.float32)
         _add(system, glue)
-        moved = pulled - cho_solve(cho_factor(system, overwrite_a=True), glue @ pulled)
+        factor = cho_factor(system, overwrite_a=True)
+        moved = pulled - cho_solve(factor, (glue @ pulled).astype(np.float32))
         before, pressed = pressed, 1.0 * (G[: len(every)] @ moved < 0)
         if np.array_equal(before, pressed):
             break
     return pressed if pressed.any() else every
 
 
-def _add(matrix: Matrix, entries: SparseMatrix) -> None:
+def _between_pairs(G: SparseMatrix, springs: Matrix) -> SparseMatrix:
+    """Return Gᵀ K G of springs (components, n_point)."""
+    return (G.T @ sp.diags_array(springs.ravel()) @ G).tocsr()
+
+
+def _add(matrix: npt.NDArray[Any], entries: SparseMatrix) -> None:
     """Add a sparse matrix without duplicates to a dense one in its place."""
     where = entries.tocoo()
     matrix[where.row, where.col] += where.data
@@ -326,7 +369,10 @@ def _inverse(matrix: Matrix, least: float) -> Matrix:
     if failed or pivots.min(initial=1) ** 2 < least * pivots.max(initial=1) ** 2:
         message = "the matrix is not positive definite"
         raise LinAlgError(message)
-    inverse = lapack.dpotri(lower, lower=1, overwrite_c=1)[0]
-    whole: Matrix = np.tril(inverse)
-    whole += np.tril(inverse, -1).T
-    return whole
+    inverse: Matrix = np.ascontiguousarray(lapack.dpotri(lower, lower=1, overwrite_c=1)[0])
+    for row in range(0, len(inverse), ROWS):
+        some = slice(row, row + ROWS)
+        inverse[some, row + ROWS :] = inverse[row + ROWS :, some].T
+        corner = inverse[some, some]
+        inverse[some, some] = np.tril(corner) + np.tril(corner, -1).T
+    return inverse

@@ -2,9 +2,12 @@
 
 from typing import Protocol
 
+import numpy as np
+
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment
+from faying.contact.laws_at_points import LawsAtPoints
 
 
 class IncrementSolver(Protocol):
@@ -20,8 +23,9 @@ class IncrementSolver(Protocol):
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
         ...
 
-    def moved(self, free: Vector, forces: Matrix) -> Vector:
-        """Return the relative displacements (n_relative,) under forces (3, n_point)."""
+    @property
+    def laws(self) -> LawsAtPoints:
+        """What the contact points answer."""
         ...
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
@@ -42,3 +46,14 @@ class IncrementSolver(Protocol):
             If the increment is not solved.
         """
         ...
+
+
+def displaced(solver: IncrementSolver, free: Vector, forces: Matrix) -> Vector:
+    """Return the relative displacements (n_relative,) under forces (3, n_point).
+
+    Parameters
+    ----------
+    free : (n_relative,) [length]
+        Without contact forces.
+    """
+    return np.asarray(free + solver.S @ solver.contact.at_pairs(forces[0], forces[1:]))

@@ -8,7 +8,7 @@ A piece holds both as lines, a column for 1 and one for t, and leads to the next
 """
 
 from dataclasses import dataclass, replace
-from typing import Protocol, Self, final
+from typing import final
 
 import numpy as np
 
@@ -16,45 +16,19 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.neighbouring_blocks import NeighbouringBlocks
 
 
-class LinearPiece(Protocol):
-    """What is linear while the same points are closed."""
-
-    @property
-    def active(self) -> Mask:
-        """Points that are closed (n_point,)."""
-        ...
-
-    @property
-    def forces(self) -> Matrix:
-        """Contact forces (n_point, 2), zero at other points."""
-        ...
-
-    @property
-    def slack(self) -> Matrix:
-        """Slack of the other points (n_point, 2)."""
-        ...
-
-    @property
-    def own(self) -> Vector:
-        """Diagonal of H (n_point,) [length/force]."""
-        ...
-
-    def moved_to(self, active: Mask) -> Self:
-        """Return the piece of other closed points."""
-        ...
-
-    def between(self, points: Indices) -> Matrix:
-        """Return gap per force between points that are not closed, those in contact giving way."""
-        ...
-
-
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointPiece:
-    """A piece by blocks of H, for any law; see :class:`LinearPiece`.
+    """A piece by blocks of H, for any law.
 
     Attributes
     ----------
+    active : (n_point,)
+        Points that are closed.
+    forces : (n_point, 2)
+        Contact forces, zero at other points.
+    slack : (n_point, 2)
+        Of the other points.
     blocks
         What solves blocks of H near the last one.
     sides : (n_point, 2) [length]

@@ -21,10 +21,11 @@ from typing import final
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import LinAlgError, lapack, solve_triangular
+from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.padded_rows import PaddedRows
+from faying.linalg.gmres import corrected
 
 PROXIMAL = 1e-8
 """Yield of a rigid point in a Newton step, over what the structure yields at it."""
@@ -34,8 +35,6 @@ MOST_CORRECTIONS = 12
 
 CHANGED, MOST_CHANGED = 0.1, 4
 """Change of K at a point, over the largest K, that counts, and how many such serve for GMRES."""
-
-TINY = np.finfo(float).tiny
 
 
 @final
@@ -187,36 +186,14 @@ class NewtonSteps:
         self, K: Matrix, right: Vector, factors: Factors, tolerance: float
     ) -> Vector | None:
         """Solve by GMRES with the factors of a similar system, or not at all."""
-        size = float(np.linalg.norm(right))
-        if size == 0.0:
-            return np.zeros_like(right)
-        basis = np.empty((MOST_CORRECTIONS + 1, len(right)))
-        basis[0] = right / size
-        seen, shares = np.zeros((MOST_CORRECTIONS, MOST_CORRECTIONS)), [size]
-        turns: list[tuple[float, float]] = []
+
+        def product(forces: Vector) -> Vector:
+            moved = factors.applied(forces)
+            return np.asarray(moved + self._gathered(K, self.S @ moved))
+
         enough = tolerance * float(np.linalg.norm(factors.applied(right)))
-        for k in range(MOST_CORRECTIONS):
-            u = factors.applied(basis[k])
-            u += self._gathered(K, self.S @ u)
-            own = basis[: k + 1] @ u
-            u -= own @ basis[: k + 1]
-            rest, column = float(np.linalg.norm(u)), own.tolist()
-            for i, (cosine, sine) in enumerate(turns):
-                column[i : i + 2] = (
-                    cosine * column[i] + sine * column[i + 1],
-                    cosine * column[i + 1] - sine * column[i],
-                )
-            length = max(float(np.hypot(column[k], rest)), TINY)
-            cosine, sine = column[k] / length, rest / length
-            column[k] = length
-            seen[: k + 1, k] = column
-            turns.append((cosine, sine))
-            shares[k:] = cosine * shares[k], -sine * shares[k]
-            if abs(shares[k + 1]) <= enough:
-                weights = solve_triangular(seen[: k + 1, : k + 1], shares[: k + 1])
-                return factors.applied(weights @ basis[: k + 1])
-            basis[k + 1] = u / max(rest, TINY)
-        return None
+        found = corrected(product, right, enough, MOST_CORRECTIONS)
+        return None if found is None else factors.applied(found)
 
     def _touched(self, K: Matrix) -> Indices:
         """Return the pairs that points with springs touch."""

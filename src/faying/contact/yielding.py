@@ -25,15 +25,18 @@ from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import Factors, GluedPairs
 from faying.contact.increment import Increment
+from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError
 
-ROUND_OFF, LAST_DIGITS = 1e-12, 2e-15
-"""Residuals over the largest force at which a problem is solved, before and after S has formed what
-steps summed up."""
+ROUND_OFF = 2e-15
+"""Residual over the largest force at which a problem is solved."""
 
 SOLVED = 1e-9
-"""Residual over the largest force that is accepted where round-off allows no less."""
+"""Residual over the largest force that is accepted where round-off allows no less.
+
+From there on S forms what steps summed up.
+"""
 
 COUNTS = 1e-4
 """Part of what would hold all points closed below which the largest force is no measure."""
@@ -113,10 +116,6 @@ class YieldingContact:
         """What the contact points answer."""
         return LawsAtPoints(contact=self.contact)
 
-    def moved(self, free: Vector, forces: Matrix) -> Vector:
-        """Return the relative displacements (n_relative,) under forces (3, n_point)."""
-        return np.asarray(free + self.S @ self.contact.at_pairs(forces[0], forces[1:]))
-
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one problem; see :meth:`.IncrementSolver.solve`.
 
@@ -130,7 +129,7 @@ class YieldingContact:
             found = solve_yielding(self.laws, self.pairs, free, offset, start, compliance=self.S)
         except ConvergenceError:
             return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
-        return replace(found, moved=self.moved(free, found.forces))
+        return replace(found, moved=displaced(self, free, found.forces))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,23 +193,17 @@ def solve_yielding(
 
     pulled = np.zeros(len(free)) if pull is None else pull
     state = _begun(laws, pairs, free, given, start, pulled)
-    steps, short, bounded, exact = 0, 0, False, False
+    steps, short, bounded = 0, 0, False
     factors: Factors | None = None
     before = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
-        enough = LAST_DIGITS if exact else ROUND_OFF
-        settled = state.left <= enough or (state.left <= SOLVED and state.left > 0.1 * before)
-        if settled and (exact or compliance is None):
-            break
-        if settled and compliance is not None:
+        if state.left <= SOLVED and compliance is not None:
             # What Newton's method summed up step by step is formed once more, by S.
-            pressed = pairs.transposed @ state.forces.ravel()
-            y = free + compliance @ pressed
-            z = _at(G, y, given)
-            state = _State(y, pressed, z, *laws.respond(z), pairs.transposed, state.least)
-            exact = state.left <= SOLVED
-            if state.left <= LAST_DIGITS:
-                break
+            # Beside rigid motions on weak springs this alone balances forces to round-off.
+            state = _formed(laws, pairs, free, given, state, compliance)
+            compliance, before = None, np.inf
+        if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * before):
+            break
         before = state.left
         K = state.K
         if bounded:
@@ -242,6 +235,21 @@ def solve_yielding(
     )
 
 
+def _formed(
+    laws: LawsAtPoints,
+    pairs: GluedPairs,
+    free: Vector,
+    offset: Matrix,
+    state: _State,
+    compliance: Matrix,
+) -> _State:
+    """Return the state in which the pairs are where the forces of one move them."""
+    pressed = pairs.transposed @ state.forces.ravel()
+    y = free + compliance @ pressed
+    z = _at(pairs.G, y, offset)
+    return _State(y, pressed, z, *laws.respond(z), pairs.transposed, state.least)
+
+
 def _begun(
     laws: LawsAtPoints,
     pairs: GluedPairs,
@@ -254,7 +262,7 @@ def _begun(
     G, shape = pairs.G, offset.shape
     if start is None:
         # As if every point were closed and stuck: what then pulls opens in the steps that follow.
-        pressed = pull - pairs.transposed @ (pairs.springs * _at(G, free, offset)).ravel()
+        pressed = pull + pairs.transposed @ (pairs.springs * _at(G, free, offset)).ravel()
         moved = pairs.compliance @ -pressed
         y, p = free + moved, -pressed - pairs.glue @ moved + pull
     else:

@@ -33,6 +33,14 @@ class Plane:
         coordinates: Matrix = points @ self.axes.T
         return coordinates
 
+    def directions(self, _points: Matrix, vectors: Matrix) -> Matrix:
+        """Return the components (n, 2) along the map of vectors (n, 3), the same at all points."""
+        return self.project(vectors)
+
+    def whole(self, polygons: Matrix) -> Matrix:
+        """Return polygons (n, n_corner, 2) of the map as they are: it is cut nowhere."""
+        return polygons
+
 
 def plane_of(points: Matrix, normals: Matrix, weights: Vector) -> Plane:
     """Return the plane of a flat surface, or the best one of a curved surface.

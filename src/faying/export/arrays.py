@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.exceptions import StudyError
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations, initial_bolt_forces
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -26,12 +27,13 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
     Raises
     ------
     ModelError
-        If the model does not know its recovery matrices.
+        If the model does not know its recovery matrices, or as :func:`refuse_expanding_bolts`.
 
     Notes
     -----
     G = N P is formed; everything else is taken as it is.
     """
+    refuse_expanding_bolts(rom)
     contact, bolts, n_mode = rom.contact, rom.bolts, len(rom.K)
     rest, recovery = last_of(at_rest(rom)), rom.recovery
     at_points = np.zeros((2, contact.n_points, 3)) if contact.tangents is None else contact.tangents
@@ -74,6 +76,22 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
         "method": np.array(rom.method),
         "faying": np.array(version("faying")),
     }
+
+
+def refuse_expanding_bolts(rom: ReducedModel) -> None:
+    """Refuse temperatures of bolts, whose part of the bolt force these formats do not hold.
+
+    Raises
+    ------
+    StudyError
+    """
+    for name, pattern in rom.load_patterns.items():
+        if any(pattern.bolt_forces.values()):
+            message = (
+                f"temperature '{name}' expands bolts, whose forces this format would not tell; "
+                "export to linearized, or leave it out of the load cases"
+            )
+            raise StudyError(message)
 
 
 def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:

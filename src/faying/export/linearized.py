@@ -30,8 +30,16 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.assessment.stuck_stiffness import stuck_springs
-from faying.joint.system import System, boundary_dofs, elongations, input_forces
+from faying.joint.system import (
+    System,
+    boundary_dofs,
+    elongations,
+    input_forces,
+    unstretched_bolt_forces,
+)
+from faying.linalg.relief import factorize_relieved
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
+from faying.reduction.normal_modes import lowest_modes
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
@@ -65,6 +73,8 @@ class LinearModel:
     input_names, output_names
         As ``"tip.Fz"``, ``"bolt.N0"``, the name of a load; ``"tip.uz"``, ``"bolt.N"``,
         ``"joint.clamp"``; with the node id between where a boundary has several nodes.
+    rigid_motions : (n_mode, n_motion)
+        Motions as a whole that nothing resists, orthonormal in M.
     closed : (n_point,)
         Contact points in contact at the state.
     force_rows, gap_rows : (n_point, n_mode)
@@ -84,6 +94,7 @@ class LinearModel:
     output_offsets: Vector
     input_names: tuple[str, ...]
     output_names: tuple[str, ...]
+    rigid_motions: Matrix
     closed: Mask
     force_rows: Matrix
     gap_rows: Matrix
@@ -95,11 +106,18 @@ class LinearModel:
             object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def frequencies(self, count: int | None = None) -> Vector:
-        """Return the lowest natural frequencies [1/time], all unless a number is given."""
-        # K is definite, M need not be.
-        inverse = la.eigvalsh(self.M, self.K)[::-1][:count]
-        values: Vector = 1 / (2 * np.pi * np.sqrt(inverse))
-        return values
+        """Return the lowest natural frequencies [1/time], all unless a number is given.
+
+        Motions as a whole, which nothing resists, are none of them.
+        """
+        return self.modes(count)[0]
+
+    def modes(self, count: int | None = None) -> tuple[Vector, Matrix]:
+        """Return the lowest frequencies [1/time] and their shapes (n_mode, count)."""
+        elastic = len(self.K) - self.rigid_motions.shape[1]
+        factor = factorize_relieved(self.K, self.M, self.rigid_motions)
+        squares, shapes = lowest_modes(self.K, self.M, factor, min(count or elastic, elastic))
+        return np.sqrt(squares) / (2 * np.pi), shapes
 
     def contact_forces(self, motion: Matrix) -> Matrix:
         """Return contact forces (..., n_point) in a motion x (..., n_mode); below zero is wrong."""
@@ -141,6 +159,7 @@ def linearize(about: ReducedModel | Solution) -> LinearModel:
         output_offsets=_output_offsets(state),
         input_names=_inputs(system),
         output_names=_outputs(system),
+        rigid_motions=system.rigid_motions,
         closed=closed,
         force_rows=forces,
         gap_rows=gaps,
@@ -220,11 +239,11 @@ def _output_rows(system: System, forces: Matrix) -> Matrix:
 
 
 def _feedthrough(system: System) -> Matrix:
-    """Put a one where the input and the output are of the same bolt."""
+    """Return what inputs do to bolt forces at zero elongation."""
     n_boundary, n_bolt = len(boundary_dofs(system.boundaries)), len(system.bolts)
     matrix = np.zeros((len(_outputs(system)), len(_inputs(system))))
     bolts = slice(n_boundary, n_boundary + n_bolt)
-    matrix[bolts, bolts] = np.eye(n_bolt)
+    matrix[bolts] = unstretched_bolt_forces(system, np.eye(matrix.shape[1])).T
     return matrix
 
 

@@ -73,11 +73,17 @@ def stream_transient(
 
     Parameters
     ----------
+    system
+        A preloaded model, full or reduced.
+    load
+        Acts from t = 0⁺ on the joint at rest.
     path
         HDF5 file: ``times``, ``max_pressure``, ``displacements/BOUNDARY``,
         ``contact_forces/INTERFACE``, ``bolt_forces/BOLT`` and ``fields``, one row an instant.
         Attribute ``complete`` tells whether the run reached its end, ``energy_gain`` what
         :class:`~faying.simulation.solution.Solution` has under that name.
+    step, duration : [time]
+        Between two instants, and of the whole.
     fields
         More to keep of every instant, of :data:`FIELDS`. ``"pressure"`` of a thousand points takes
         8 GB for a million steps.
@@ -90,6 +96,7 @@ def stream_transient(
     Returns
     -------
     Path
+        Of the file.
 
     Raises
     ------

@@ -19,7 +19,6 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import scipy.linalg as la
 
 from faying._typing import Indices, Matrix
 from faying.assessment.recovery import solve_at_ports
@@ -108,15 +107,14 @@ def _static_shapes(rom: ReducedModel, run: Results | None, units: Units) -> dict
 def _vibration_modes(rom: ReducedModel, shapes: Matrix, units: Units) -> dict[str, Matrix]:
     """Return the lowest modes (n_node, 3) by number and frequency."""
     model = linearize(rom)
-    # K is definite, M need not be.
-    inverse, vectors = la.eigh(model.M, model.K)
+    frequencies, vectors = model.modes(MOST_MODES)
     # The displacements behind a residual compliance need the finite elements.
     part = " of trial vectors" if rom.contact.residual_compliance is not None else ""
     unit = "Hz" if units.time == "s" else f"1/{units.time}"
     modes = {}
-    for number in range(min(MOST_MODES, len(inverse))):
-        frequency = 1 / (2 * np.pi * np.sqrt(inverse[-1 - number]))
-        shape = np.tensordot(vectors[:, -1 - number], shapes, axes=1)
+    for number in range(len(frequencies)):
+        frequency = frequencies[number]
+        shape = np.tensordot(vectors[:, number], shapes, axes=1)
         largest = np.linalg.norm(shape, axis=1).max(initial=0.0)
         modes[f"mode {number + 1:02d}{part}, {frequency:.5g} {unit}"] = shape / (largest or 1.0)
     return modes

@@ -11,9 +11,14 @@ from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
+import scipy.sparse as sp
 from numpy.lib import format as npy
 
+from faying._typing import SparseMatrix
 from faying.files.contents import check_room
+
+_PIECE = 2**22
+"""Bytes of a dense matrix from which on it is read by so many at once."""
 
 _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 
@@ -34,10 +39,55 @@ def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
         return {name: file[name] for name in file.files}
 
 
+def read_matrices(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
+    """Return the arrays of an archive by name, large full matrices as sparse ones.
+
+    Zeros of these take no memory.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read, or an array is larger than the memory that is free.
+    Exception
+        Whatever a damaged archive makes ``zipfile``, ``zlib`` and NumPy raise.
+    """
+    arrays: dict[str, npt.NDArray[Any] | SparseMatrix] = {}
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            size = _size(archive, member)
+            with archive.open(member) as file:
+                shape, by_columns, kind = _header(file, member.filename)
+                name = member.filename.removesuffix(".npy")
+                if size > _PIECE and len(shape) == 2 and kind.kind in "fiub":
+                    matrix = _by_rows(file, shape[::-1] if by_columns else shape, kind, path)
+                    arrays[name] = matrix.T.tocsr() if by_columns else matrix
+                    continue
+                check_room(size, path)
+                values = np.frombuffer(file.read(size), dtype=kind)
+                arrays[name] = values.reshape(shape, order="F" if by_columns else "C")
+    return arrays
+
+
+def _by_rows(
+    file: IO[bytes], shape: tuple[int, ...], kind: np.dtype[Any], path: Path
+) -> SparseMatrix:
+    parts, entries = [], 0
+    width = shape[1] * kind.itemsize
+    rows = max(_PIECE // width, 1)
+    for first in range(0, shape[0], rows):
+        count = min(rows, shape[0] - first)
+        check_room(16 * entries + 3 * width * count, path)
+        values = np.frombuffer(file.read(width * count), dtype=kind)
+        parts.append(sp.csr_array(values.reshape(count, shape[1])))
+        entries += parts[-1].nnz
+    check_room(16 * entries, path)
+    return sp.csr_array(sp.vstack(parts, format="csr"))
+
+
 def _size(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
     """Bytes of an array, which are those that follow its header."""
     with archive.open(member) as file:
-        shape, kind = _header(file, member.filename)
+        shape, _, kind = _header(file, member.filename)
         n_bytes = math.prod(shape) * kind.itemsize
         if kind.hasobject:
             message = f"'{member.filename}' holds pickled objects, which may run code as they load"
@@ -51,10 +101,11 @@ def _size(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
     return n_bytes
 
 
-def _header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
+def _header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Return shape, whether columns follow one another, and type."""
     version = npy.read_magic(file)
     if version not in _HEADERS:
         message = f"'{name}' is no array as numpy.savez writes it"
         raise ValueError(message)
-    shape, _, kind = _HEADERS[version](file)
-    return shape, kind
+    shape, by_columns, kind = _HEADERS[version](file)
+    return shape, by_columns, kind

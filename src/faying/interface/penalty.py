@@ -26,7 +26,7 @@ def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float
     """Return c_n = 10 E/h [force/length³] of the elements adjoining an interface.
 
     E is the smallest Young's modulus among them, h their mean extent normal to their facet. What
-    that does to pressures: ``docs/how-to/choose_the_penalty.md``.
+    that does to pressures: ``docs/how-to/choose_the_mesh.md``.
 
     Parameters
     ----------
@@ -45,11 +45,15 @@ def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float
 def facet_penalty(assembly: Assembly, facets: Facets) -> float:
     """Return 10 E/h [force/length³] of the elements that facets of both sides belong to.
 
+    Facets of shells count only where neither side is of solids.
+
     Raises
     ------
     ModelError
         As :func:`automatic_penalty`.
     """
+    if (facets.properties >= 0).any():
+        facets = facets.taken(facets.properties >= 0)
     missing = np.setdiff1d(facets.properties, np.fromiter(assembly.materials, np.int64))
     if missing.size:
         what = (

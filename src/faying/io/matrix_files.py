@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from faying._typing import SparseMatrix
 from faying.exceptions import FayingError, FormatError
 from faying.files.contents import check_rows, reason_of
-from faying.files.numpy_archive import read_arrays
+from faying.files.numpy_archive import read_matrices
 from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.matlab5 import HEADER, read_matlab5
 from faying.io.matrix_market import HEADING, read_market_matrix
@@ -100,7 +100,7 @@ def read_npz(path: Path, name: str) -> LabelledMatrix:
     if not zipfile.is_zipfile(path):
         message = "it is no .npz file"
         raise ValueError(message)
-    arrays = read_arrays(path)
+    arrays = read_matrices(path)
     if "format" in arrays and "data" in arrays:
         return LabelledMatrix(matrix=sp.load_npz(path))
     return LabelledMatrix(matrix=_chosen(arrays, path, name))

@@ -60,6 +60,7 @@ def read_mesh_file(
         Anything meshio reads that is no deck.
     materials
         Volume group to its material; ``"default"`` is that of groups without one of their own.
+        Any other name is there for bolts.
     separate
         Volume groups whose nodes are their own, see :func:`faying.model.separate.separated`: parts
         of a fragmented geometry, which share the nodes of the faces where they touch.
@@ -101,9 +102,12 @@ def read_mesh_file(
         separate,
     )
     face_sets, notes = _face_sets(found, groups, exterior_facets(mesh))
+    chosen = {number: _material(path, names[number], materials) for number in used}
+    others = [name for name in materials if name not in {*names.values(), ANY_GROUP}]
+    chosen |= {n: materials[name] for n, name in enumerate(others, max([*names, *used]) + 1)}
     return Assembly(
         mesh=mesh,
-        materials={number: _material(path, names[number], materials) for number in used},
+        materials=chosen,
         face_sets=face_sets,
         name=path.stem,
         ignored=(*turned, *notes),

@@ -78,7 +78,7 @@ def following(
     slaves = own[places.rows[free]]
     ones = np.ones(len(slaves))
     own_part = sp.csr_array((ones, (np.arange(len(slaves)), slaves)), shape=shape)
-    return tuple(_equations(slaves, follow - own_part, first)), len(places.rows)
+    return tuple(equal_motions(slaves, follow - own_part, first)), len(places.rows)
 
 
 def with_elastic_layer(
@@ -117,7 +117,7 @@ def with_elastic_layer(
                  place=(x, y, z))
             for i, (node, springs, rows, (x, y, z)) in enumerate(table, assembly.largest_id + 1)
         ]  # fmt: skip
-        equations = list(_equations(own, motion + minus, first))
+        equations = list(equal_motions(own, motion + minus, first))
         first += len(equations)
         assembly = replace(
             assembly,
@@ -198,10 +198,10 @@ def _tied_equations(
     pairs = _pairs(assembly, spec)
     pairs = pairs if len(pairs) else _opposite(assembly, spec)
     if len(pairs):
-        return list(_equations(*_node_on_node(pairs, len(assembly.mesh.nodes)), first)), 1.0
+        return list(equal_motions(*_node_on_node(pairs, len(assembly.mesh.nodes)), first)), 1.0
     (coupling,) = find_couplings(assembly, spec).values()
     share = float(coupling.weights.sum()) / (declared_area(assembly, spec) or np.inf)
-    return list(_equations(coupling.pairs[:, 0], coupling.motion, first)), share
+    return list(equal_motions(coupling.pairs[:, 0], coupling.motion, first)), share
 
 
 def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
@@ -247,7 +247,7 @@ def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
     return pairs[:, 0], plus - sp.csr_array((ones, (rows, pairs[:, 0])), shape=plus.shape)
 
 
-def _equations(own: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
+def equal_motions(own: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
     """Yield the equations of the relative displacements, for the slave's own nodes first."""
     table = motion.tocsr()
     number = first

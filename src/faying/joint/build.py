@@ -38,6 +38,7 @@ from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.local_stiffness import stiffness_at
 from faying.model.matrices import used_components
+from faying.model.rigid_motion import whole_motions
 from faying.model.shank import shank
 from faying.model.solid_cells import check_cells
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
@@ -136,6 +137,7 @@ def _built(
         places=places,
         boundary=boundary_dofs(placed),
         elongations=elongations(tightened, n_dof),
+        whole_motions=partial(whole_motions, assembly.mesh.nodes, dofs.free),
         diagnose=partial(unconstrained, assembly, dofs),
     )
     return Model(
@@ -326,7 +328,8 @@ def _seen_moments(
         return None
     rows = (moments @ dofs.transformation).tocsr()
     rows.eliminate_zeros()
-    return read_only(rows) if are_carried(rows, K) else None
+    beams = isinstance(bolt_axis_element(assembly, spec), Beam)
+    return read_only(rows) if not beams or are_carried(rows, K) else None
 
 
 def _nodes_of(assembly: Assembly, spec: BoltSpec) -> list[int]:

@@ -1,9 +1,10 @@
 """Why a stiffness matrix is singular, in the words of the model."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
@@ -12,13 +13,24 @@ from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.dofs import DofMap
 from faying.model.local_stiffness import rigid_stiffness
-from faying.model.rigid_motion import FreeMotions, free_motions, rigid_motions
+from faying.model.rigid_motion import (
+    FreeMotions,
+    free_motions,
+    rigid_motions,
+    whole_motions,
+)
 
 REMEDY = (
     "support it, tie it to a held body with a bolt, or have weak springs hold it beside contact "
     'and friction (weak_springs = "auto" under [model] of a study, faying.with_weak_springs in '
     "Python): contact alone holds nothing"
 )
+
+REMEDY_BESIDE_SPRINGS = (
+    "support it, or tie it to a held body with a bolt: weak springs hold nothing but what touches "
+    "another body"
+)
+"""Where weak springs were asked for."""
 
 # Rounding of unit vectors, of twists of unit size and of places, over the size of the body.
 _ROUNDING = 1e-6
@@ -27,8 +39,10 @@ MOST_NODES = 4
 """Loose nodes that are named."""
 
 
-def check_held(model: Model) -> None:
-    """Refuse a model of which something can move freely, without factorizing it.
+def check_held(model: Model, remedy: str = REMEDY) -> None:
+    """Refuse a model within which something can move freely, without factorizing it.
+
+    The structure as a whole may, if it has mass.
 
     Raises
     ------
@@ -42,7 +56,16 @@ def check_held(model: Model) -> None:
     """
     found = model_motions(model)
     if found.motions.shape[1]:
-        raise ModelError(_described(model.assembly, model.dofs, found.labels, found.motions))
+        raise ModelError(
+            _described(model.assembly, model.dofs, found.labels, found.motions, remedy)
+        )
+
+
+AS_A_WHOLE = (
+    "nothing resists {count} motion(s) of the joint as a whole: inertia balances loads in them, "
+    "and modes are counted without them"
+)
+"""Said of every joint that nothing holds: a support may be missing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,10 +78,13 @@ class FreeParts:
         Number of independent motions; None where there are too many parts to look for them.
     parts
         Body, or node, to how it can move.
+    whole
+        Number of motions of the structure as a whole, which are none of these.
     """
 
     count: int | None
     parts: Mapping[str, str]
+    whole: int = 0
 
 
 def free_parts(model: Model) -> FreeParts:
@@ -70,8 +96,9 @@ def free_parts(model: Model) -> FreeParts:
     """
     found = model_motions(model)
     count = found.motions.shape[1] if found.searched else None
+    whole = motions_as_a_whole(model).shape[1]
     if not count:
-        return FreeParts(count=count, parts={})
+        return FreeParts(count=count, parts={}, whole=whole)
     nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
     size = np.linalg.norm(nodal, axis=2)
     # Rotations of the nodes of a body that moves are part of its motion.
@@ -86,16 +113,68 @@ def free_parts(model: Model) -> FreeParts:
         shown = ", ".join(map(str, loose[:MOST_NODES]))
         more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
         parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
-    return FreeParts(count=count, parts=parts)
+    return FreeParts(count=count, parts=parts, whole=whole)
 
 
 def model_motions(model: Model) -> FreeMotions:
-    """Find free motions, of a model without pairs that stick before its matrices are formed."""
+    """Find what moves freely within the structure: its motions as a whole are none of these.
+
+    Notes
+    -----
+    Of a model without pairs that stick before its stiffness is formed.
+    """
     K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
-    return free_motions(model.assembly, model.dofs, K)
+    found = free_motions(model.assembly, model.dofs, K)
+    whole = motions_as_a_whole(model)
+    if not whole.shape[1]:
+        return found
+    within = found.motions - whole @ (whole.T @ found.motions)
+    left, size, _ = np.linalg.svd(within, full_matrices=False)
+    return replace(found, motions=left[:, size > 0.5])
 
 
-def unconstrained(assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector) -> str:
+def motions_as_a_whole(model: Model) -> Matrix:
+    """Return the motions (n_dof, n) as one rigid body that nothing resists, orthonormal.
+
+    None of a structure without mass: nothing balances forces that are not in equilibrium.
+    """
+    K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
+    motions = whole_motions(model.assembly.mesh.nodes, model.dofs.free, K)
+    if motions.shape[1] and not model.structure.has_mass:
+        return motions[:, :0]
+    return motions
+
+
+def suspension(model: Model) -> str:
+    """Say what springs to ground alone hold, and how fast it swings on them; else nothing.
+
+    Notes
+    -----
+    Assembles the matrices where there are such springs.
+    """
+    assembly = model.assembly
+    springs = tuple(one for one in assembly.springs if len(one.ends) == 2)
+    bushes = tuple(one for one in assembly.bushes if len(one.nodes) == 2)
+    if len(springs) + len(bushes) == len(assembly.springs) + len(assembly.bushes):
+        return ""
+    loose = replace(assembly, springs=springs, bushes=bushes)
+    K = rigid_stiffness(loose, model.dofs)
+    motions = whole_motions(assembly.mesh.nodes, model.dofs.free, K)
+    if motions.shape[1] <= motions_as_a_whole(model).shape[1] or not model.structure.has_mass:
+        return ""
+    pulled, moved = (motions.T @ (matrix @ motions) for matrix in (model.K, model.M))
+    squares = la.eigh(pulled, moved, eigvals_only=True)
+    frequencies = np.sqrt(squares[squares > _ROUNDING * squares[-1]]) / (2 * np.pi)
+    return (
+        f"springs to ground alone hold {len(frequencies)} motion(s) of the joint as a whole, in "
+        f"which it swings at {frequencies[0]:.3g} to {frequencies[-1]:.3g}; numbers of modes count "
+        "them"
+    )
+
+
+def unconstrained(
+    assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector, *, remedy: str = REMEDY
+) -> str:
     """Say what moves freely where a factorization of K met a motion without resistance.
 
     Parameters
@@ -105,10 +184,12 @@ def unconstrained(assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vec
     """
     found = free_motions(assembly, dofs, K)
     motions = found.motions if found.motions.shape[1] else motion[:, None]
-    return _described(assembly, dofs, found.labels, motions)
+    return _described(assembly, dofs, found.labels, motions, remedy)
 
 
-def _described(assembly: Assembly, dofs: DofMap, labels: Indices, motions: Matrix) -> str:
+def _described(
+    assembly: Assembly, dofs: DofMap, labels: Indices, motions: Matrix, remedy: str
+) -> str:
     """Name the part that moves most, and its motion."""
     nodal = np.moveaxis(dofs.nodal(motions.T), 0, -1)
     size = np.linalg.norm(nodal, axis=2)
@@ -125,14 +206,14 @@ def _described(assembly: Assembly, dofs: DofMap, labels: Indices, motions: Matri
     if labels[node] < 0:
         unit = _direction(nodal[node, :3, int(np.linalg.norm(nodal[node, :3], axis=0).argmax())])
         return (
-            f"unconstrained node: node {mesh.node_ids[node]} can move freely along {unit}; {REMEDY}"
+            f"unconstrained node: node {mesh.node_ids[node]} can move freely along {unit}; {remedy}"
         )
     members = np.flatnonzero(labels == labels[node])
     how = _ways(mesh.nodes[members], nodal[members])
     others = np.setdiff1d(labels[moved > 0.01 * moved.max()], [-1, labels[node]]).tolist()
     along = "".join(f", and with it {_body(assembly, labels == other)}" for other in others[:2])
     more = f" and {len(others) - 2} other bodies" if len(others) > 2 else ""
-    return f"unconstrained body: {_body(assembly, members)} {how}{along}{more}; {REMEDY}"
+    return f"unconstrained body: {_body(assembly, members)} {how}{along}{more}; {remedy}"
 
 
 def _ways(points: Matrix, moved: Matrix) -> str:

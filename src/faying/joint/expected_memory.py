@@ -64,20 +64,22 @@ def expected_memory(model: Model) -> FactorMemory:
         return estimate_memory(sp.csr_array((n_dof, n_dof)), backend=backend)
     spacing = (_volume(model.assembly) / len(places)) ** (1 / 3)
     factor = int(_OVER_PLANES * 9 * 8 * dissected(places, spacing))
-    peak = max(_PEAK * factor, factor + _between_pairs(model.structure, factor))
-    return FactorMemory(backend=backend, order=n_dof, factor=factor, peak=int(peak), counted=False)
+    factors = FactorMemory(
+        backend=backend, order=n_dof, factor=factor, peak=int(_PEAK * factor), counted=False
+    )
+    return factors.with_ports(*_between_pairs(model.structure, factor))
 
 
-def _between_pairs(structure: Structure, factor: int) -> float:
-    """Estimate what the compliance between pairs takes while it is made."""
+def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
+    """Estimate what the compliance between pairs takes while it is made, at once or one by one."""
     if not structure.is_kept_whole:
-        return 0.0
+        return 0.0, 0.0
     n_relative = int(structure.relative_operator.shape[0])
     dense = 8.0 * DENSE * n_relative**2
     if n_relative <= FEW:
-        return dense
+        return dense, dense
     border = n_relative * (n_relative / 2 + _SEPARATORS * structure.n_dof ** (2 / 3))
-    return max(float(_BORDERED * (factor + 8 * border)), dense)
+    return max(float(_BORDERED * (factor + 8 * border)), dense), dense
 
 
 def dissected(places: Matrix, spacing: float) -> float:

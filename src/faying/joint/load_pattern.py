@@ -1,7 +1,7 @@
 """Load pattern: a fixed distribution of nodal forces, such as a load set of a deck."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,10 +21,14 @@ class LoadPattern:
     ----------
     forces : (n_dof,) [force], [force·length]
         On the degrees of freedom of the system, for an amplitude of one.
+    bolt_forces : [force]
+        Bolt to what an amplitude of one adds to its force beside k e + N₀: −E A α ΔT of a shank
+        that expands in what is tightened.
     """
 
     name: str
     forces: Vector
+    bolt_forces: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "forces", frozen(self.forces))

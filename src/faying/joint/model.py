@@ -128,6 +128,11 @@ class Model(Shown):
         return self.structure.K
 
     @property
+    def rigid_motions(self) -> Matrix:
+        """R (n_dof, n_motion), motions as a whole that nothing resists; RᵀMR = I."""
+        return self.structure.rigid_motions
+
+    @property
     def damping(self) -> Rayleigh:
         """Rayleigh factors of C."""
         return self.structure.matrices.damping

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.joint.free_matrices import FreeMatrices
@@ -21,6 +22,10 @@ from faying.linalg.factorization import (
 )
 from faying.linalg.memory import FactorMemory
 from faying.linalg.partial import compressed_port_compliance, port_compliance
+from faying.linalg.relief import balanced, supported, supports
+
+MASSLESS = 1e-12
+"""Inertia of a motion over the largest below which nothing balances forces in it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,7 +37,8 @@ class Structure:
 
         K⁻¹ = [K_ii⁻¹ 0; 0 0] + Ψ (ΨᵀKΨ)⁻¹ Ψᵀ,
 
-    so bases, compliances and static solutions share it.
+    so bases, compliances and static solutions share it. Of a structure that nothing holds K̂ of
+    (M11) takes the place of K in both, and K⁺ that of K⁻¹.
 
     Attributes
     ----------
@@ -43,6 +49,9 @@ class Structure:
     boundary : (n_boundary,)
         Indices of the boundary degrees of freedom, boundary by boundary, none twice.
     elongations : (n_bolt, n_dof)
+    whole_motions
+        Finds the motions (n_dof, n) as one rigid body that K does not resist; without it the
+        structure has to be held.
     diagnose
         Says what moves freely, given a motion (n_dof,) that K does not resist.
     places : (n_relative, 3) or None
@@ -55,6 +64,7 @@ class Structure:
     relative_operator: SparseMatrix
     boundary: Indices
     elongations: Matrix
+    whole_motions: Callable[[SparseMatrix], Matrix] | None = None
     diagnose: Callable[[SparseMatrix, Vector], str] | None = None
     places: Matrix | None = None
     dense_budget: int = field(default_factory=default_budget)
@@ -89,6 +99,48 @@ class Structure:
         return bool(self.M.diagonal().any())
 
     @cached_property
+    def rigid_motions(self) -> Matrix:
+        """R (n_dof, n_motion), motions as a whole that nothing resists: KR = 0, RᵀMR = I.
+
+        None (n_dof, 0) where the structure is held, or has no mass that could balance forces.
+        """
+        if self.whole_motions is None or not self.has_mass:
+            return np.zeros((self.n_dof, 0))
+        motions = self.whole_motions(self.K)
+        inertia, ways = np.linalg.eigh(motions.T @ (self.M @ motions))
+        heavy = inertia > MASSLESS * inertia.max(initial=0.0)
+        weighed: Matrix = frozen(motions @ (ways[:, heavy] / np.sqrt(inertia[heavy])))
+        return weighed
+
+    @cached_property
+    def carried(self) -> Matrix:
+        """M R (n_dof, n_motion)."""
+        return np.asarray(self.M @ self.rigid_motions)
+
+    @cached_property
+    def supports(self) -> Indices:
+        """Where springs of (M11) hold the structure, if they can on its boundary."""
+        return supports(self.rigid_motions, self.boundary)
+
+    @cached_property
+    def supported_stiffness(self) -> SparseMatrix:
+        """K̂ of (M11); K where the structure is held."""
+        if not self.rigid_motions.shape[1]:
+            return self.K
+        return supported(self.K, self.supports)
+
+    @cached_property
+    def relief_shapes(self) -> Matrix:
+        """Shapes (n_dof, 2 n_motion) that a basis of a free structure needs, boundary held.
+
+        Those of the forces of springs and of inertia, K̂_ii⁻¹ [E, M R]_i: with constraint modes
+        they span R and K̂⁻¹ M R of (M12), so that (M5) and (M6) are the same with K⁺.
+        """
+        springs = np.zeros((self.n_dof, len(self.supports)))
+        springs[self.supports, np.arange(len(self.supports))] = 1.0
+        return self.solve_held(np.hstack([springs, self.carried]))
+
+    @cached_property
     def interior(self) -> Indices:
         """Indices of the degrees of freedom off the boundary, u_i of Eq. (15.17)."""
         inner = np.ones(self.n_dof, dtype=bool)
@@ -99,7 +151,7 @@ class Structure:
     def interior_factor(self) -> MatrixFactorization:
         """Factorization of K_ii."""
         try:
-            return factorize(self._interior_stiffness)
+            return factorize(self.interior_stiffness)
         except SingularMatrixError as error:
             motion = np.zeros(self.n_dof)
             motion[self.interior] = error.motion
@@ -111,28 +163,27 @@ class Structure:
 
         The peak includes the dense compliances between pairs.
         """
-        K = self._interior_stiffness
+        K = self.interior_stiffness
         factors = estimate_memory(K)
         if not self.is_kept_whole:
             return factors
-        between = estimate_port_memory(K, self._held_ports)
-        return replace(factors, peak=max(factors.peak, factors.factor + between))
+        return factors.with_ports(*estimate_port_memory(K, self._held_ports))
 
     @property
-    def _interior_stiffness(self) -> SparseMatrix:
+    def interior_stiffness(self) -> SparseMatrix:
         """K_ii."""
-        return self.K[self.interior][:, self.interior]
+        return self.supported_stiffness[self.interior][:, self.interior]
 
     def unconstrained(self, motion: Vector) -> SingularMatrixError:
         """Return the error that says what moves freely in a motion (n_dof,)."""
-        message = self.diagnose(self.K, motion) if self.diagnose else ""
+        message = self.diagnose(self.supported_stiffness, motion) if self.diagnose else ""
         return SingularMatrixError(motion, message)
 
     @cached_property
     def constraint_modes(self) -> Matrix:
         """Ψ_c (n_dof, n_boundary): unit displacement of one boundary dof, the others held."""
         modes = np.zeros((self.n_dof, len(self.boundary)))
-        coupling = self.K[self.interior][:, self.boundary].toarray()
+        coupling = self.supported_stiffness[self.interior][:, self.boundary].toarray()
         modes[self.interior] = -self.interior_factor.solve(coupling)
         modes[self.boundary] = np.eye(len(self.boundary))
         return modes
@@ -140,13 +191,13 @@ class Structure:
     @cached_property
     def boundary_stiffness(self) -> Matrix:
         """ΨᵀKΨ (n_boundary, n_boundary): stiffness condensed to the boundary."""
-        condensed: Matrix = self.K[self.boundary] @ self.constraint_modes
+        condensed: Matrix = self.supported_stiffness[self.boundary] @ self.constraint_modes
         return (condensed + condensed.T) / 2
 
     @cached_property
     def boundary_factor(self) -> Factorization:
         """Factorization of the condensed stiffness."""
-        singly = self.K.diagonal() @ self.constraint_modes**2
+        singly = self.supported_stiffness.diagonal() @ self.constraint_modes**2
         try:
             return factorize_condensed(self.boundary_stiffness, singly)
         except SingularMatrixError as error:
@@ -161,11 +212,19 @@ class Structure:
     def solve(self, forces: Matrix) -> Matrix:
         """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary free.
 
+        Of a structure that nothing holds those of K⁺, (M11).
+
         Raises
         ------
         SingularMatrixError
             If the structure is not held without its boundary.
         """
+        loads = balanced(forces, self.rigid_motions, self.carried)
+        moved = self._solve_supported(loads)
+        return balanced(moved, self.carried, self.rigid_motions)
+
+    def _solve_supported(self, forces: Matrix) -> Matrix:
+        """Return K̂⁻¹ f."""
         at_boundary = self.constraint_modes.T @ forces
         return self.solve_held(forces) + self.constraint_modes @ self.boundary_factor.solve(
             at_boundary
@@ -230,6 +289,8 @@ class Structure:
     def port_compliance(self) -> PortCompliance:
         """Compliance between relative displacements, boundary and bolts, boundary free.
 
+        Of a structure that nothing holds (M12).
+
         Raises
         ------
         SingularMatrixError
@@ -242,9 +303,24 @@ class Structure:
         bolts = slice(len(self.boundary), len(outer))
         columns[bolts] -= (self.relative_operator @ self.bolt_shapes).T
         inputs[bolts, bolts] -= self.elongations @ self.bolt_shapes
+        moved, others, core = self._relief
+        columns += others @ core @ moved.T
+        inputs += others @ core @ others.T
         return PortCompliance(
-            relative=plus(self.held_compliance, seen, condensed),
+            relative=plus(
+                self.held_compliance, np.hstack([seen, moved]), la.block_diag(condensed, core)
+            ),
             contact_columns=columns,
             input_rows=symmetrized(inputs),
             n_boundary=len(self.boundary),
         )
+
+    @cached_property
+    def _relief(self) -> tuple[Matrix, Matrix, Matrix]:
+        """Return [R, X] of (M12) at pairs and at other ports, and the matrix between them."""
+        R = self.rigid_motions
+        answers = self._solve_supported(self.carried)
+        both, one = np.hstack([R, answers]), np.eye(R.shape[1])
+        core = np.block([[self.carried.T @ answers, -one], [-one, 0.0 * one]])
+        others = np.vstack([both[self.boundary], self.elongations @ both])
+        return self.relative_operator @ both, others, core

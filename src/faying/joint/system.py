@@ -186,12 +186,17 @@ class System(Joint, Protocol):
         ...
 
     @property
+    def rigid_motions(self) -> Matrix:
+        """R (n_dof, n_motion), motions as a whole that nothing resists; RᵀMR = I."""
+        ...
+
+    @property
     def weak_supports(self) -> Mapping[str, WeakSupport]:
         """Springs that hold bodies beside contact alone, by the names of both bodies."""
         ...
 
     def factorize_static(self) -> Factorization:
-        """Return a factorization of K."""
+        """Return a factorization of K; what stands for K⁺ of (M11) where nothing holds it."""
         ...
 
     def expand(self, states: Matrix) -> Matrix:
@@ -251,6 +256,19 @@ def bolt_input(system: Joint, bolt: str) -> int:
     """Return the place of a bolt's initial force among the inputs."""
     n_boundary = sum(len(boundary.dofs) for boundary in system.boundaries.values())
     return n_boundary + list(system.bolts).index(bolt)
+
+
+def unstretched_bolt_forces(system: Joint, inputs: Matrix) -> Matrix:
+    """Return the forces (..., n_bolt) of bolts at zero elongation, of inputs (..., n_input).
+
+    They are the initial forces N₀, and what load patterns add where a shank expands.
+    """
+    patterns, bolts = list(system.load_patterns.values()), list(system.bolts)
+    first = inputs.shape[-1] - len(patterns)
+    added = np.array([[one.bolt_forces.get(bolt, 0.0) for bolt in bolts] for one in patterns])
+    expanded = inputs[..., first:] @ added.reshape(len(patterns), len(bolts))
+    forces: Matrix = inputs[..., first - len(bolts) : first] + expanded
+    return forces
 
 
 def initial_bolt_forces(system: Joint) -> Vector:

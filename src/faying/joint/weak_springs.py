@@ -15,7 +15,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
 from faying.exceptions import ModelError
-from faying.joint.diagnosis import model_motions, unconstrained
+from faying.joint.diagnosis import REMEDY_BESIDE_SPRINGS, model_motions, unconstrained
 from faying.joint.model import Model
 from faying.joint.weak_support import WeakSupport
 from faying.model.assembly import Assembly, Spring
@@ -26,7 +26,7 @@ WEAK = 1e-5
 """Automatic stiffness over the stiffness at the nodes that the springs hold.
 
 They take 1e-5 of a load from friction. Weaker ones take less, but increments with friction then
-take more Newton steps; with 1e-7 one was not solved (``docs/how-to/hold_a_free_body.md``).
+take more Newton steps; with 1e-7 one was not solved (``docs/how-to/get_a_model_in.md``).
 """
 
 MOVING = 0.01
@@ -35,6 +35,8 @@ MOVING = 0.01
 
 def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto") -> Model:
     """Hold every body that only contact holds by weak springs to the bodies it touches.
+
+    A structure that can move as a whole gets none for that: inertia balances its loads.
 
     Of each two bodies in contact of which one moves freely, three pairs of nodes that lie far from
     one another get springs in three directions.
@@ -91,7 +93,10 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     return replace(
         stiffened,
         assembly=supported,
-        structure=replace(stiffened.structure, diagnose=partial(unconstrained, supported, dofs)),
+        structure=replace(
+            stiffened.structure,
+            diagnose=partial(unconstrained, supported, dofs, remedy=REMEDY_BESIDE_SPRINGS),
+        ),
         weak_supports={**model.weak_supports, **supports},
     )
 
@@ -140,7 +145,7 @@ def _free_nodes(model: Model) -> Mask:
     if found.motions.size:
         nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
-    free: Mask = (size > MOVING * size.max()) & (found.labels >= 0)
+    free: Mask = size > MOVING * size.max(initial=0.0)
     return free
 
 

@@ -37,8 +37,13 @@ def estimate_memory(A: SparseMatrix | Matrix, *, backend: str | None = None) -> 
 
 def estimate_port_memory(
     A: SparseMatrix, ports: SparseMatrix, *, backend: str | None = None
-) -> int:
+) -> tuple[int, int]:
     """Tell the most bytes that Q A⁻¹ Qᵀ of Q (n_port, n) takes beyond the factors of A.
+
+    Returns
+    -------
+    at_once, one_by_one
+        By a bordered factorization, and by a substitution for each port.
 
     Notes
     -----
@@ -46,5 +51,5 @@ def estimate_port_memory(
     """
     dense = DENSE * 8 * int(ports.shape[0]) ** 2
     if chosen_backend(backend) != "pardiso":
-        return dense
-    return max(dense, estimate_gram_pardiso(A, ports.T))
+        return dense, dense
+    return max(dense, estimate_gram_pardiso(A, ports.T)), dense

@@ -2,7 +2,7 @@
 
 import logging
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from faying.exceptions import ModelError
 from faying.linalg.machine_memory import VARIABLE, free_memory
@@ -34,6 +34,8 @@ class FactorMemory:
     counted
         Whether the entries of the factor were counted; else a law fitted to measurements was used,
         which may be off by a factor of two.
+    one_by_one
+        Whether ports are solved for one by one, for all at once would not fit.
     """
 
     backend: str
@@ -41,6 +43,20 @@ class FactorMemory:
     factor: int
     peak: int
     counted: bool
+    one_by_one: bool = False
+
+    def with_ports(self, at_once: float, one_by_one: float) -> "FactorMemory":
+        """Add what a compliance between ports takes beside the factors, as it will be made.
+
+        Parameters
+        ----------
+        at_once, one_by_one
+            Bytes by a bordered factorization, which is tried first, and by substitutions.
+        """
+        free = free_memory()
+        fits = free is None or at_once == one_by_one or self.factor + at_once <= free
+        most = self.factor + (at_once if fits else one_by_one)
+        return replace(self, peak=max(self.peak, int(most)), one_by_one=not fits)
 
 
 def require_memory(expected: FactorMemory) -> None:

@@ -41,9 +41,6 @@ UNCERTAIN = 10
 On a roof held by springs of 1 N/mm they differ by 3e-9, and refinement changes as much.
 """
 
-PAIR = sp.csr_array(np.array([[1.0, 0.5], [0.0, 1.0]]))
-"""Two rows that are connected: without any such MKL 2026 crashes, as of a diagonal matrix."""
-
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -159,15 +156,21 @@ def schur_gram(upper: SparseMatrix, columns: SparseMatrix) -> Matrix:
 
 
 def _bordered(upper: SparseMatrix, columns: SparseMatrix) -> PardisoHandle:
-    """Analyse [[A, B], [Bᵀ, 0]] for the upper triangle of A, with a pair of rows on its own."""
+    """Analyse [[A, B], [Bᵀ, 0]] for the upper triangle of A.
+
+    All zeros of the border are stored: with its diagonal alone the analysis of MKL 2026 reads
+    memory that is not its own (valgrind), and crashes now and then.
+    """
     k = columns.shape[1]
-    rows = sp.block_array([[upper, None, columns], [None, PAIR, None]], format="csr")
+    rows = sp.block_array([[upper, columns]], format="csr")
     rows.sort_indices()
-    end = np.arange(k)
+    counts = np.arange(k, 0, -1, dtype=np.int32)
+    ends = np.cumsum(counts, dtype=np.int32)
+    border = np.arange(ends[-1], dtype=np.int32) - np.repeat(ends - k, counts)
     return PardisoHandle(
-        np.append(rows.data, np.zeros(k))[:, None, None],
-        np.append(rows.indices, rows.shape[0] + end).astype(np.int32),
-        np.append(rows.indptr, rows.indptr[-1] + 1 + end).astype(np.int32),
+        np.append(rows.data, np.zeros(len(border)))[:, None, None],
+        np.append(rows.indices, rows.shape[0] + border).astype(np.int32),
+        np.append(rows.indptr, rows.indptr[-1] + ends).astype(np.int32),
         border=k,
     )
 

@@ -1,10 +1,11 @@
-"""Bending moments in a bolt that is modelled by beams."""
+"""Bending moments in a bolt that is modelled by beams, or by solids that are cut."""
 
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, read_only
 from faying.model.assembly import Assembly, Beam
+from faying.model.cut_section import section_rows
 from faying.model.deck_bolt import bolt_chain, chain_ends
 from faying.model.elements.beam import beam_frames, beam_matrices
 from faying.model.specs import BoltSpec
@@ -17,7 +18,8 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
     """Return rows (4, 6 n_node) that take displacements to the bending moments of a bolt.
 
     Two components across the axis where the elements of the bolt begin, then two where they end: a
-    shank without lateral loads between its ends is bent most at one of them.
+    shank without lateral loads between its ends is bent most at one of them. Of a shank of solids
+    both are those of the section where it is cut.
 
     Returns
     -------
@@ -25,6 +27,9 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
         None where the element at an end carries no moment: a spring, or a rod.
     """
     nodes = assembly.mesh.nodes
+    section = section_rows(assembly, spec)
+    if section is not None:
+        return read_only(sp.csr_array(sp.vstack([section[4:], section[4:]])))
     values, columns = [], []
     for element, node in chain_ends(bolt_chain(assembly, spec)):
         if not isinstance(element, Beam) or not _is_bent(element):

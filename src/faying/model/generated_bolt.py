@@ -12,6 +12,7 @@ from faying.model.assembly import (
     Beam,
     BeamSection,
     Material,
+    PointMass,
     RigidCoupling,
 )
 from faying.model.bodies import bodies
@@ -49,7 +50,8 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
     Returns
     -------
     Assembly
-        With two more nodes, one beam and two couplings; ids follow the largest ones in use.
+        With two more nodes, one beam, two couplings, and masses of head and nut if they have
+        any; ids follow the largest ones in use.
 
     Raises
     ------
@@ -75,7 +77,17 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
         material=material if spec.mass else replace(material, density=0.0),
         orientation=_perpendicular(ends[1] - ends[0]),
     )
-    result = replace(assembly, mesh=mesh, beams=(*assembly.beams, beam))
+    fittings = tuple(
+        PointMass(id=first_id + 3 + i, node=n_node + i, mass=mass)
+        for i, mass in enumerate(spec.end_masses)
+        if mass
+    )
+    result = replace(
+        assembly,
+        mesh=mesh,
+        beams=(*assembly.beams, beam),
+        masses=(*assembly.masses, *fittings),
+    )
     for i, seat in enumerate(seats):
         result = _with_washer(result, spec, first_id + 1 + i, n_node + i, seat)
     return result

@@ -1,6 +1,7 @@
 """Linear elastic materials of solids, beams and shells."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
@@ -19,6 +20,8 @@ class Material:
     law : (6, 6) [force/length²]
         Stiffness in the basic frame, see :mod:`faying.model.elastic_law`, where directions
         differ; E and ν are its means then, by which contact is scaled. None if isotropic.
+    expansion : [1/temperature]
+        Coefficient of thermal expansion α; None where it is not known.
     """
 
     youngs_modulus: float
@@ -26,6 +29,7 @@ class Material:
     density: float
     name: str = ""
     law: Law | None = None
+    expansion: float | None = None
 
     def __post_init__(self) -> None:
         label = f"material '{self.name}'" if self.name else "material"
@@ -71,3 +75,39 @@ class Material:
     def shear_modulus(self) -> float:
         """G = E / (2 (1 + ν)) [force/length²]."""
         return self.youngs_modulus / (2 * (1 + self.poissons_ratio))
+
+
+class MaterialWishes(Protocol):
+    """Constants a study gives to a material; None leaves what the source says."""
+
+    @property
+    def E(self) -> float | None:
+        """Young's modulus [force/length²]."""
+        ...
+
+    @property
+    def nu(self) -> float | None:
+        """Poisson's ratio."""
+        ...
+
+    @property
+    def rho(self) -> float | None:
+        """Density [mass/length³]."""
+        ...
+
+    @property
+    def alpha(self) -> float | None:
+        """Coefficient of thermal expansion [1/temperature]."""
+        ...
+
+
+def overridden(material: Material, wishes: MaterialWishes) -> Material:
+    """Return a material with the constants that a study gives; E or nu make it isotropic."""
+    return replace(
+        material,
+        law=material.law if wishes.E is None and wishes.nu is None else None,
+        youngs_modulus=material.youngs_modulus if wishes.E is None else wishes.E,
+        poissons_ratio=material.poissons_ratio if wishes.nu is None else wishes.nu,
+        density=material.density if wishes.rho is None else wishes.rho,
+        expansion=material.expansion if wishes.alpha is None else wishes.alpha,
+    )

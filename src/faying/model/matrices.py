@@ -90,7 +90,7 @@ def assemble_matrices(assembly: Assembly) -> NodalMatrices:
         if assembly.matrices.C is not None:
             C = _finished(_placed(assembly.matrices, assembly.matrices.C, "C", n_node))
     for block in assembly.mesh.blocks:
-        mass, stiffness = _solid_matrices(assembly, block)
+        mass, stiffness = solid_matrices(assembly, block)
         M, K = M + mass, K + stiffness
     return NodalMatrices(M=_finished(M), C=C, K=_finished(K))
 
@@ -207,7 +207,8 @@ def rigid_body_motions(nodes: Matrix, origin: Vector) -> Matrix:
     return motion.reshape(-1, 6)
 
 
-def _solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, SparseMatrix]:
+def solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, SparseMatrix]:
+    """Return M and K (6 n_node, 6 n_node) of a block of solids."""
     element = block_element(block, assembly.element)
     n_node = len(assembly.mesh.nodes)
     check_nodes(block, element, n_node)

@@ -60,8 +60,8 @@ def part_of(
     if not parts and not without:
         return described
     assembly = described.assembly
-    chosen = _wanted(assembly, parts) if parts else assembly.mesh.element_ids
-    dropped = _wanted(assembly, without)
+    chosen = elements_named(assembly, parts) if parts else assembly.mesh.element_ids
+    dropped = elements_named(assembly, without)
     solids = [
         np.isin(block.ids, chosen) & ~np.isin(block.ids, dropped) for block in assembly.mesh.blocks
     ]
@@ -78,8 +78,23 @@ def part_of(
     return replace(joint, assembly=whole)
 
 
-def _wanted(assembly: Assembly, names: Sequence[str | int]) -> Indices:
-    """Return the ids of the elements that names of bodies or sets, or property ids, stand for."""
+def elements_named(
+    assembly: Assembly,
+    names: Sequence[str | int],
+    where: str = "parts and without of [model]",
+) -> Indices:
+    """Return the ids of the elements that names of bodies or sets, or property ids, stand for.
+
+    Parameters
+    ----------
+    where
+        What gives the names, for messages.
+
+    Raises
+    ------
+    ModelError
+        If nothing has such a name.
+    """
     mesh = assembly.mesh
     found = [np.empty(0, dtype=np.int64)]
     known = body_names(mesh) if any(name not in mesh.element_sets for name in names) else []
@@ -89,7 +104,7 @@ def _wanted(assembly: Assembly, names: Sequence[str | int]) -> Indices:
             shells = [block.ids[block.properties == name] for block in assembly.shells]
             found += [ids, *([] if len(ids) else shells)]
             if not sum(map(len, found[-1 - len(shells) :])):
-                message = f"no element has property {name}; correct parts or without of [model]"
+                message = f"no element has property {name}; correct {where}"
                 raise ModelError(message)
         elif name in mesh.element_sets:
             found.append(mesh.element_sets[name])

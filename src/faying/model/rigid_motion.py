@@ -17,6 +17,11 @@ from faying.model.shells import ShellBlock
 LARGEST = 2000
 """Unknowns of the dense eigenvalue problem above which it costs more than a minute."""
 
+HELD = 1e-11
+"""Force against a rigid motion over those of all entries of its row; rounding leaves 1e-15.
+
+A grounded spring at one node resists by its stiffness over that of the elements there."""
+
 # Size of a rigid motion of a body, relative to its largest, below which its free nodes do not
 # show it: they lie on one line, say.
 _UNSEEN = 1e-8
@@ -71,6 +76,35 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
     free = vectors[:, energies < MECHANISM]
     motions: Matrix = np.linalg.qr(shapes @ (scale[:, None] * free))[0]
     return FreeMotions(motions=motions, labels=labels)
+
+
+def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
+    """Return the motions (n_dof, n <= 6) of all as one rigid body that no stiffness resists.
+
+    Parameters
+    ----------
+    points : (n_node, 3)
+    free : (n_dof,)
+        Rows 6 i + c of the degrees of freedom.
+    K : (n_dof, n_dof)
+        Of the structure, or without solids that resist no rigid motion.
+    """
+    node, component = np.divmod(free, 6)
+    if not len(free):
+        return np.zeros((0, 0))
+    centre = points[node].mean(axis=0)
+    motions = rigid_motions(points[node], component, centre)
+    motions[:, 3:] /= np.linalg.norm(points[node] - centre, axis=1).max() or 1.0
+    entries = abs(K) @ np.abs(motions).max(axis=1)
+    resisted = (K @ motions) / np.where(entries > 0, entries, 1.0)[:, None]
+    _, size, ways = np.linalg.svd(np.linalg.qr(resisted, mode="r"))
+    size = np.append(size, np.zeros(6))[:6]
+    # Motions that are none, as turns about a line of nodes, meet no resistance either.
+    whole = motions @ ways[size < HELD].T
+    left, seen, _ = np.linalg.svd(whole, full_matrices=False)
+    # Where all are, round-off is left of them: what counts is seen over motions of the structure.
+    distinct: Matrix = left[:, seen > _UNSEEN * np.linalg.norm(motions)]
+    return distinct
 
 
 def rigid_parts(assembly: Assembly) -> Indices:

@@ -85,6 +85,8 @@ class BoltSpec:
         Timoshenko (True) or Euler-Bernoulli beam.
     mass
         Whether the generated beam has mass.
+    end_masses : [mass]
+        Of head and washer where the axis begins, and of nut and washer where it ends.
     """
 
     name: str
@@ -99,6 +101,7 @@ class BoltSpec:
     material: int | str | None = None
     shear_flexible: bool = True
     mass: bool = True
+    end_masses: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)

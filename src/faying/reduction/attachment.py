@@ -41,6 +41,8 @@ def attachment_modes(
 
     Parameters
     ----------
+    model
+        Usually preloaded, with its sticking area.
     normal_modes
         Number of fixed-interface normal modes.
     moments, refined
@@ -66,6 +68,13 @@ def attachment_modes(
     One back-substitution a vector, and products of n_dof n² operations for n vectors, which are the
     greater part for a thousand of them. A step of the reduced model costs 4 n² operations more
     than one of ``compliance``.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> len(fy.attachment_modes(joint, normal_modes=4, moments=2, refined=10)) > 20
+    True
     """
     structure = model.structure
     if not structure.has_mass:
@@ -82,7 +91,7 @@ def attachment_modes(
         f"{n} shapes of interface and inertia",
         "take the residual compliance instead, or a coarser interface",
     )
-    K, M, P = structure.K, structure.M, structure.relative_operator
+    K, M, P = structure.supported_stiffness, structure.M, structure.relative_operator
     kind, basis = ModeKind.ATTACHMENT, start
     carried = np.hstack([M @ structure.constraint_modes, model.pattern_forces.T])
     for _ in range(moments):
@@ -111,4 +120,4 @@ def refined_basis(model: Model, basis: Basis, count: int = REFINED) -> Basis:
     softest = [max(n - count, 0), n - 1]
     _, directions = la.eigh((gram + gram.T) / 2, subset_by_index=softest)
     answers = model.structure.solve_held(M @ (shapes @ directions))
-    return basis.extended(answers, ModeKind.ATTACHMENT, model.K)
+    return basis.extended(answers, ModeKind.ATTACHMENT, model.structure.supported_stiffness)

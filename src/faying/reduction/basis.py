@@ -25,6 +25,7 @@ class ModeKind(StrEnum):
     NORMAL = "normal"
     BOLT = "bolt"
     LOAD = "load"
+    RELIEF = "relief"
     JOINT = "joint"
     ATTACHMENT = "attachment"
 
@@ -35,12 +36,21 @@ VANISHING = tuple(kind for kind in ModeKind if kind is not ModeKind.CONSTRAINT)
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Basis(Shown):
-    """Trial vectors Φ of the Ritz ansatz (15.15).
+    """Shapes that a reduced model moves in: the trial vectors Φ of u ≈ Φ q, (15.15).
 
     Attributes
     ----------
     vectors : (n_dof, n_mode)
+        One shape a column, at the free degrees of freedom of the full model. Constraint modes are
+        displacements per displacement; the others are scaled to ΦᵀKΦ = 1.
     kinds : n_mode kinds
+        What each column is: constraint, normal, bolt, load or joint.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.craig_bampton(fy.lap_joint(element_size=5.0), normal_modes=4)
+    Basis(trial vectors: 11 (6 constraint, 4 normal, 1 bolt), degrees of freedom: 1326)
     """
 
     vectors: Matrix

@@ -21,10 +21,16 @@ def jim_a(
     weight: Literal["K", "I"] = "K",
     classic: Basis | None = None,
 ) -> Basis:
-    """Extend the classic basis by joint interface modes of unit pressures on subareas.
+    """Extend the classic basis by joint modes of unit pressures on subareas (method A).
 
     Parameters
     ----------
+    model
+        Usually preloaded, with its sticking area.
+    normal_modes
+        Number of fixed-interface normal modes; not used where ``classic`` is given.
+    joint_modes
+        Number of joint modes, the most important first.
     subarea_count
         Test loads over all interfaces together, each of them unit pressure on one subarea,
         Eq. (15.23); at most one per facet.
@@ -36,13 +42,20 @@ def jim_a(
     Notes
     -----
     Eqs. (15.23), (15.24): one back-substitution per subarea with the boundary held, one POD.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.jim_a(joint, normal_modes=4, joint_modes=8)
+    Basis(trial vectors: 19 (6 constraint, 4 normal, 1 bolt, 8 joint), degrees of freedom: 1326)
     """
     start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
     fields = model.structure.solve_held(unit_pressure_loads(model, subarea_count))
     inner = model.K if weight == "K" else None
     modes = pod(fields, inner=inner, count=joint_modes).vectors
     joint = Basis(vectors=modes, kinds=(ModeKind.JOINT,) * modes.shape[1])
-    return (start + joint).orthonormalized(model.K)
+    return (start + joint).orthonormalized(model.structure.supported_stiffness)
 
 
 def unit_pressure_loads(model: Model, count: int) -> Matrix:

@@ -17,10 +17,16 @@ def jim_b(
     joint_modes: int = 20,
     classic: Basis | None = None,
 ) -> Basis:
-    """Extend the classic basis by static shapes of the dominant contact forces.
+    """Extend the classic basis by joint modes of contact forces met in training (method B).
 
     Parameters
     ----------
+    model
+        Usually preloaded, with its sticking area.
+    normal_modes
+        Number of fixed-interface normal modes; not used where ``classic`` is given.
+    joint_modes
+        Number of joint modes, the most important first.
     contact_forces : (n_point, n_snapshot) [force]
         λ of static and dynamic training runs, Eq. (15.30); see :mod:`faying.reduction.snapshots`.
     classic
@@ -30,6 +36,15 @@ def jim_b(
     -----
     POD of the nodal contact forces with W = I, then Eq. (15.24) with the boundary held: one
     back-substitution per joint mode.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> box = fy.LoadBox(ranges={"tip.Fz": (-500.0, 500.0)}, levels=3)
+    >>> forces = fy.static_snapshots(joint, box.static_loads(joint))
+    >>> fy.jim_b(joint, forces, normal_modes=4, joint_modes=5)
+    Basis(trial vectors: 16 (6 constraint, 4 normal, 1 bolt, 5 joint), degrees of freedom: 1326)
     """
     start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
     at_pairs = model.contact.interpolation.T @ contact_forces
@@ -40,4 +55,4 @@ def jim_b(
     patterns[loaded] = modes
     shapes = model.structure.solve_held(patterns)
     joint = Basis(vectors=shapes, kinds=(ModeKind.JOINT,) * shapes.shape[1])
-    return (start + joint).orthonormalized(model.K)
+    return (start + joint).orthonormalized(model.structure.supported_stiffness)

@@ -113,5 +113,5 @@ def _last_gap(frequencies: list[float]) -> tuple[int, float] | None:
 
 def _count(structure: Structure, frequency: float) -> int:
     inner = structure.interior
-    K, M = (matrix[inner][:, inner] for matrix in (structure.K, structure.M))
+    K, M = structure.interior_stiffness, structure.M[inner][:, inner]
     return count_negative(K - (2 * np.pi * frequency) ** 2 * M)

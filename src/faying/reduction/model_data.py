@@ -2,6 +2,9 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.contact.contact import Contact
@@ -51,6 +54,8 @@ class ModelData:
     invariants : (4 + 3 n_mode, 4 + 3 n_mode)
         ∫ρ a b dV of the fields 1, x, y, z and the components of the trial vectors, for floating
         frames.
+    rigid_motions : (n_mode, n_motion)
+        R, motions as a whole that nothing resists, RᵀMR = I.
     tangential
         What is carried along the interfaces per input and contact force of the full model.
     """
@@ -75,6 +80,7 @@ class ModelData:
     recovery_damping: Matrix | None = None
     recovery_frame: Matrix | None = None
     invariants: Matrix | None = None
+    rigid_motions: Matrix = field(default_factory=partial(np.zeros, (0, 0)))
     tangential: tuple[TangentialRows, ...] = ()
 
     def __post_init__(self) -> None:

@@ -26,6 +26,11 @@ PORTS: Table = {
         "(n_port, 12)",
     ),
     "load_patterns": Meaning("loads of the deck, in the order of their ports"),
+    "pattern_bolt_forces": Meaning(
+        "what they add to the forces of bolts that expand; absent if nothing",
+        "force",
+        "(n_pattern, n_bolt)",
+    ),
     "shear": Meaning("tangential displacements from relative ones (CSR); absent without friction"),
     "tangents": Meaning("directions of those", "1", "(2, n_point, 3)"),
 }
@@ -58,6 +63,12 @@ COORDINATES: Table = {
     ),
     "pattern_forces": Meaning(
         "forces of the load patterns; absent without any", "force", "(n_pattern, n_mode)"
+    ),
+    "rigid_motions": Meaning(
+        "motions as a whole that nothing resists, in coordinates, orthonormal in the mass; absent "
+        "where the structure is held",
+        "1/mass^(1/2)",
+        "(n_mode, n_motion)",
     ),
 }
 """Of a reduced model in its coordinates."""

@@ -33,7 +33,7 @@ from faying.joint.system import (
 )
 from faying.linalg.budget import default_budget
 from faying.linalg.compressed import Compliance, plus
-from faying.linalg.factorization import factorize
+from faying.linalg.relief import factorize_relieved, shifted
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.model.mesh import CellBlock
@@ -50,7 +50,12 @@ from faying.reduction.model_fields import TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.stored_compliance import StoredCompliance
-from faying.reduction.stored_rows import tangential_of, weak_supports_of
+from faying.reduction.stored_rows import (
+    moments_of,
+    rigid_motions_of,
+    tangential_of,
+    weak_supports_of,
+)
 
 _MEMBERS = (
     "interfaces",
@@ -135,11 +140,14 @@ def read_ports(
         names = ", ".join(bolt_forces)
         message = f"'{group.name}/bolt_stiffness' is of {', '.join(stiffness)}, expected {names}"
         raise ValueError(message)
+    added = _optional(group, "pattern_bolt_forces", (len(patterns), len(stiffness)))
+    rows = np.zeros((len(patterns), len(stiffness))) if added is None else added
+    expanding = [{n: f for n, f in zip(stiffness, row, strict=True) if f} for row in rows.tolist()]
     contact = _contact(group, interfaces)
     n_relative = int(contact.relative_operator.shape[0])
     n_port = n_relative + first + len(stiffness) + len(patterns)
     ports = _ports(group, contact, n_port, first, len(patterns))
-    none = np.zeros((0, 0))
+    none, empty = np.zeros((0, 0)), np.zeros(0)
     return ReducedModel(
         M=none,
         C=none,
@@ -147,13 +155,14 @@ def read_ports(
         contact=contact,
         boundaries=boundaries,
         bolts={
-            name: Bolt(
-                name=name, elongation=np.zeros(0), stiffness=one, initial_force=bolt_forces[name]
-            )
-            for name, one in stiffness.items()
+            name: Bolt(name=name, elongation=empty, stiffness=k, initial_force=bolt_forces[name])
+            for name, k in stiffness.items()
         },
         basis=Basis(vectors=none, kinds=()),
-        load_patterns={name: LoadPattern(name=name, forces=np.zeros(0)) for name in patterns},
+        load_patterns={
+            name: LoadPattern(name=name, forces=empty, bolt_forces=of_bolts)
+            for name, of_bolts in zip(patterns, expanding, strict=True)
+        },
         ports=ports,
         recovery_frame=_optional(group, "frame_recovery", (n_port, 12)),
         interfaces=interfaces,
@@ -210,16 +219,17 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
     places = boundary_slices(joint.boundaries)
     n_boundary = sum(len(one.dofs) for one in joint.boundaries.values())
     at = numbers(group, "boundary", (n_boundary,), np.int64)
-    check_definite(K, f"{group.name}/stiffness")
     check_distinct(at, n, f"{group.name}/boundary")
     loads = _optional(group, "pattern_forces", (len(joint.load_patterns), n))
+    motions = rigid_motions_of(group, n)
+    check_definite(shifted(K, M @ motions), f"{group.name}/stiffness")
     residual = _compliance(group, "residual_compliance", joint.contact)
     if (
         residual is None
         and read_member(member(group, "compliance"), bool, TABLES)
         and joint.ports is not None
     ):
-        flexibility = factorize(K).solve(np.eye(n))
+        flexibility = factorize_relieved(K, M, motions).solve(np.eye(n))
         residual = plus(joint.ports.relative, seen, -flexibility)
     n_port = n_relative + n_boundary + len(joint.bolts) + len(joint.load_patterns)
     return replace(
@@ -239,8 +249,8 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
             name: replace(
                 one,
                 elongation=row,
-                bending=_of_bolt(group, "bending", name, n),
-                residual_bending=_of_bolt(group, "residual_bending", name, n_relative),
+                bending=moments_of(group, "bending", name, n),
+                residual_bending=moments_of(group, "residual_bending", name, n_relative),
             )
             for (name, one), row in zip(joint.bolts.items(), rows, strict=True)
         },
@@ -252,18 +262,11 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
         if loads is not None
         else {},
         weak_supports=weak_supports_of(group, n, n_relative),
+        rigid_motions=motions,
         recovery_inertia=_optional(group, "inertia_recovery", (n_port, n)),
         recovery_damping=_optional(group, "damping_recovery", (n_port, n)),
         invariants=_optional(group, "invariants", (4 + 3 * n, 4 + 3 * n)),
     )
-
-
-def _of_bolt(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | None:
-    """Return the moments of a bolt; None where the file does not tell."""
-    if key not in group or member_name(bolt) not in group[key]:
-        return None
-    moments: Matrix = numbers(member(group, key), bolt, (4, width))
-    return moments
 
 
 def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:

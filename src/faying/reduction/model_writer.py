@@ -152,12 +152,21 @@ def _port_members(rom: ModelData) -> dict[str, Any]:
         "bolt_stiffness": {name: float(bolt.stiffness) for name, bolt in rom.bolts.items()},
         "frame_recovery": rom.recovery_frame,
         "load_patterns": tuple(rom.load_patterns),
+        "pattern_bolt_forces": _bolts_of_patterns(rom),
         "places": rom.contact.places,
         "shear": rom.contact.shear,
         "tangents": rom.contact.tangents,
         "tangential": rom.tangential or None,
         "dense_budget": rom.contact.dense_budget,
     }
+
+
+def _bolts_of_patterns(rom: ModelData) -> Matrix | None:
+    """Return what load patterns add to the forces of bolts (n_pattern, n_bolt); None if nothing."""
+    rows = [
+        [one.bolt_forces.get(bolt, 0.0) for bolt in rom.bolts] for one in rom.load_patterns.values()
+    ]
+    return np.array(rows) if any(map(any, rows)) else None
 
 
 def _members(rom: ModelData, shapes: Indices | None) -> dict[str, Any]:
@@ -175,6 +184,7 @@ def _members(rom: ModelData, shapes: Indices | None) -> dict[str, Any]:
         "compliance": rom.contact.residual_compliance is not None,
         "shapes": shapes,
         "invariants": rom.invariants,
+        "rigid_motions": rom.rigid_motions if rom.rigid_motions.shape[1] else None,
         "pattern_forces": pattern_forces(rom.load_patterns, n) if rom.load_patterns else None,
     }
 

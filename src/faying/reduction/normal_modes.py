@@ -66,7 +66,7 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
     vectors = np.zeros((structure.n_dof, count))
     if count == 0:
         return NormalModes(vectors=vectors, frequencies=np.empty(0), next_frequency=np.inf)
-    K, M = structure.K[inner][:, inner], structure.M[inner][:, inner]
+    K, M = structure.interior_stiffness, structure.M[inner][:, inner]
     squares, found = lowest_modes(K, M, structure.interior_factor, min(count + 1, len(inner)))
     vectors[inner] = found[:, :count]
     frequencies = np.append(np.sqrt(squares) / (2 * np.pi), np.inf)
@@ -94,10 +94,16 @@ def lowest_modes(
         raise ModelError(message)
     n = K.shape[0]
     if n <= 3 * count + 20 or not sp.issparse(K):  # Lanczos needs room, and sparse matrices
-        # M may be singular (massless couplings), K is definite: solve M φ = ω⁻² K φ.
-        inverse, vectors = la.eigh(dense(M), dense(K))
-        squares = 1.0 / inverse[::-1][:count]
-        return squares, vectors[:, ::-1][:, :count] * np.sqrt(squares)
+        # M may be singular (massless couplings), and K of what nothing holds: with M = L Lᵀ
+        # solve Lᵀ K⁺ L y = ω⁻² y, then φ = ω² K⁺ L y.
+        mass, ways = la.eigh(dense(M))
+        root = ways * np.sqrt(np.maximum(mass, 0.0))
+        moved = factor.solve(root)
+        inverse, vectors = la.eigh(root.T @ moved)
+        # What has no mass, or is rigid, comes out at round-off: no vibration is faster.
+        least = np.finfo(float).eps * inverse.max()
+        squares = 1.0 / np.maximum(inverse[::-1][:count], least)
+        return squares, moved @ vectors[:, ::-1][:, :count] * squares
     start = np.random.default_rng(0).standard_normal(n)  # fixed, so that runs repeat
     operator = spla.LinearOperator((n, n), matvec=factor.solve, dtype=float)
     squares, vectors = spla.eigsh(K, count, M, sigma=0.0, OPinv=operator, v0=start)

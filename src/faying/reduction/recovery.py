@@ -56,10 +56,17 @@ class Recovery:
 
 
 def recovery_operator(model: Model, basis: Basis) -> Recovery:
-    """Precompute the recovery matrices of a model and a basis.
+    """Return the matrices that recover pressures of the full model from a motion in a basis.
 
-    Independent of any solution; the matrices are all an importing program needs. A reduced model
-    has them as ``rom.recovery``, except those of supports that move.
+    A program that integrates the reduced model needs nothing else. A reduced model has them as
+    ``rom.recovery``, except those of supports that move.
+
+    Parameters
+    ----------
+    model
+        The preloaded full model.
+    basis
+        What the motion is of: its coordinates are those of :func:`faying.recover_from_modal`.
 
     Raises
     ------
@@ -70,7 +77,15 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
 
     Notes
     -----
-    As :func:`supported_operator` and :func:`frame_operator`.
+    One back-substitution per trial vector, two with damping that is not proportional, and twelve
+    for supports that move.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.recovery_operator(joint, fy.craig_bampton(joint, normal_modes=4)).inertia.shape[1]
+    11
     """
     return replace(supported_operator(model, basis), frame=frame_operator(model))
 

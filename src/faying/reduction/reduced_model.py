@@ -16,7 +16,8 @@ from faying.exceptions import ModelError
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import PortCompliance, boundary_dofs, elongations, static_contact_of
 from faying.linalg.compressed import symmetrized
-from faying.linalg.factorization import Factorization, factorize
+from faying.linalg.factorization import Factorization
+from faying.linalg.relief import factorize_relieved
 from faying.reduction.basis import ModeKind
 from faying.reduction.model_data import ModelData
 from faying.reduction.model_writer import write_model
@@ -55,7 +56,7 @@ class ReducedModel(Shown, ModelData):
 
     @cached_property
     def _static_factor(self) -> Factorization:
-        return factorize(self.K)
+        return factorize_relieved(self.K, self.M, self.rigid_motions)
 
     @cached_property
     def port_compliance(self) -> PortCompliance:
@@ -117,7 +118,7 @@ class ReducedModel(Shown, ModelData):
         )
 
     def factorize_static(self) -> Factorization:
-        """Return the Cholesky factorization of K."""
+        """Return the Cholesky factorization of K, or what stands for K⁺ of (M11)."""
         return self._static_factor
 
     def expand(self, states: Matrix) -> Matrix:

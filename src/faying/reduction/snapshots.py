@@ -23,11 +23,19 @@ class LoadBox:
     Attributes
     ----------
     ranges
-        ``"boundary.component"`` to its smallest and largest value.
+        ``"boundary.component"`` to its smallest and largest value, [force] or [force·length].
     levels
         Values per component in the static combinations, from smallest to largest.
     preload_factors
         Multiples of the locked bolt forces in the static combinations.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> box = fy.LoadBox(ranges={"tip.Fz": (-500.0, 500.0), "tip.Mx": (0.0, 20e3)}, levels=3)
+    >>> len(box.static_loads(joint)), len(box.step_loads())         # 3 × 3 × 3 preloads; 3² − 1
+    (27, 8)
     """
 
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -89,7 +97,15 @@ class LoadBox:
 
 
 def static_snapshots(system: System, loads: Sequence[Load]) -> Matrix:
-    """Contact forces λ (n_point, n_load) of static load combinations, Eqs. (15.25), (15.26)."""
+    """Return contact forces λ (n_point, n_load) [force] of static loads, Eqs. (15.25), (15.26).
+
+    Parameters
+    ----------
+    system
+        A preloaded model, full or reduced.
+    loads
+        One column of the result each.
+    """
     return solve_static_cases(system, loads).contact_forces.T
 
 
@@ -102,7 +118,9 @@ def step_snapshots(
     integrator: Integrator | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> Matrix:
-    """Contact forces λ (n_point, n_load · n_time) of step responses, Eqs. (15.27) to (15.29).
+    """Return contact forces λ (n_point, n_load · n_time) [force], Eqs. (15.27) to (15.29).
+
+    Each load acts at once on the joint at rest.
 
     Parameters
     ----------

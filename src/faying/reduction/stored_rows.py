@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 
 import h5py
+import numpy as np
 
-from faying.files.described import member, read_member
+from faying._typing import Matrix
+from faying.files.described import member, member_name, numbers, read_member
 from faying.joint.system import boundary_dofs
 from faying.joint.tangential import TangentialRows
 from faying.joint.weak_support import WeakSupport
@@ -33,6 +35,25 @@ def tangential_of(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows,
             )
             raise ValueError(message)
     return found
+
+
+def moments_of(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | None:
+    """Return the moments of a bolt; None where the file does not tell."""
+    if key not in group or member_name(bolt) not in group[key]:
+        return None
+    moments: Matrix = numbers(member(group, key), bolt, (4, width))
+    return moments
+
+
+def rigid_motions_of(group: h5py.Group, n: int) -> Matrix:
+    """Return motions (n, n_motion) as a whole; none where the file tells of none."""
+    if "rigid_motions" not in group:
+        return np.zeros((n, 0))
+    motions: Matrix = numbers(group, "rigid_motions")
+    if motions.ndim != 2 or len(motions) != n or motions.shape[1] > 6:
+        message = f"'{group.name}/rigid_motions' has shape {motions.shape}, expected ({n}, 6)"
+        raise ValueError(message)
+    return motions
 
 
 def weak_supports_of(group: h5py.Group, n: int, n_relative: int) -> dict[str, WeakSupport]:

@@ -54,7 +54,7 @@ def trial_vector_derivatives(
     patterns = pod(at_pairs, inner=structure.held_compliance, count=joint_modes).vectors
     shapes = structure.solve_held(structure.relative_operator.T @ patterns)
     joint = Basis(vectors=shapes, kinds=(ModeKind.JOINT,) * shapes.shape[1])
-    return (start + joint).orthonormalized(structure.K)
+    return (start + joint).orthonormalized(structure.supported_stiffness)
 
 
 def _gap_products(model: Model, basis: Basis) -> Matrix:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying.report.quantities import number
+from faying.display.quantities import number
 from faying.study.results import Results
 
 ROUND_OFF = 1e-6

@@ -11,8 +11,8 @@ from faying.assessment.transient_error import (
     TRACTIONS_OBSERVED,
     remedy_hint,
 )
-from faying.report.quantities import number, percent
-from faying.report.verdict import GOOD
+from faying.display.quantities import number, percent
+from faying.report.methods import GOOD
 from faying.study.remedy import remedy_sentence, shapes_seconds
 from faying.study.results import Results
 

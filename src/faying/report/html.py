@@ -1,74 +1,53 @@
-"""The report of a run: one page that works offline, its figures beside it."""
+"""The report of a run: a page on the joint and one on the methods, which work offline."""
 
-from dataclasses import dataclass
+import re
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from faying.assessment.joint_verdict import JointVerdict, share_used, verdict_rows
 from faying.files.atomic import write_text
-from faying.files.names import file_names
 from faying.report.certified import sharpness
-from faying.report.estimates import doubtful_references, estimate_note, remedies
-from faying.report.figures import write_figures
-from faying.report.figures.entry import FigureEntry
-from faying.report.friction_table import friction_table
-from faying.report.joint import (
-    bolt_judgement,
-    clamp_judgement,
-    interface_judgement,
-    joint_doubts,
-    joint_headline,
-    requirement_table,
-    scatter_table,
-    slip_judgement,
-)
-from faying.report.limits import limits
-from faying.report.meanings import meanings
-from faying.report.quantities import percent, quantity
-from faying.report.reference import against
-from faying.report.slip import slip_sentence
-from faying.report.tables import (
-    Table,
-    bolt_table,
-    case_table,
+from faying.report.errors import (
+    choice_table,
     error_table,
-    interface_table,
-    model_table,
+    load_space_table,
     stage_table,
     timing_table,
 )
-from faying.report.unseen_loads import choice_table, load_space_table
-from faying.report.verdict import FAIR, GOOD, STEP_MATTERS, headline, reservations, verdicts
+from faying.report.estimates import doubtful_references, estimate_note, remedies
+from faying.report.figures import write_figures
+from faying.report.figures.entry import FigureEntry
+from faying.report.meanings import meanings
+from faying.report.methods import FAIR, GOOD, coarse_steps, headline, reservations, verdicts
+from faying.report.model_tables import bolt_table, interface_table, model_table
+from faying.report.questions import questions
+from faying.report.reference import against
+from faying.report.table import MARKS, Column, Table, described
+from faying.report.trust import trust
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
+from faying.study.declared import barely_held, kept_share, missing_contact
 from faying.study.mode_choice import mode_sentences
-from faying.study.results import CaseResult, Results
-from faying.study.step_check import StepCheck, step_check
-from faying.study.step_choice import choice_sentence, step_choice
-from faying.units import Units, units_of
+from faying.study.results import Results
+from faying.study.run_verdict import run_verdict
+from faying.units import units_of
 
 LONG = 22
 """Characters of a cell that may be broken into lines; a number stays with its unit."""
 NARROW = 3
 """Most columns that a phone shows side by side; wider tables become a card per row there."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CaseSection:
-    """What the report says of one load case."""
-
-    anchor: str
-    name: str
-    kind: str
-    errors: Table
-    figures: list[FigureEntry]
-    step_check: str
+MOST = 0.5
+"""Share of a declared contact area below which most of it is missing, which decides."""
+GRADES = {"met": "good", "not met": "poor", "unknown": "fair"}
 
 
 def write_report(results: Results, folder: Path) -> Path:
-    """Write ``report.html`` and ``figures/*.png`` of a run.
+    """Write ``report.html``, ``methods.html`` and ``figures/*.png`` of a run.
 
     Parameters
     ----------
@@ -78,7 +57,7 @@ def write_report(results: Results, folder: Path) -> Path:
     Returns
     -------
     Path
-        The page.
+        The page on the joint.
 
     Raises
     ------
@@ -88,40 +67,64 @@ def write_report(results: Results, folder: Path) -> Path:
     figures = write_figures(results, folder / "figures")
     path = folder / "report.html"
     write_text(path, render(results, figures, folder))
+    write_text(folder / "methods.html", render_methods(results, figures, folder))
     return path
 
 
-def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
-    """Return the page as text; it links figures relative to its folder."""
-    environment = Environment(
-        loader=PackageLoader("faying.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
-    environment.filters["instant"] = _instant
-    environment.globals |= {"LONG": LONG, "NARROW": NARROW}
-    found = verdicts(results)
-    return environment.get_template("report.html.j2").render(
-        results=results,
-        joint=joint_headline(results),
-        doubts=joint_doubts(results),
-        slips=slip_sentence(results),
-        vibrations=any(case.reference.backbones for case in results.cases.values()),
-        joint_tables=[
-            one
-            for of in (
-                requirement_table,
-                bolt_judgement,
-                clamp_judgement,
-                interface_judgement,
-                slip_judgement,
-                scatter_table,
-            )
-            if (one := of(results)).rows
+def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> str:
+    """Return the page on the joint as text; it links figures relative to its folder."""
+    verdict = run_verdict(results)
+    sections = questions(results, figures)
+    missing = {name: _missing(results, name) for name in results.interfaces}
+    shown = {entry.path for section in sections for entry in section.figures}
+    return _page(
+        "report.html.j2",
+        results,
+        folder,
+        verdict=verdict,
+        rows=list(zip(verdict.parts, verdict_rows(verdict), strict=True)),
+        checks=check_table(verdict),
+        doubts=[
+            *results.doubts,
+            *(text for text, most in missing.values() if text and most),
+            *barely_held(results),
+            *(f"did not converge: {text}" for text in results.warnings if not _of_method(text)),
+            *coarse_steps(results),
         ],
+        folded=[
+            *(text for text, most in missing.values() if text and not most),
+            *(f"could not be computed: {text}" for text in results.omissions),
+            *(f"did not converge: {text}" for text in results.warnings if _of_method(text)),
+        ],
+        sections=sections,
+        methods=any(case.methods for case in results.cases.values()),
+        headline=headline(verdicts(results), results),
+        trust=trust(results),
+        model=[model_table(results), interface_table(results), bolt_table(results)],
+        view=scene(results),
+        three=three(),
+        still=[entry for entry in figures if entry.stem == "model"],
+        figures={
+            "steps": [entry for entry in figures if entry.stem == "time_step"],
+            "preload": [entry for entry in figures if entry.section == "preload"],
+            "more": [
+                entry
+                for entry in figures
+                if entry.section in results.cases
+                and entry.path not in shown
+                and entry.stem not in ("time_step", "error")
+            ],
+        },
+    )
+
+
+def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Path) -> str:
+    """Return the page on methods, their errors and cost as text."""
+    found = verdicts(results)
+    return _page(
+        "methods.html.j2",
+        results,
+        folder,
         headline=headline(found, results),
         verdicts=found,
         methods=meanings(results),
@@ -133,29 +136,68 @@ def render(results: Results, figures: list[FigureEntry], folder: Path) -> str:
         ],
         good=f"{100 * GOOD:g} %",
         fair=f"{100 * FAIR:g} %",
-        model=model_table(results),
-        interfaces=interface_table(results),
-        bolts=bolt_table(results),
-        load_cases=case_table(results),
-        friction=friction_table(results),
-        cases=_sections(results, figures),
+        errors={name: error_table(case) for name, case in results.cases.items()},
         unseen=load_space_table(results),
         choices=choice_table(results),
         timings=timing_table(results),
         stages=stage_table(results),
-        limits=limits(results),
         reference=against(results.cases.values()).removeprefix("the "),
         sharpness=sharpness(results),
-        view=scene(results),
-        three=three(),
-        own=own(),
-        still=[entry for entry in figures if entry.path.stem == "model"],
         estimates=estimate_note(results),
         figures={
-            section: [entry for entry in figures if entry.section == section]
-            for section in ("model", "preload", "convergence", "beyond")
+            "convergence": [entry for entry in figures if entry.section == "convergence"],
+            "beyond": [entry for entry in figures if entry.section == "beyond"],
+            "errors": [entry for entry in figures if entry.stem == "error"],
         },
     )
+
+
+def _page(template: str, results: Results, folder: Path, **values: Any) -> str:
+    environment = Environment(
+        loader=PackageLoader("faying.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
+    environment.filters["instant"] = _instant
+    environment.filters["used"] = share_used
+    environment.globals |= {"LONG": LONG, "NARROW": NARROW, "GRADES": GRADES, "MARKS": MARKS}
+    return environment.get_template(template).render(results=results, own=own(), **values)
+
+
+def check_table(verdict: JointVerdict) -> Table:
+    """Return every check with its values."""
+    columns = (
+        Column("check", lambda one: one.quantity),
+        Column("verdict", lambda one: one.outcome),
+        Column("used", lambda one: None if one.utilisation is None else 100 * one.utilisation, "%"),
+        Column("found", lambda one: one.value, "", 5),
+        Column("allowed", lambda one: one.limit, "", 5),
+        Column("unit", lambda one: one.unit or None),
+        Column("load case", lambda one: one.case or None),
+        Column("at", lambda one: one.instant, "time"),
+        Column("scatter", lambda one: one.scatter or None),
+        Column("demanded", lambda one: "yes" if one.required else "no"),
+        Column("source", lambda one: one.source or None),
+        Column("reason", lambda one: one.reason or None),
+    )
+    checks = [(part.part, check) for part in verdict.parts for check in part.checks]
+    return described("part", checks, columns, verdict.units)
+
+
+def _missing(results: Results, name: str) -> tuple[str, bool]:
+    """Say what is missing of a declared contact area, and whether that is most of it."""
+    record = results.interfaces[name]
+    area = float(record.weights.sum())
+    share = kept_share(area, record.declared_area)
+    return missing_contact(name, area, record.declared_area), share is not None and share < MOST
+
+
+def _of_method(warning: str) -> bool:
+    """Say whether a solution that is missing is that of a reduced model compared with others."""
+    return re.search(r" with \d+ joint modes?: ", warning) is not None
 
 
 def _instant(text: str) -> str:
@@ -164,60 +206,3 @@ def _instant(text: str) -> str:
         return datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M %Z")
     except ValueError:
         return text
-
-
-def _sections(results: Results, figures: list[FigureEntry]) -> list[CaseSection]:
-    units, stems = units_of(results.units), file_names(results.cases)
-    return [
-        CaseSection(
-            anchor=f"case-{quote(stems[name])}",
-            name=name,
-            kind=case.kind,
-            errors=error_table(case),
-            figures=[e for e in figures if e.section == name and e.path.stem.startswith("case_")],
-            step_check=_step_check(case, units),
-        )
-        for name, case in results.cases.items()
-    ]
-
-
-def _step_check(case: CaseResult, units: Units) -> str:
-    """Return what the half-step run says about the pressures of a transient case."""
-    if case.times is None:
-        return ""
-    choice = step_choice(case)
-    if choice is not None:
-        return choice_sentence(case.name, choice)
-    check = step_check(case)
-    if check is None:
-        return "No run with half the time step was made: convergence in time is open."
-    return f"{_numbers(check, case.reference_model, units)} {_judgement(check.largest)}"
-
-
-def _numbers(check: StepCheck, model: str, units: Units) -> str:
-    change = check.change
-    return (
-        f"The {model} was run with the study's step of "
-        f"{quantity(check.step, units.time)} and with half of it, and their pressure fields "
-        "compared at every contact point and common instant: they differ by up to "
-        f"{percent(check.largest)} of the peak (at {quantity(check.instant, units.time)}), "
-        f"{percent(change.rms_relative_error)} root mean square, 99.9 % of them by less than "
-        f"{percent(change.p999_relative_error)}. The peak itself goes from "
-        f"{quantity(check.peak, units.pressure)} to {quantity(check.half_peak, units.pressure)} "
-        f"({percent(check.peak_change)}), boundary displacements move by "
-        f"{percent(change.displacement_error)} of the largest."
-    )
-
-
-def _judgement(changed: float) -> str:
-    if changed <= STEP_MATTERS:
-        return (
-            "As far as the error keeps shrinking with the step, that at the study's step is about "
-            "twice this change with a scheme of first order, four thirds of it with one of second."
-        )
-    return (
-        "The pressures of this load case are not converged in time: refine the step before using "
-        "them, or let the load rise over several steps instead of jumping. Schemes of first order "
-        "such as implicit Euler are off by about twice the change. The errors of the methods below "
-        "compare models at the same step and do not contain this."
-    )

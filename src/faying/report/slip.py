@@ -6,8 +6,8 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.assessment.slip import SLIP, STICK
+from faying.display.quantities import number, percent, quantity
 from faying.report.figures.backbone import abscissa, unit_of
-from faying.report.quantities import number, percent, quantity
 from faying.study.comparison import increments, rubbed
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.study.slip_record import SlipRecord

@@ -122,7 +122,7 @@ class BoltsByForce:
         initial, slope = locked.copy(), np.eye(len(self.bolts))
         initial[self.bolts] = np.maximum(initial[self.bolts], forces)
         tolerance = FORCE_TOLERANCE * np.abs(forces).max()
-        found = self._with(initial, slip, start)
+        found = self.at(initial, slip, start)
         reached = forces_of_bolts(self.joint, initial, found)[self.bolts]
         for trial in range(MOST_TRIALS):
             miss = forces - reached
@@ -134,7 +134,7 @@ class BoltsByForce:
             change = np.linalg.solve(slope, miss)
             initial = initial.copy()
             initial[self.bolts] += change
-            found, before = self._with(initial, slip, start), reached
+            found, before = self.at(initial, slip, start), reached
             reached = forces_of_bolts(self.joint, initial, found)[self.bolts]
             unexpected = reached - before - slope @ change
             slope = slope + np.outer(unexpected, change) / (change @ change)
@@ -145,7 +145,7 @@ class BoltsByForce:
         )
         raise ConvergenceError(message)
 
-    def _with(self, initial: Vector, slip: Matrix | None, start: Increment | None) -> Increment:
+    def at(self, initial: Vector, slip: Matrix | None, start: Increment | None) -> Increment:
         """Return where contact stands with all initial forces (n_bolt,) given."""
         ports, contact = self.joint.port_compliance, self.joint.contact
         free, offset = -initial @ ports.contact_columns[ports.bolts], contact.offset(slip)

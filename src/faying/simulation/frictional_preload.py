@@ -5,16 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices, Matrix, Vector
+from faying.contact.increment import Increment
+from faying.exceptions import ModelError
 from faying.joint.system import System, initial_bolt_forces
+from faying.simulation.bolted_state import BoltedState
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 from faying.simulation.load import Load
 from faying.simulation.path import PathStep, assembled, follow, moved_alone, path_start
 from faying.simulation.preload import (
+    NOTHING_LOST,
     Tightening,
     checked_bolts,
     tightening_stages,
 )
+from faying.simulation.preload_loss import PreloadLoss, loses
 from faying.simulation.solution import Solution
 
 
@@ -39,7 +44,11 @@ class FrictionalTightening:
 
 
 def tighten_with_friction(
-    system: System, forces: Mapping[str, float], *, increments: int = 10
+    system: System,
+    forces: Mapping[str, float],
+    *,
+    increments: int = 10,
+    losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
 ) -> FrictionalTightening:
     """Tighten bolts one after the other to their nominal final forces, with friction throughout.
 
@@ -53,6 +62,9 @@ def tighten_with_friction(
         Bolt name to final axial force [force], in tightening order.
     increments
         Steps per bolt.
+    losses
+        Bolt name to what it loses after all are tightened, in an increment each of relaxation and
+        embedding.
 
     Raises
     ------
@@ -73,35 +85,38 @@ def tighten_with_friction(
         path += follow(
             system.static_contact.increments, moved_alone(system, inputs[-1][None]), path[-1]
         )
-    stages, reached = list[str](), list[Vector]()
+    reached: list[tuple[str, Vector]] = []
     for stage, chosen, goal in _stages(names, forces, increments):
         here = path[-1]
         start = here.increment if here.increment.forces[0].any() else None
         problem = BoltsByForce(joint=system, bolts=chosen)
         found, state = problem.solve(goal, state, here.slip, start)
         inputs.append(_inputs(system, state))
-        path.append(
-            PathStep(
-                relative=moved_alone(system, inputs[-1][None])[0],
-                increment=found,
-                slip=here.slip + found.slack[1:],
-                iterations=found.iterations,
-                dissipation=found.dissipation,
-            )
+        path.append(_step(system, inputs[-1], found, here.slip + found.slack[1:]))
+        reached.append((stage, forces_of_bolts(system, state, found)))
+    if losses:
+        done = BoltedState(
+            joint=system,
+            nuts=state,
+            initial=state,
+            loose=np.zeros(len(names), dtype=bool),
+            slip=path[-1].slip,
+            contact=path[-1].increment,
         )
-        stages.append(stage)
-        reached.append(forces_of_bolts(system, state, found))
+        for stage, after in loses(done, losses):
+            state = after.initial
+            inputs.append(_inputs(system, state))
+            if after.contact is None or after.slip is None:
+                message = "a joint without friction has no path"
+                raise ModelError(message)
+            path.append(_step(system, inputs[-1], after.contact, after.slip))
+            reached.append((stage, after.forces))
     loads = [
         Load(name="preload", bolt_forces=dict(zip(names, row.tolist(), strict=True)))
         for row in (one[system.port_compliance.bolts] for one in inputs)
     ]
     return FrictionalTightening(
-        tightening=Tightening(
-            initial_forces=dict(zip(names, state.tolist(), strict=True)),
-            bolts=tuple(names),
-            stages=tuple(stages),
-            bolt_forces=np.array(reached).reshape(len(stages), len(names)),
-        ),
+        tightening=Tightening.of(names, state, reached),
         loads=tuple(loads),
         rest=assembled(system, np.array(inputs[-1:]), path[-1:], "preload"),
     )
@@ -113,6 +128,17 @@ def _stages(
     """Yield the stages of all bolts; of one bolt alone the last pass would change nothing."""
     every = list(tightening_stages(names, forces, increments))
     yield from every[:-1] if len(forces) == 1 else every
+
+
+def _step(system: System, inputs: Vector, contact: Increment, slip: Matrix) -> PathStep:
+    """Return an increment of tightening as a step of a path."""
+    return PathStep(
+        relative=moved_alone(system, inputs[None])[0],
+        increment=contact,
+        slip=slip,
+        iterations=contact.iterations,
+        dissipation=contact.dissipation,
+    )
 
 
 def _inputs(system: System, initial: Vector) -> Vector:

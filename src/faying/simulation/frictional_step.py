@@ -17,7 +17,7 @@ from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
 from faying.contact.frictional import FrictionalContact
 from faying.contact.increment import Increment
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment_solver import IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
@@ -176,7 +176,7 @@ def _start(solver: IncrementSolver, free: Vector, state: ContactState) -> Increm
     return Increment(
         forces=state.forces,
         slack=np.zeros_like(state.forces),
-        moved=solver.moved(free, state.forces) if state.moved is None else state.moved,
+        moved=displaced(solver, free, state.forces) if state.moved is None else state.moved,
         iterations=0,
         residual=0.0,
     )

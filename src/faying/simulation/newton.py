@@ -13,6 +13,7 @@ from faying.exceptions import ConvergenceError
 from faying.joint.model import Model
 from faying.joint.system import input_forces
 from faying.linalg.factorization import SingularMatrixError, factorize
+from faying.linalg.relief import balanced
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
@@ -40,13 +41,15 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     """
     model.contact.check_frictionless()
     inputs = load.inputs(model, np.zeros(1))[0]
-    external = input_forces(model, inputs)
+    structure = model.structure
+    external = balanced(input_forces(model, inputs), structure.rigid_motions, structure.carried)
     hard = np.isinf(model.contact.penalty)
     solver = _hard if hard.any() else _penalty
     try:
         u, forces, iterations = solver(model, external)
     except SingularMatrixError as error:
-        raise model.structure.unconstrained(error.motion) from None
+        raise structure.unconstrained(error.motion) from None
+    u = balanced(u, structure.carried, structure.rigid_motions)
     gap = model.contact.initial_gap + model.contact.gap_operator @ u
     return Solution(
         name=load.name,
@@ -68,7 +71,7 @@ def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         closed = np.minimum(contact.initial_gap + G @ u, 0.0)
         return float(0.5 * u @ (model.K @ u) - external @ u + 0.5 * stiffness @ closed**2)
 
-    u = factorize(model.K).solve(external)
+    u = factorize(model.structure.supported_stiffness).solve(external)
     level = energy(u)
     for iteration in range(1, LIMIT):
         active = contact.initial_gap + G @ u < 0
@@ -90,7 +93,7 @@ def _penalty_step(
     closed = G[active]
     springs = sp.diags_array(stiffness[active])
     pushed = external - closed.T @ (stiffness[active] * model.contact.initial_gap[active])
-    tangent = model.K + closed.T @ springs @ closed
+    tangent = model.structure.supported_stiffness + closed.T @ springs @ closed
     return np.asarray(factorize(tangent.tocsr()).solve(pushed))
 
 
@@ -98,13 +101,13 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
     """Saddle-point system: penalty points keep their flexibility, hard ones have none."""
     contact = model.contact
     G: SparseMatrix = contact.gap_operator
-    n, flexibility = model.K.shape[0], contact.flexibility
-    scale = float(model.K.diagonal().mean())  # brings the gap rows to the size of K
-    active = contact.initial_gap + G @ factorize(model.K).solve(external) < 0
+    K, flexibility = model.structure.supported_stiffness, contact.flexibility
+    scale = float(K.diagonal().mean())  # brings the gap rows to the size of K
+    active = contact.initial_gap + G @ factorize(K).solve(external) < 0
     for iteration in range(1, LIMIT):
         closed = scale * G[active]
         corner = sp.diags_array(-(scale**2) * flexibility[active])
-        saddle = sp.block_array([[model.K, -closed.T], [-closed, corner]]).tocsc()
+        saddle = sp.block_array([[K, -closed.T], [-closed, corner]]).tocsc()
         right = np.concatenate([external, scale * contact.initial_gap[active]])
         try:
             factors = spla.splu(saddle)
@@ -112,8 +115,8 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
             raise ConvergenceError(_undetermined(int(active.sum()))) from None
         solution = factors.solve(right)
         solution += factors.solve(right - saddle @ solution)  # the gaps cancel many digits
-        u, forces = solution[:n], np.zeros(contact.n_points)
-        forces[active] = scale * solution[n:]
+        u, forces = solution[: len(external)], np.zeros(contact.n_points)
+        forces[active] = scale * solution[len(external) :]
         slack = contact.initial_gap + G @ u + flexibility * forces
         following = np.where(active, forces > 0, slack < 0)
         if np.array_equal(following, active):

@@ -10,7 +10,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment_solver import IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System, input_forces
@@ -187,7 +187,7 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
         forces[1:] = initial.shear_forces.reshape(shape)[-1]
         slip = initial.shear_slip.reshape(shape)[-1]
     forces[0] = np.atleast_2d(initial.contact_forces)[-1]
-    moved = system.static_contact.increments.moved(relative, forces)
+    moved = displaced(system.static_contact.increments, relative, forces)
     begun = replace(nothing, forces=forces, moved=moved)
     return PathStep(relative=relative, increment=begun, slip=slip)
 

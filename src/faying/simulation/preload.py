@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Self
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,8 +14,12 @@ from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.joint.system import Joint, initial_bolt_forces
+from faying.simulation.bolted_state import bolted_state
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
+from faying.simulation.preload_loss import PreloadLoss, loses
 from faying.simulation.static_case import solve_static
+
+NOTHING_LOST: Mapping[str, PreloadLoss] = MappingProxyType({})
 
 CLAMPS_NOTHING = 1e-9
 """Gap closed per elongation of the bolt under its own force, at or below which it is round-off."""
@@ -67,8 +73,26 @@ class Tightening:
     stages: tuple[str, ...]
     bolt_forces: Matrix
 
+    @classmethod
+    def of(
+        cls, names: Sequence[str], initial: Vector, reached: Sequence[tuple[str, Vector]]
+    ) -> Self:
+        """Return how bolts were tightened to initial forces, by stages and forces then."""
+        return cls(
+            initial_forces=dict(zip(names, initial.tolist(), strict=True)),
+            bolts=tuple(names),
+            stages=tuple(stage for stage, _ in reached),
+            bolt_forces=np.array([row for _, row in reached]).reshape(len(reached), len(names)),
+        )
 
-def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 1) -> Tightening:
+
+def tighten(
+    system: Joint,
+    forces: Mapping[str, float],
+    *,
+    increments: int = 1,
+    losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
+) -> Tightening:
     """Tighten bolts one after the other to their nominal final forces, without friction.
 
     Each bolt is brought to its nominal force while those before it stay locked; a last pass on all
@@ -81,6 +105,8 @@ def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 1) 
         Bolt name to final axial force [force], in tightening order.
     increments
         Steps per bolt that are told; without friction they change nothing at the end.
+    losses
+        Bolt name to what it loses after all are tightened.
 
     Raises
     ------
@@ -98,19 +124,15 @@ def tighten(system: Joint, forces: Mapping[str, float], *, increments: int = 1) 
     system.contact.check_frictionless()
     names, state = checked_bolts(system, forces), initial_bolt_forces(system)
     contact: Increment | None = None
-    stages: list[str] = []
-    history: list[Vector] = []
+    reached: list[tuple[str, Vector]] = []
     for stage, chosen, goal in tightening_stages(names, forces, increments):
         found = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
         contact, state = found
-        stages.append(stage)
-        history.append(forces_of_bolts(system, state, contact))
-    return Tightening(
-        initial_forces=dict(zip(names, state.tolist(), strict=True)),
-        bolts=tuple(names),
-        stages=tuple(stages),
-        bolt_forces=np.array(history).reshape(len(stages), len(names)),
-    )
+        reached.append((stage, forces_of_bolts(system, state, contact)))
+    for stage, after in loses(bolted_state(system, state), losses) if losses else ():
+        state = after.initial
+        reached.append((stage, after.forces))
+    return Tightening.of(names, state, reached)
 
 
 def tightening_stages(
@@ -133,6 +155,7 @@ def preload(
     *,
     sticking: Sticking | None = None,
     increments: int = 1,
+    losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
 ) -> Model:
     """Return the model with its bolts tightened to final forces and locked.
 
@@ -143,6 +166,8 @@ def preload(
     sticking
         If given, pairs pressed hard enough are tied in tangential direction and the bolts are
         tightened again, so that their forces are final in the model that is returned.
+    losses
+        As of :func:`tighten`, with which the bolts are locked.
 
     Raises
     ------
@@ -153,12 +178,12 @@ def preload(
     -----
     Ties change the stiffness: with ``sticking`` the structure is factorized once more.
     """
-    tightened = tighten(model, forces, increments=increments)
-    locked = model.with_bolt_forces(tightened.initial_forces)
     if sticking is None:
-        return locked
-    tied = with_sticking(locked, sticking)
-    return tied.with_bolt_forces(tighten(tied, forces, increments=1).initial_forces)
+        tightened = tighten(model, forces, increments=increments, losses=losses)
+        return model.with_bolt_forces(tightened.initial_forces)
+    tightened = tighten(model, forces, increments=increments)
+    tied = with_sticking(model.with_bolt_forces(tightened.initial_forces), sticking)
+    return tied.with_bolt_forces(tighten(tied, forces, losses=losses).initial_forces)
 
 
 def with_sticking(model: Model, sticking: Sticking) -> Model:

@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
-from faying.joint.system import System, bolt_input
+from faying.joint.system import System, unstretched_bolt_forces
 from faying.model.bolt import Bolt
 from faying.simulation.contact_fields import ContactFields
 from faying.units import units_of
@@ -60,8 +60,8 @@ class Solution(ContactFields, Shown):
     substeps : (n_time,) or None
         Steps that led to each instant, where they were divided to hold a tolerance.
     step_error : (n_time,) or None
-        2.5 times the largest change of a pressure that half as many steps make there, over the
-        largest pressure so far; NaN where the steps were given.
+        5 times (first order; else 2.5 times) the largest change of a pressure that half as many
+        steps make there, over the largest pressure so far; NaN where the steps were given.
     """
 
     name: str
@@ -205,8 +205,9 @@ class Solution(ContactFields, Shown):
     def bolt_force(self, bolt: str) -> Matrix:
         """Return the axial force of a bolt (...) [force], tension positive."""
         one = self._bolt(bolt)
-        locked = self.inputs[..., bolt_input(self.system, bolt)]
-        return one.locked(0.0).force(self.states) + locked
+        unstretched = unstretched_bolt_forces(self.system, self.inputs)
+        number = list(self.system.bolts).index(bolt)
+        return one.locked(0.0).force(self.states) + unstretched[..., number]
 
     def bolt_bending(self, bolt: str) -> Matrix:
         """Return the bending moments of a bolt where its beams begin and end [force·length].

@@ -1,13 +1,13 @@
 """Static contact solutions of full and reduced models through the condensed problem."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.increment import Increment
-from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.joint.system import Joint, PortCompliance, System, input_forces
 from faying.linalg.memory import require_room
@@ -42,9 +42,21 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
         f"solutions of {len(inputs)} load cases",
         "solve fewer at a time",
     )
-    free = port_forces(system.port_compliance, inputs) @ system.port_compliance.contact_columns
-    with threads_for(contact.n_points):
-        forces, gaps, iterations, errors = solved_cases(system, free)
+    return solved_inputs(system, system, inputs, name)
+
+
+def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) -> Solution:
+    """Solve many load cases given as inputs (n_case, n_input).
+
+    Parameters
+    ----------
+    touching
+        Whose contact it is: the system, or the same joint without friction.
+    """
+    ports = touching.port_compliance
+    free = port_forces(ports, inputs) @ ports.contact_columns
+    with threads_for(touching.contact.n_points):
+        forces, gaps, iterations, errors = solved_cases(touching, free)
     external = input_forces(system, inputs) + relative_forces(system, forces)
     return Solution(
         name=name,
@@ -58,35 +70,76 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
     )
 
 
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolvedCase:
+    """Contact of one case.
+
+    Attributes
+    ----------
+    forces, gap : (n_point,)
+    iterations
+        Linear systems solved.
+    error
+        Bound on the relative error of the forces.
+    state
+        What a similar case starts from.
+    """
+
+    forces: Vector
+    gap: Vector
+    iterations: int
+    error: float
+    state: Increment | ContactState
+
+
+def solved_case(
+    system: Joint, free: Vector, start: Increment | ContactState | None = None
+) -> SolvedCase:
+    """Solve the case whose pairs move (n_relative,) without contact."""
+    condensed = system.static_contact
+    if (solver := condensed.cases) is not None:
+        begun = start if isinstance(start, Increment) else None
+        found = solver.solve(free, system.contact.offset(), begun)
+        return SolvedCase(
+            forces=found.forces[0],
+            gap=found.gap(solver.laws),
+            iterations=found.iterations,
+            error=0.0,
+            state=found,
+        )
+    before = start if isinstance(start, ContactState) else None
+    solution, state = condensed.solve(condensed.free_gap(free), before)
+    return SolvedCase(
+        forces=solution.forces,
+        gap=condensed.gap(solution),
+        iterations=solution.iterations,
+        error=solution.error,
+        state=state,
+    )
+
+
 def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, Vector]:
     """Return forces, gaps, iterations and error bounds of cases whose pairs move without contact.
 
     Each case starts from the most similar one before it.
     """
-    condensed, contact = system.static_contact, system.contact
-    shape = (len(free), contact.n_points)
+    shape = (len(free), system.contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))
-    moved_apart = condensed.free_gap(free)
-    if (solver := condensed.cases) is not None:
-        laws, offset = LawsAtPoints(contact=contact), contact.offset()
-        like = SimilarProblems[Increment](contact.n_points)
-        for case, gap in enumerate(moved_apart):
-            found = solver.solve(free[case], offset, like.nearest(gap))
-            like.remember(gap, found)
-            forces[case], gaps[case] = found.forces[0], found.gap(laws)
-            iterations[case] = found.iterations
-        return forces, gaps, iterations, errors
-    similar = SimilarProblems[Mask](contact.n_points)
-    state: ContactState | None = None
-    for case, gap in enumerate(moved_apart):
+    similar = SimilarProblems[Increment | Mask](system.contact.n_points)
+    state: Increment | ContactState | None = None
+    for case, gap in enumerate(system.static_contact.free_gap(free)):
         nearest = similar.nearest(gap)
-        if state is not None and nearest is not None:
+        if isinstance(nearest, Increment):
+            state = nearest
+        elif nearest is not None and isinstance(state, ContactState):
             state = replace(state, active=nearest)
-        solution, state = condensed.solve(gap, state)
-        similar.remember(gap, solution.active)
-        forces[case], gaps[case] = solution.forces, condensed.gap(solution)
-        iterations[case], errors[case] = solution.iterations, solution.error
+        found = solved_case(system, free[case], state)
+        state = found.state
+        similar.remember(gap, state.active if isinstance(state, ContactState) else state)
+        forces[case], gaps[case] = found.forces, found.gap
+        iterations[case], errors[case] = found.iterations, found.error
     return forces, gaps, iterations, errors
 
 

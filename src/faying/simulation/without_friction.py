@@ -11,12 +11,12 @@ from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern
-from faying.joint.system import Joint, PortCompliance, System, input_forces, static_contact_of
+from faying.joint.system import Joint, PortCompliance, System, static_contact_of
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, port_forces, relative_forces, solved_cases
+from faying.simulation.static import AT_REST, port_forces, solved_cases, solved_inputs
 
 
 @final
@@ -69,6 +69,11 @@ def pressures_without_friction(joint: Joint, inputs: Matrix) -> Matrix:
     return pressures
 
 
+def solved_without_friction(system: System, inputs: Matrix, name: str) -> Solution:
+    """Solve static loads (n_case, n_input) of a joint as if nothing rubbed."""
+    return solved_inputs(system, smooth_joint(system), inputs, name)
+
+
 def released_state(system: System, load: Load = AT_REST) -> Solution:
     """Solve a load without friction, as a state of a joint with friction that carries no traction.
 
@@ -88,21 +93,16 @@ def released_state(system: System, load: Load = AT_REST) -> Solution:
     contact, ports = system.contact, system.port_compliance
     smooth = smooth_joint(system)
     inputs = load.inputs(system, np.zeros(1))
-    free = port_forces(ports, inputs) @ ports.contact_columns
-    forces, gap, iterations, _ = solved_cases(smooth, free)
+    solved = solved_inputs(system, smooth, inputs, load.name)
     slip = np.zeros((2, contact.n_points))
     if contact.shear is not None:
-        relative = free[0] + smooth.static_contact.total @ (contact.interpolation.T @ forces[0])
+        free = port_forces(ports, inputs[0]) @ ports.contact_columns
+        pressed = contact.interpolation.T @ solved.contact_forces[0]
+        relative = free + smooth.static_contact.total @ pressed
         slip[:, contact.rubbing] = (contact.shear @ relative).reshape(2, -1)
-    external = input_forces(system, inputs) + relative_forces(system, forces)
-    return Solution(
-        name=load.name,
-        system=system,
-        states=system.factorize_static().solve(external.T).T,
-        contact_forces=forces,
-        gap=gap,
-        inputs=inputs,
-        iterations=iterations,
+    return replace(
+        solved,
+        contact_error=0.0,
         shear_forces=np.zeros((1, 2, contact.n_points)),
         shear_slip=slip[None],
         dissipation=np.zeros(1),

@@ -8,14 +8,18 @@ import numpy as np
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
-from faying.assessment.joint_assessment import judged, with_threads
+from faying.assessment.joint_assessment import judged
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.thread import Thread
+from faying.assessment.strength.clamp_ends import clamp_checks
+from faying.assessment.strength.preload_ends import preload_ends
+from faying.assessment.strength.stressed import with_threads
+from faying.assessment.strength.thread import Thread
+from faying.assessment.verdicts import wanted_clamps
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
 from faying.joint.tangential import tangential_rows
@@ -26,12 +30,14 @@ from faying.simulation.without_friction import pressures_without_friction
 from faying.study.comparison import increments
 from faying.study.extras import Extras
 from faying.study.loads import case_load
+from faying.study.margins import demanded_checks
 from faying.study.offline import PreparedJoint
 from faying.study.path_cases import has_friction
 from faying.study.progress import Stages
 from faying.study.requirement_rules import requirements_of
 from faying.study.results import CaseResult
 from faying.study.tables import LoadCaseSection, Study
+from faying.study.threads import preload_ranges, threads_of
 
 
 def assess_run(
@@ -62,32 +68,40 @@ def assess_run(
         demands: dict[tuple[str, str], SlipDemand] = {}
         with extras.attempt("slip by sums"):
             demands = _demands(joint, study, wanted)
+        rest = CaseState(
+            pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
+            bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
+            bolt_moments={
+                n: joint.rest.bolt_bending(n).reshape(-1, 2, 2)[-1:]
+                for n in bent_bolts(model.bolts)
+                if all(n in one.bolt_moments for one in states.values())
+            },
+        )
         found = judged(
             contact_surfaces(model),
             model.bolts,
-            CaseState(
-                pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
-                bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
-                bolt_moments={
-                    n: joint.rest.bolt_bending(n).reshape(-1, 2, 2)[-1:]
-                    for n in bent_bolts(model.bolts)
-                    if all(n in one.bolt_moments for one in states.values())
-                },
-            ),
+            rest,
             states,
             wanted,
             {**_paths(joint, smooth, wanted, extras), **_rubbed_paths(static, reserves)},
             reserves,
             demands,
         )
-        threads = {
-            bolt.name: Thread(**bolt.thread.model_dump())
-            for bolt in study.bolts
-            if bolt.thread is not None
-        }
+        threads = threads_of(study)
         found = replace(found, scatter=_scatter(study, exact, static, threads, extras))
-        with extras.attempt("stress in threads"):
-            return with_threads(found, states, threads, study.units)
+        with extras.attempt("strength of bolts"):
+            loads = {case.name: case_load(case) for case in smooth}
+            goal = joint.loaded.preloads
+            ends = preload_ends(exact, rest, states, loads, preload_ranges(study), goal)
+            surfaces = contact_surfaces(model)
+            limits = wanted_clamps(wanted.min_clamp_force, surfaces)
+            found = replace(found, checks=tuple(clamp_checks(ends, surfaces, limits, study.units)))
+            counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
+            found = with_threads(found, states, threads, study.units, ends, counted)
+        with extras.attempt("margins of bolts"):
+            every, rubs = [case_load(case) for case in static], _coefficients(model, wanted)
+            checks = demanded_checks(study, exact, threads, every, rubs, found)
+            return replace(found, checks=checks)
         return found
     return None
 
@@ -129,6 +143,7 @@ def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
             for one in paths
             for column, name in enumerate(one.loads)
         ),
+        times=case.times,
         # Of increments bending is known at the last one, which stands for the others.
         bolt_moments={
             name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
@@ -174,15 +189,20 @@ def _demands(
                 loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
     if not loads:
         return {}
-    known = {name: one.law.friction for name, one in model.interfaces.items()}
-    smooth = [name for name, friction in known.items() if not friction > 0]
-    coefficients = {name: friction for name, friction in known.items() if friction > 0}
-    coefficients |= slip_coefficients(wanted.slip_friction, smooth)
+    coefficients = _coefficients(model, wanted)
     names, start = [load.name for load in loads], np.zeros(1)
     inputs = np.concatenate([load.inputs(model, start) for load in loads])
     pressure = pressures_without_friction(model, inputs)
     rows, surfaces = tangential_rows(model), contact_surfaces(model)
     return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)
+
+
+def _coefficients(model: Model, wanted: Requirements) -> dict[str, float]:
+    """Return the coefficient that each interface is judged with, of those that have one."""
+    known = {name: one.law.friction for name, one in model.interfaces.items()}
+    smooth = [name for name, friction in known.items() if not friction > 0]
+    own = {name: friction for name, friction in known.items() if friction > 0}
+    return own | slip_coefficients(wanted.slip_friction, smooth)
 
 
 def _paths(

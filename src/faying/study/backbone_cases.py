@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from faying.assessment.modal_analysis import ModalAnalysis, modal_analysis
-from faying.assessment.modal_cycles import ModalCycle
+from faying.assessment.modal_cycles import ModalCycle, StillModeError
 from faying.exceptions import naming
 from faying.execution.checkpoint import Arrays
 from faying.joint.model import Model
@@ -32,7 +32,7 @@ def backbone_response(
     pieces: Pieces,
     progress: Callable[[int], object],
 ) -> Response:
-    """Compute the backbones of a load case.
+    """Compute the backbones of a load case, of the modes that move where they are measured.
 
     Parameters
     ----------
@@ -44,15 +44,24 @@ def backbone_response(
         Called with the number of amplitudes that there are more of, computed or taken over.
     """
     curves, seconds = {}, 0.0
+    still: StillModeError | None = None
     for mode in sorted(case.modes):
         name = f"mode {mode}"
         if pieces.has(name):
             progress(len(case.levels))
         with naming(f"load case '{case.name}'"):
             compute = partial(_curve, case, system, rest, mode, pieces, progress)
-            kept = pieces.take(name, compute)
+            try:
+                kept = pieces.take(name, compute)
+            except StillModeError as error:
+                still = error
+                progress(len(case.levels))
+                continue
         curves[str(mode)] = unpacked_backbone(kept, CURVE)
         seconds += float(kept[SECONDS])
+    if still is not None and not curves:
+        with naming(f"load case '{case.name}'"):
+            raise still
     return respond(rest, model, seconds, backbones=curves)
 
 

@@ -9,13 +9,19 @@ from faying.exceptions import StudyError
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.specs import BoltSpec
-from faying.study.consistency import loadings
+from faying.simulation.preload_loss import PreloadLoss
+from faying.study.loadings import loadings
 from faying.study.model_tables import BoltSection
 from faying.study.tables import Study
+from faying.study.threads import final_forces, forced_bolts, thread_of
 
-FORCES = ("preload", "initial_force", "thread")
+FORCES = (
+    "preload", "initial_force", "torque", "utilisation", "size", "head", "grade", "strength",
+    "thread_friction", "head_friction", "tightening_factor", "gamma", "hole",
+    "head_pressure_limit", "engagement", "thread",
+    "embedding", "relaxation",
+)  # fmt: skip
 """Keys of a bolt that say how it is tightened and judged, not where it is."""
-
 
 _BALANCED = 1e-6
 """Sum of opposite forces over the larger of them that is rounding of a deck's digits."""
@@ -35,8 +41,19 @@ def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
         if bolt.nodes is not None and assembly.matrices is None:
             del entry["nodes"]
             entry["elements"] = _elements_between(study, number, bolt, assembly)
+        if bolt.axis is not None and bolt.size is not None:
+            entry = {**_measures(study, bolt), **entry}
         entries.append(entry)
     return entries
+
+
+def _measures(study: Study, bolt: BoltSection) -> dict[str, float]:
+    """Return the diameter of a bolt of a size, and the radius of the face under its head."""
+    thread = thread_of(bolt, study.units)
+    if thread is None:
+        return {}
+    face = {} if thread.bearing is None else {"washer_radius": thread.bearing[0] / 2}
+    return {"diameter": thread.diameter, **face}
 
 
 def _elements_between(
@@ -140,17 +157,26 @@ def _pull(load: NodalLoads, nodes: list[int]) -> float:
 
 def initial_forces(study: Study, described: JointDescription) -> dict[str, float]:
     """Return the initial forces that the study, or else the source, locks bolts at, by name."""
-    tightened = {bolt.name for bolt in study.bolts if bolt.preload is not None}
+    tightened = final_forces(study)
     given = {n: force for n, force in described.initial_forces.items() if n not in tightened}
     wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
     return given | wished
+
+
+def losses(study: Study) -> dict[str, PreloadLoss]:
+    """Return what bolts lose after they are tightened, of those that lose something."""
+    return {
+        bolt.name: PreloadLoss(embedding=bolt.embedding, relaxation=bolt.relaxation)
+        for bolt in study.bolts
+        if any(bolt.embedding) or bolt.relaxation
+    }
 
 
 def unlocked(
     study: Study, described: JointDescription, bolts: Sequence[BoltSpec]
 ) -> list[BoltSpec]:
     """Return the bolts that the source never locks, but for those whose force the study gives."""
-    forced = {b.name for b in study.bolts if (b.preload, b.initial_force) != (None, None)}
+    forced = forced_bolts(study)
     return [bolt for bolt in bolts if bolt.name in described.unlocked - forced]
 
 
@@ -164,7 +190,7 @@ def preloads(
     StudyError
         If a bolt has none, or one that presses.
     """
-    wished = {bolt.name: bolt.preload for bolt in study.bolts if bolt.preload is not None}
+    wished = final_forces(study)
     locked = initial_forces(study, described)
     given = {**described.preloads, **wished}
     for bolt in bolts:

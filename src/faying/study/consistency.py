@@ -10,6 +10,7 @@ from faying.model.assembly import Assembly
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import DAMPED
 from faying.sources import SOURCES, Source
+from faying.study.bolt_rules import bolt_problems, margin_problems
 from faying.study.errors import Problem, nearest, quoted
 from faying.study.friction_rules import (
     increment_problems,
@@ -19,9 +20,12 @@ from faying.study.friction_rules import (
 )
 from faying.study.history import read_history
 from faying.study.lap_joint_keys import lap_joint_problems
+from faying.study.loadings import loadings
+from faying.study.measurements import measurement_problems
 from faying.study.positions import Location
 from faying.study.ranges import MOST_LOADS, MOST_STEPS
 from faying.study.tables import LoadCaseSection, Loading, Study, Timed
+from faying.study.temperatures import temperature_problems
 
 
 def inconsistencies(study: Study) -> list[Problem]:
@@ -52,22 +56,15 @@ def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
             yield _problem(study, (*location, "deck_load"), text)
 
 
-def loadings(study: Study) -> Iterator[tuple[Location, Loading]]:
-    """Yield all places of a study that name a load."""
-    for i, case in enumerate(study.load_cases):
-        for j, force in enumerate(case.forces):
-            yield ("load_case", i, "forces", j), force
-    for i, side in enumerate(study.reduction.training.box):
-        yield ("reduction", "training", "box", i), side
-
-
 def _load_targets(study: Study) -> Iterator[Problem]:
     for location, load in loadings(study):
         given = [key for key in ("boundary", "component") if getattr(load, key) is not None]
-        if load.deck_load is not None and given:
-            text = f"found 'deck_load' and {quoted(given)}; a load is one or the other, remove one"
+        whole = [key for key in ("deck_load", "temperature") if getattr(load, key) is not None]
+        if len(whole) > 1 or (whole and given):
+            more = quoted([*whole[1:], *given])
+            text = f"found '{whole[0]}' and {more}; a load is one or the other, remove one"
             yield _in_table(study, location, text)
-        elif load.deck_load is None and len(given) < 2:
+        elif not whole and len(given) < 2:
             missing = "component" if given == ["boundary"] else "boundary"
             text = f"missing key '{missing}'; add it, or 'deck_load' for a load of the deck"
             yield _in_table(study, location, text)
@@ -141,53 +138,6 @@ def _interfaces(study: Study) -> Iterator[Problem]:
                 yield _problem(study, ("interface", i, "initial_gap"), str(error))
 
 
-def _bolts(study: Study) -> Iterator[Problem]:
-    for i, bolt in enumerate(study.bolts):
-        location: Location = ("bolt", i)
-        ways = [key for key in ("elements", "nodes", "axis") if getattr(bolt, key) is not None]
-        if len(ways) > 1 or (not ways and not _source(study).has_joint):
-            found = quoted(ways) or "none"
-            text = f"found {found}, expected one of 'elements', 'nodes' or 'axis'"
-            yield _in_table(study, location, f"{text}; say where bolt '{bolt.name}' is, once")
-        yield from _matrix_bolt(study, i)
-        if bolt.axis and not (bolt.diameter and bolt.washer_radius):
-            text = "a bolt given by its axis needs 'diameter' and 'washer_radius'; add them"
-            yield _in_table(study, location, text)
-        if bolt.preload is not None and bolt.initial_force is not None:
-            text = "found 'preload' and 'initial_force'; give the final force or the initial one"
-            yield _problem(study, (*location, "initial_force"), text)
-        untold = bolt.preload is None and bolt.initial_force is None
-        if untold and (ways or not _source(study).is_deck):
-            text = (
-                "missing key 'preload', the bolt's final force (0 is not tightened), or "
-                "'initial_force'; add one"
-            )
-            yield _in_table(study, location, text)
-
-
-def _matrix_bolt(study: Study, number: int) -> Iterator[Problem]:
-    """Check the keys that bolts of given matrices must have, and no other bolt may."""
-    bolt, location = study.bolts[number], ("bolt", number)
-    if _source(study).has_elements:
-        for key in ("stiffness", "direction"):
-            if getattr(bolt, key) is not None:
-                text = f"only bolts of source 'matrices' have a {key}; remove it"
-                yield _problem(study, (*location, key), text)
-        return
-    if bolt.axis is not None or bolt.elements is not None:
-        text = (
-            "matrices have no elements and no solids to bolt; give nodes = [head, nut] and the "
-            "'stiffness' EA/L that K contains between them"
-        )
-        yield _in_table(study, location, text)
-    elif bolt.nodes is not None and len(bolt.nodes) != 2:
-        text = f"found {len(bolt.nodes)} nodes, expected two: the head's and the nut's"
-        yield _problem(study, (*location, "nodes"), text)
-    elif bolt.nodes is not None and bolt.stiffness is None:
-        text = "a bolt in matrices needs 'stiffness', the EA/L that K contains; add it"
-        yield _in_table(study, location, text)
-
-
 def _boundaries(study: Study) -> Iterator[Problem]:
     for i, boundary in enumerate(study.boundaries):
         both = boundary.set is not None and boundary.node is not None
@@ -210,10 +160,12 @@ def _coupled(study: Study) -> Iterator[Problem]:
 
 
 def _supports(study: Study) -> Iterator[Problem]:
-    for i, support in enumerate(study.supports):
-        if (support.set is None) == (support.node is None):
-            text = "a support needs either 'set' or 'node'; give one of them"
-            yield _in_table(study, ("support", i), text)
+    supports = [("support", i, one.set, one.node) for i, one in enumerate(study.supports)]
+    masses = [("mass", i, one.set, one.node) for i, one in enumerate(study.masses)]
+    for table, i, named, node in (*supports, *masses):
+        if (named is None) == (node is None):
+            text = f"a {table} needs either 'set' or 'node'; give one of them"
+            yield _in_table(study, (table, i), text)
 
 
 def _mesh_materials(study: Study) -> Iterator[Problem]:
@@ -365,7 +317,7 @@ def _repeated(study: Study, location: Location, loads: Sequence[Loading]) -> Ite
 def _material(study: Study) -> Iterator[Problem]:
     for name, material in study.materials.items():
         if not material.model_fields_set:
-            text = "the table is empty; give 'E', 'nu' or 'rho', or remove it"
+            text = "the table is empty; give 'E', 'nu', 'rho' or 'alpha', or remove it"
             yield _in_table(study, ("material", name), text)
     if study.materials and not _source(study).has_elements:
         text = "matrices have no material; remove [material]"
@@ -382,12 +334,15 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     second_laws,
     spare_tangential_penalties,
     scatter_problems,
-    _bolts,
+    bolt_problems,
+    margin_problems,
     _boundaries,
     _coupled,
     _supports,
+    measurement_problems,
     _mesh_materials,
     _load_targets,
+    temperature_problems,
     _reduction,
     _load_cases,
 )

@@ -1,9 +1,14 @@
 """What of a joint is not as declared: contact area that is missing, bodies that nothing holds."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from faying.assessment.weak_share import weak_warnings
-from faying.study.results import Results
+from faying.joint.diagnosis import AS_A_WHOLE, suspension
+from faying.joint.model import Model
+from faying.study.results import CaseResult, Results
+from faying.study.tables import Study
 
 ALMOST_ALL = 0.99
 """Share of a declared area below which something of it was left out: facets follow curves."""
@@ -33,6 +38,27 @@ def missing_contacts(results: Results) -> list[str]:
         for name, face in results.interfaces.items()
     )
     return [text for text in said if text]
+
+
+def unheld(model: Model) -> list[str]:
+    """Say that a joint can move as a whole, or swings on springs."""
+    count, swings = model.rigid_motions.shape[1], suspension(model)
+    return [*([AS_A_WHOLE.format(count=count)] if count else []), *([swings] if swings else [])]
+
+
+def unmeasured(study: Study, cases: Mapping[str, CaseResult]) -> list[str]:
+    """Name the modes that leave the place still at which a backbone measures amplitudes."""
+    said = []
+    for case in study.load_cases:
+        if case.kind == "backbone" and case.name in cases:
+            curves = cases[case.name].reference.backbones
+            still = [str(mode) for mode in sorted(case.modes) if str(mode) not in curves]
+            if still:
+                said.append(
+                    f"load case '{case.name}': mode {', '.join(still)} is left out: it leaves "
+                    f"'{case.at}' still, where its amplitude would be measured"
+                )
+    return said
 
 
 def barely_held(results: Results) -> list[str]:

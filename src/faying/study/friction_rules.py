@@ -13,6 +13,7 @@ from faying.study.load_factors import ALL, read_load_factors
 from faying.study.positions import Location
 from faying.study.ranges import MOST_PRELOAD_FACTOR
 from faying.study.tables import LoadCaseSection, Study
+from faying.study.threads import thread_of
 
 KINDS = {
     "factors": ("path",),
@@ -81,11 +82,11 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
         yield _problem(study, ("preload_scatter",), str(error))
     if section.thread_friction is not None:
         for i, bolt in enumerate(study.bolts):
-            if bolt.thread is None or bolt.thread.head_diameter is None:
+            thread = thread_of(bolt, study.units)
+            if thread is None or thread.head_diameter is None:
                 text = (
-                    f"scatter of friction in thread and head takes the thread of bolt "
-                    f"'{bolt.name}' and its head_diameter; add thread = {{ diameter, pitch, "
-                    "grade, head_diameter }"
+                    f"scatter of friction in thread and head takes the size and grade of bolt "
+                    f'\'{bolt.name}\'; add size = "M8" and grade = "8.8"'
                 )
                 location = ("bolt", i)
                 yield Problem(location, f"{study.source.table(location)}: {text}")

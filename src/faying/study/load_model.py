@@ -7,21 +7,24 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from faying.exceptions import StudyError
+from faying.exceptions import StudyError, naming
 from faying.interface.gap_field import read_gap_field, with_gap_offset
 from faying.interface.gap_rule import with_gap_rule
 from faying.interface.interface import Interface
 from faying.joint.build import build_model
-from faying.joint.diagnosis import check_held
+from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
 from faying.joint.model import Model
+from faying.joint.temperature import with_temperature
 from faying.joint.weak_springs import with_weak_springs
 from faying.model.assembly import Assembly, Material
 from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription, check_surfaces
 from faying.model.gap_rule import GapRule
+from faying.model.material import overridden
 from faying.model.parts import part_of
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
-from faying.sources import SOURCES, SourceKeys, overridden
+from faying.model.temperature import Temperature
+from faying.sources import SOURCES, SourceKeys
 from faying.study.bolts import (
     bolt_entries,
     check_distinct_bolts,
@@ -30,14 +33,18 @@ from faying.study.bolts import (
     preloads,
     unlocked,
 )
-from faying.study.consistency import boundary_problems, deck_load_problems, loadings
+from faying.study.consistency import boundary_problems, deck_load_problems
 from faying.study.errors import Problem, nearest, reject
 from faying.study.lap_joint_keys import lap_joint_keywords
+from faying.study.loadings import loadings
 from faying.study.loads import check_loads
+from faying.study.masses import with_study_masses
 from faying.study.section import Section
 from faying.study.sets import with_study_sets
 from faying.study.supports import with_study_supports
 from faying.study.tables import Study
+from faying.study.temperatures import temperature_name_problems, temperatures_of
+from faying.study.topographies import TopographySection, with_topographies
 
 Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
 
@@ -54,10 +61,14 @@ class LoadedModel:
         Bolt name to the initial force it is locked at, of those that have no final one.
     gap_offsets : [length]
         Interface name to what is added to its gap: a number, or a file.
+    topographies
+        Interface name to the scans of its surfaces.
     gap_rules
         Interface name to what the source makes of the gap of its mesh.
     deck_loads
         Loads of the source that the study applies.
+    temperatures
+        Of the parts, by the name of the load that they are.
     selected_load
         The load that the source itself applies, in the subcase or step that counts.
     has_joined_faces
@@ -75,8 +86,10 @@ class LoadedModel:
     preloads: Mapping[str, float]
     initial_forces: Mapping[str, float] = field(default_factory=dict)
     gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
+    topographies: Mapping[str, tuple[TopographySection, ...]] = field(default_factory=dict)
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     deck_loads: tuple[str, ...] = ()
+    temperatures: Mapping[str, Temperature] = field(default_factory=dict)
     selected_load: str | None = None
     has_joined_faces: bool = False
     weak_springs: float | Literal["auto"] | None = None
@@ -94,13 +107,14 @@ def load_model(study: Study) -> LoadedModel:
     """
     described = _described(study)
     assembly = with_study_supports(with_study_sets(described.assembly, study), study)
+    assembly = with_study_masses(assembly, study)
     bolts = _merged(study, "bolt", described.bolts, bolt_entries(study, assembly))
     check_distinct_bolts(study, bolts)
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
     known = [spec.name for spec in boundaries]
     problems = [*boundary_problems(study, known), *deck_load_problems(study, assembly)]
-    reject(study.source, problems)
+    reject(study.source, [*problems, *temperature_name_problems(study, assembly)])
     forces = preloads(study, described, bolts)
     deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
     locked = initial_forces(study, described)
@@ -116,8 +130,10 @@ def load_model(study: Study) -> LoadedModel:
         preloads=forces,
         initial_forces=locked,
         gap_offsets=_gap_offsets(study, described),
+        topographies={one.name: one.topography for one in study.interfaces if one.topography},
         gap_rules=_gap_rules(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),
+        temperatures=temperatures_of(study, assembly),
         selected_load=described.selected_load,
         has_joined_faces=described.has_joined_faces,
         weak_springs=study.model.weak_springs,
@@ -150,9 +166,14 @@ def build_loaded(loaded: LoadedModel) -> Model:
             for name, rule in loaded.gap_rules.items()
         }
     )
-    return model.with_interfaces(
+    model = model.with_interfaces(
         {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
     ).with_deck_loads(*loaded.deck_loads)
+    model = with_topographies(model, loaded.topographies)
+    for name, temperature in loaded.temperatures.items():
+        with naming(f"temperature '{name}'"):
+            model = with_temperature(model, name, temperature)
+    return model
 
 
 def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
@@ -192,7 +213,7 @@ def build(study: Study) -> Model:
     check_interfaces(study, loaded)
     model = build_loaded(loaded)
     check_loads(study, model)
-    check_held(model)
+    check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
     return model
 
 
@@ -267,10 +288,11 @@ def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
 
 
 def _interface_entries(study: Study) -> list[dict[str, Any]]:
-    """Return the keys of each interface but its initial gap, which its points must exist for."""
+    """Return the keys of each interface but its gap, which its points must exist for."""
     entries = _entries(study.interfaces)
     for entry in entries:
         entry.pop("initial_gap", None)
+        entry.pop("topography", None)
     return entries
 
 

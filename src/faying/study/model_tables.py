@@ -3,9 +3,12 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
+from faying.assessment.strength.grades import check_grade
+from faying.assessment.strength.sizes import size_named
 from faying.contact.laws.coulomb import LARGEST_FRICTION
+from faying.exceptions import ModelError
 from faying.io.left_out import IGNORABLE
 from faying.sources import SOURCES
 from faying.study.closure_key import Closure
@@ -28,6 +31,7 @@ from faying.study.section import (
     TangentialPenalty,
     name_in,
 )
+from faying.study.topographies import TopographySection
 
 DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 
@@ -145,11 +149,22 @@ class MaterialSection(Section):
     E : [force/length²]
     nu : [-]
     rho : [mass/length³]
+    alpha : [1/temperature]
+        Coefficient of thermal expansion.
     """
 
     E: Positive | None = None
     nu: Annotated[Number, Field(gt=-1, lt=0.5)] | None = None
     rho: NotNegative | None = None
+    alpha: Number | None = None
+
+
+class TemperatureSection(Section):
+    """[temperature.NAME]: see :class:`faying.model.temperature.Temperature`."""
+
+    reference: Number
+    uniform: Number | None = None
+    parts: Mapping[str, Number] = Field(default_factory=dict)
 
 
 class InterfaceSection(Section):
@@ -160,6 +175,8 @@ class InterfaceSection(Section):
     initial_gap : [length]
         Added to the gap of the geometry before anything is tightened: one offset everywhere, or a
         file for :func:`faying.interface.gap_field.read_gap_field`.
+    topography
+        Scans of one side, of both or of the gap, whose gap is added too.
     """
 
     name: Name
@@ -175,14 +192,42 @@ class InterfaceSection(Section):
     tolerance: Positive | None = None
     search_distance: Positive | None = None
     initial_gap: InitialGap | None = None
+    topography: tuple[TopographySection, ...] = ()
+
+
+def _size(name: str) -> str:
+    try:
+        size_named(name)
+    except ModelError as error:
+        raise refusal(str(error)) from None
+    return name
+
+
+def _grade(name: str) -> str:
+    try:
+        check_grade(name)
+    except ModelError as error:
+        raise refusal(str(error)) from None
+    return name
+
+
+Grade = Annotated[Name, AfterValidator(_grade)]
+
+
+class StrengthSection(Section):
+    """[[bolt]] strength: see :class:`faying.assessment.strength.grades.BoltStrength`."""
+
+    proof: Positive
+    yields: Positive = Field(alias="yield")
+    ultimate: Positive
 
 
 class ThreadSection(Section):
-    """[[bolt]] thread: see :class:`faying.assessment.thread.Thread`."""
+    """[[bolt]] thread: see :class:`faying.assessment.strength.thread.Thread`."""
 
     diameter: Positive
     pitch: Positive
-    grade: Annotated[Name, Field(pattern=r"^\d{1,2}\.[1-9]$")]
+    grade: Grade
     friction: NotNegative | None = None
     head_diameter: Positive | None = None
 
@@ -202,8 +247,39 @@ class BoltSection(Section):
     initial_force : [force]
         Instead of it: the force the bolt would have if nothing gave way, Young's modulus × area ×
         initial strain. The joint relaxes part of it.
+    end_masses : [mass]
+        Of a generated bolt: of head and washer where its axis begins, of nut and washer where it
+        ends.
+    size
+        Name of its thread, as ``"M8"``, ``"M8x1"`` or ``"3/8-24 UNF"``.
+    head
+        Hexagon, socket, or hexagon on a plain washer.
+    grade
+        As ``"8.8"``, ``"A2-70"`` or ``"SAE 5"``.
+    strength
+        In place of that of the grade.
+    torque : [force·length]
+        Instead of ``preload``: M_A.
+    utilisation
+        Instead of both: the share of its yield stress to which tightening uses it.
+    thread_friction, head_friction
+        μ_G and μ_K.
+    tightening_factor
+        α_A, largest over smallest preload.
+    gamma
+        Instead: Γ, variation of the preload about the nominal one.
+    hole : [length]
+        Diameter of the hole under the head.
+    head_pressure_limit : [force/length²]
+        What the plate under head and nut bears.
+    engagement : [length]
+        Length of the thread that is engaged.
     thread
-        What the assessment compares its force with.
+        Diameter, pitch and grade in numbers, in place of ``size`` and ``grade``.
+    embedding : [length]
+        What each face between head and nut flattens after tightening.
+    relaxation
+        Share of the force that is lost in time.
     """
 
     name: Name
@@ -220,7 +296,23 @@ class BoltSection(Section):
     material: IdOrName | None = None
     shear_flexible: Switch = True
     mass: Switch = True
+    end_masses: tuple[NotNegative, NotNegative] = (0.0, 0.0)
+    size: Annotated[Name, AfterValidator(_size)] | None = None
+    head: Literal["ISO 4014", "ISO 4762", "ISO 7089"] = "ISO 4014"
+    grade: Grade | None = None
+    strength: StrengthSection | None = None
+    torque: Positive | None = None
+    utilisation: Annotated[Positive, Field(le=1)] | None = None
+    thread_friction: NotNegative | None = None
+    head_friction: NotNegative | None = None
+    tightening_factor: Annotated[Number, Field(ge=1)] | None = None
+    gamma: Annotated[NotNegative, Field(lt=1)] | None = None
+    hole: Positive | None = None
+    head_pressure_limit: Positive | None = None
+    engagement: Positive | None = None
     thread: ThreadSection | None = None
+    embedding: tuple[NotNegative, ...] = ()
+    relaxation: Annotated[NotNegative, Field(lt=1)] = 0.0
 
 
 class SupportSection(Section):
@@ -239,6 +331,23 @@ class SupportSection(Section):
         "uy",
         "uz",
     )
+
+
+class MassSection(Section):
+    """[[mass]]: a mass that moves with a node, or with the nodes of a set.
+
+    Attributes
+    ----------
+    name
+        What it is of, for the reader.
+    mass : [mass]
+        In all; the nodes of a set share it evenly.
+    """
+
+    name: Name | None = None
+    set: Name | None = None
+    node: Id | None = None
+    mass: Positive
 
 
 class BoundarySection(Section):

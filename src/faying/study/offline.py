@@ -26,6 +26,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.without_friction import smooth_joint
+from faying.study.bolts import losses
 from faying.study.checkpoint import Checkpoint
 from faying.study.kept_preload import (
     Tightened,
@@ -101,10 +102,12 @@ def prepare_joint(
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
     if has_friction(model):
         return _rubbing_joint(study, loaded, model, forces, stages, checkpoint)
+    # What sticks is decided by the preload that was meant, and lost after that.
+    lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
     with stages.stage("preload"):
         free = model
         tightening, _ = kept_tightening(
-            checkpoint, "tightening", lambda: (tighten(free, forces), ())
+            checkpoint, "tightening", lambda: (tighten(free, forces, losses=lost[0]), ())
         )
         locked = model = free.with_bolt_forces(tightening.initial_forces)
         preload = kept_state(checkpoint, "preload", locked, lambda: solve_static(locked))
@@ -114,7 +117,7 @@ def prepare_joint(
         _condense(tied, stages, checkpoint, "compliance of tied parts")
         with stages.stage("preload"):
             again, _ = kept_tightening(
-                checkpoint, "tightening again", lambda: (tighten(tied, forces, increments=1), ())
+                checkpoint, "tightening again", lambda: (tighten(tied, forces, losses=lost[1]), ())
             )
             model = tied.with_bolt_forces(again.initial_forces)
     with stages.stage("preload"):
@@ -144,8 +147,8 @@ def _rubbing_joint(
 
     def tightened() -> Tightened:
         if not study.friction_during_preload:
-            return tighten(smooth_joint(model), forces), ()
-        found = tighten_with_friction(model, forces)
+            return tighten(smooth_joint(model), forces, losses=losses(study)), ()
+        found = tighten_with_friction(model, forces, losses=losses(study))
         return found.tightening, found.loads
 
     with stages.stage("preload"):

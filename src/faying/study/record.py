@@ -13,7 +13,9 @@ from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
+from faying.study.declared import unheld, unmeasured
 from faying.study.extras import Extras
+from faying.study.measurements import measured_curves
 from faying.study.offline import PreparedJoint, TrainedBases
 from faying.study.reference import Reference
 from faying.study.results import BoltRecord, CaseResult, Results, interface_record
@@ -67,10 +69,13 @@ def record(
         warnings=tuple(warnings),
         omissions=tuple(extras.failed),
         doubts=(
+            *unheld(model),
+            *unmeasured(study, cases),
             *doubts(model.assembly.materials, study.units),
             *bolt_doubts(study, joint.loaded),
             *pressure_doubts(cases, model.assembly.materials, study.units),
         ),
+        measurements=measured_curves(study),
         validation=validation,
         reduced=kept,
         reference=reference.kind,

@@ -14,7 +14,7 @@ from faying.study.tables import Study
 
 def requirements_of(section: RequirementSection) -> Requirements:
     """Return what a study demands."""
-    keys = {name: getattr(section, name) for name in type(section).model_fields}
+    keys = {n: getattr(section, n) for n in type(section).model_fields if n != "margins"}
     rings = tuple(ClosedRing(**ring.model_dump()) for ring in section.closed_ring)
     return Requirements(**{**keys, "closed_ring": rings})
 

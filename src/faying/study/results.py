@@ -8,6 +8,7 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.joint_record import Assessment
+from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
@@ -309,6 +310,8 @@ class Results:
         Load case name to the normal modes that were chosen for it.
     doubts : (n_doubt,)
         What cannot be right in the units of the study.
+    measurements
+        Curves of a test beside backbones.
     """
 
     title: str
@@ -337,3 +340,4 @@ class Results:
     assessment: Assessment | None = None
     mode_choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
     doubts: tuple[str, ...] = field(default=())
+    measurements: tuple[MeasuredCurve, ...] = ()

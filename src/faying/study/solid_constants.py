@@ -9,6 +9,7 @@ from faying.model.specs import BoltSpec
 from faying.study.load_model import LoadedModel
 from faying.study.results import CaseResult
 from faying.study.tables import Study
+from faying.study.threads import threads_of
 from faying.units import LENGTHS, MASSES, pascals, units_of
 
 MODULI = (1e4, 2e12)
@@ -66,7 +67,7 @@ def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
 def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
     """Yield what cannot be right about preloads, of bolts whose section is known."""
     pascal = pascals(loaded.units)
-    threads = {bolt.name: bolt.thread for bolt in study.bolts if bolt.thread is not None}
+    threads = threads_of(study)
     least, most = TIGHTENED
     for spec in loaded.bolts if pascal else ():
         force = loaded.preloads.get(spec.name, loaded.initial_forces.get(spec.name, 0.0))

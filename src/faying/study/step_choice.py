@@ -16,7 +16,8 @@ class StepChoice:
     tolerance : [1]
         Largest pressure error over the peak that was asked for.
     error : [1]
-        Errors of all intervals together: 2.5 times what half their steps change.
+        Errors of all intervals together: 5 times (first order; else 2.5 times)
+        what half their steps change.
     count : [1]
         Steps in all.
     most : [1]

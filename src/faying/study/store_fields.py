@@ -4,17 +4,19 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
+from faying.assessment.check import Check
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
+from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.thread import ThreadStress
+from faying.assessment.strength.thread import ThreadStress
 from faying.files.meanings import Table, meanings
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import GEOMETRY
@@ -51,6 +53,7 @@ STORED = (
     InterfaceAssessment,
     Spread,
     Verdict,
+    Check,
     ModeCount,
     NormalModeChoice,
     RecoveredRecord,
@@ -69,6 +72,7 @@ STORED = (
     PathRecord,
     CycleRecord,
     Backbone,
+    MeasuredCurve,
     ValidationRecord,
     LoadSpaceRecord,
     LoadSpaceResult,

@@ -1,7 +1,6 @@
 """The figures of a run in one JSON document, keys as in ``docs/results.md``."""
 
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
@@ -10,14 +9,17 @@ import numpy as np
 
 from faying import __version__
 from faying.assessment.backbone import Backbone
+from faying.assessment.joint_verdict import summarized
 from faying.reduction.methods import METHODS
 from faying.study.backbone_errors import backbone_errors
 from faying.study.comparison import increments, rubbed
 from faying.study.declared import barely_held, missing_contacts
+from faying.study.measurements import compared
 from faying.study.mode_choice import chosen_count, mode_sentences
 from faying.study.opening import opening
 from faying.study.path_record import CycleRecord
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Response, Results
+from faying.study.run_verdict import required, run_verdict
 from faying.study.step_check import step_check
 from faying.study.step_choice import step_choice
 from faying.study.validation_record import ValidationRecord
@@ -62,19 +64,17 @@ def summarize(results: Results) -> dict[str, Any]:
         },
         "reference": {"kind": results.reference, "reason": results.reference_reason},
         "load_cases": {name: _case(results, case) for name, case in results.cases.items()},
+        "measurements": {
+            curve.name: compared(curve, results.cases[curve.case].reference.backbones)
+            for curve in results.measurements
+            if curve.case in results.cases
+        },
         "assessment": None if results.assessment is None else plain(asdict(results.assessment)),
         "requirements": required(results.study_text),
+        "verdict": plain(summarized(run_verdict(results))),
         "validation": _validation(results.validation),
         "timings": timings(results),
     }
-
-
-def required(study_text: str) -> list[str]:
-    """Return the requirements that a study names."""
-    try:
-        return list(tomllib.loads(study_text).get("requirement", {}))
-    except tomllib.TOMLDecodeError:
-        return []
 
 
 def plain(value: Any) -> Any:

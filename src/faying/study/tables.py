@@ -5,7 +5,7 @@ What single values must be is said here; what they must be together, in faying.s
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
@@ -14,25 +14,27 @@ from faying.assessment.transient_error import LARGE
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
 from faying.study.errors import StudySource, refusal, shown
+from faying.study.measurement_table import MeasurementSection
 from faying.study.model_tables import (
     BoltSection,
     BoundarySection,
     DampingSection,
     InterfaceSection,
+    MassSection,
     MaterialSection,
     ModelSection,
     StickingSection,
     SupportSection,
+    TemperatureSection,
 )
+from faying.study.output_tables import OutputSection, ValidationSection
 from faying.study.ranges import showable
 from faying.study.requirement_tables import RequirementSection, ScatterSection
 from faying.study.section import (
     Count,
     CountOrAuto,
-    CountOrNone,
     ExistingFile,
     Name,
-    NotNegative,
     Number,
     Positive,
     PreloadFactors,
@@ -48,7 +50,6 @@ COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
 """Methods compared unless the study says otherwise; the others come from the literature."""
 
 ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
-OutputField = Literal["pressure", "gap", "displacement"]
 
 
 class Timed(Section):
@@ -77,16 +78,17 @@ LoadName = Annotated[Name, BeforeValidator(_load_name, json_schema_input_type=Na
 
 
 class Loading(Section):
-    """A component of a boundary's load, or a whole load of the deck."""
+    """A component of a boundary's load, a whole load of the deck, or a temperature."""
 
     boundary: Name | None = None
     component: ForceComponent | None = None
     deck_load: LoadName | None = None
+    temperature: Name | None = None
 
     @property
     def target(self) -> str:
         """Key in a :class:`faying.simulation.load.Load`."""
-        return self.deck_load or f"{self.boundary}.{self.component}"
+        return self.deck_load or self.temperature or f"{self.boundary}.{self.component}"
 
 
 class BoxSide(Loading):
@@ -189,10 +191,7 @@ class ReductionSection(Section):
 
 
 class ForceSection(Loading):
-    """A load: a constant ``value``, or a history ``file`` (csv: time, value).
-
-    For a load of the deck they are what it is multiplied by.
-    """
+    """A load, or a factor on one of the deck or a temperature: ``value``, or a history ``file``."""
 
     value: Number | None = None
     file: ExistingFile | None = None
@@ -272,6 +271,7 @@ class LoadCaseSection(Timed):
     rise_time: Positive | None = None
     step: StepOrAuto | None = None
     tolerance: Positive | None = None
+    repetitions: Positive | None = None
 
     @model_validator(mode="before")
     @classmethod
@@ -294,52 +294,6 @@ class LoadCaseSection(Timed):
         if self.amplitude_range is None:
             return tuple(sorted(self.amplitudes))
         return tuple(np.geomspace(*self.amplitude_range).tolist())
-
-
-class OutputSection(Section):
-    """[output].
-
-    Attributes
-    ----------
-    times : [time]
-        Instants of transient cases at which fields are written for viewing; none by default,
-        which is the instant of the largest pressure.
-    fields
-        What is written.
-    report
-        Whether report.html is built.
-    """
-
-    times: tuple[NotNegative, ...] = ()
-    fields: tuple[OutputField, ...] = ("pressure", "gap", "displacement")
-    report: Switch = True
-
-
-class ValidationSection(Section):
-    """[validation]: what to find out beyond the load cases.
-
-    Attributes
-    ----------
-    unseen_loads
-        Random loads of the training box at which every method is compared with the full model;
-        twice as many more make the floor under all linear bases. 0 is none.
-    penalty_sweep
-        Whether the static load cases are repeated over the contact stiffness.
-    half_step
-        Whether the full model repeats transient load cases with half the time step.
-    reference
-        What load cases are compared with: the full model; the reduced one with the full one for
-        the worst static cases; or the reduced one alone. None decides by the size of the model.
-    """
-
-    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("box", "preload_factors"),
-        "remove it: searches found milder loads than random ones and are gone",
-    )
-    unseen_loads: CountOrNone = 100
-    penalty_sweep: Switch = True
-    half_step: Switch = True
-    reference: Literal["full", "worst", "none"] | None = None
 
 
 def _units(label: str) -> str:
@@ -365,10 +319,13 @@ class Study(Section):
     preload_scatter: ScatterSection | None = None
     model: ModelSection
     materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
+    temperatures: Mapping[str, TemperatureSection] = Field({}, alias="temperature")
     interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")
     bolts: tuple[BoltSection, ...] = Field(default=(), alias="bolt")
     boundaries: tuple[BoundarySection, ...] = Field(default=(), alias="boundary")
     supports: tuple[SupportSection, ...] = Field(default=(), alias="support")
+    masses: tuple[MassSection, ...] = Field(default=(), alias="mass")
+    measurements: tuple[MeasurementSection, ...] = Field(default=(), alias="measurement")
     sticking: StickingSection | None = None
     damping: DampingSection = DampingSection()
     reduction: ReductionSection = ReductionSection()

@@ -119,10 +119,16 @@ def _needs(
     elif not loaded.interfaces and not problem:
         yield "an interface in the study; those found are above, with what to paste below"
     if free.count:
-        yield (
-            "supports: something can move, as the rigid-body modes say; where contact holds it, "
-            'weak springs let statics run (weak_springs = "auto" under [model])'
+        springs = (
+            "; where contact holds it, weak springs let statics run "
+            '(weak_springs = "auto" under [model])'
         )
+        yield (
+            "supports: something can move, as the rigid-body modes say"
+            f"{springs if loaded.weak_springs is None else ''}"
+        )
+    elif free.whole and not study.load_cases:
+        yield "supports, unless the joint is meant to move as a whole, as it can"
     for spec in loaded.bolts:
         if spec.name not in loaded.preloads and spec.name not in loaded.initial_forces:
             yield f"the preload of bolt '{spec.name}'"

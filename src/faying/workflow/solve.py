@@ -12,7 +12,10 @@ import numpy as np
 
 from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE
+from faying.assessment.joint_checks import joint_checks
+from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
+from faying.assessment.strength.thread import Thread
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
@@ -35,7 +38,7 @@ from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solve_workers import compute_pieces
 from faying.workflow.solved_pieces import Pieces
-from faying.workflow.solved_verdicts import areas_of, rings_of, solved_verdicts
+from faying.workflow.solved_verdicts import areas_of, rings_of, sliding_checks, solved_assessment
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,6 +57,8 @@ class SolveOptions:
         Format of the tables of metrics.
     requirements
         What must hold.
+    threads
+        Bolt to its thread, whose strength is then judged.
     """
 
     worst: int = 1
@@ -61,6 +66,7 @@ class SolveOptions:
     certificates: bool = True
     table: TableFormat = "csv"
     requirements: Requirements = field(default_factory=Requirements)
+    threads: Mapping[str, Thread] = field(default_factory=dict)
 
 
 @one_thread()
@@ -145,12 +151,15 @@ def solve_loads(
             compute_pieces(solver, loads, named, executor)
         static = solver.static(loads, named) if loads.names else None
         transients = {one.load.name: solver.transient(one) for one in loads.transients}
-        assessment = None
+        assessment, units = None, units_of(rom.units)
+        verdict = joint_verdict((), units, "see the warnings")
         with stages.stage("requirements"), extras.attempt("requirements"):
-            judged = solved_verdicts(
-                chosen.requirements, rom, loads, static, transients, solver.rest
+            judged = solved_assessment(
+                chosen.requirements, rom, loads, static, transients, solver.rest, chosen.threads
             )
-            assessment = {"verdicts": plain([asdict(one) for one in judged])}
+            checks = [*joint_checks(judged, units), *sliding_checks(rom, static, transients)]
+            verdict = joint_verdict(checks, units)
+            assessment = {"verdicts": plain([asdict(one) for one in judged.verdicts])}
         with stages.stage("files"):
             found = _written(rom, static, transients, named, out, chosen)
         summary = {
@@ -160,6 +169,7 @@ def solve_loads(
             **found,
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
+            "verdict": plain(summarized(verdict)),
             "warnings": [*loads.remarks, *_barely_held(found), *extras.failed],
             "timings": stages.account(),
         }

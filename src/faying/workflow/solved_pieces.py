@@ -112,6 +112,15 @@ class Pieces:
                 found.append((int(piece["first"]) + row, float(piece["metrics"][row, column])))
         return (max if largest else min)(found, key=lambda one: one[1], default=None)
 
+    def named(self, history: str, row: int) -> str:
+        """Return what a static case is called, or an instant of a history."""
+        return f"{history} at {self.label(row)}" if history else self.label(row)
+
+    def column(self, metric: str) -> Vector:
+        """Return a metric of all cases or instants, NaN where there is no solution."""
+        at = [one.name for one in self.metrics].index(metric)
+        return np.concatenate([piece["metrics"][:, at] for piece in self])
+
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
         """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""
         known: dict[int, tuple[Vector, Vector]] = {}

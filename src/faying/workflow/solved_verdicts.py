@@ -4,10 +4,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from faying.assessment.check import Check
+from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.opening import areas_that_open, opening_factors
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
-from faying.assessment.slip_demand import NO_FRICTION, slip_coefficients
+from faying.assessment.slip_demand import NO_FRICTION, SlipDemand, slip_coefficients
+from faying.assessment.strength.thread import Thread
 from faying.assessment.verdicts import (
     no_opening,
     opening_verdicts,
@@ -17,6 +20,7 @@ from faying.assessment.verdicts import (
     wanted_clamps,
 )
 from faying.exceptions import ModelError
+from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import pressed_near
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
@@ -24,6 +28,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
 from faying.study.load_set import LoadSet
 from faying.workflow.solved_pieces import Pieces
+from faying.workflow.solved_strength import solved_strength
 
 MOST_PATHS = 200
 """Static cases that are followed to their openings: up to seconds each."""
@@ -102,6 +107,159 @@ def solved_verdicts(
         yield Verdict.unknown("min_sliding_factor", wanted.min_sliding_factor, reason)
 
 
+def solved_assessment(
+    wanted: Requirements,
+    rom: ReducedModel,
+    loads: LoadSet,
+    static: Pieces | None,
+    transients: Mapping[str, Pieces],
+    rest: Solution | None = None,
+    threads: Mapping[str, Thread] | None = None,
+) -> Assessment:
+    """Return bolts and interfaces over all cases, as far as metrics tell, with the verdicts."""
+    sets = {**({} if static is None else {"": static}), **transients}
+    preloaded = solve_static(rom) if rest is None else rest
+    demands = _slip_demands(wanted, rom, static)
+    return Assessment(
+        bolts={
+            name: _bolt(name, sets, float(np.ravel(preloaded.bolt_force(name))[-1]))
+            for name in rom.bolts
+        },
+        interfaces={
+            name: _interface(
+                name,
+                surface,
+                sets,
+                float(np.ravel(preloaded.contact_force(name))[-1]),
+                demands.get(name),
+            )
+            for name, surface in rom.interfaces.items()
+        },
+        verdicts=tuple(solved_verdicts(wanted, rom, loads, static, transients, rest)),
+        open_below=wanted.open_share,
+        checks=tuple(solved_strength(threads or {}, rom, sets, preloaded)),
+    )
+
+
+def _bolt(name: str, sets: Mapping[str, Pieces], preload: float) -> BoltAssessment:
+    least_case, least = _extreme(sets, f"bolt_force.{name}", largest=False)
+    most_case, most = _extreme(sets, f"bolt_force.{name}")
+    return BoltAssessment(
+        preload=preload,
+        least=least,
+        least_case=least_case,
+        most=most,
+        most_case=most_case,
+        axial_loads={},
+        load_factors={},
+        clamp_around={},
+    )
+
+
+def _interface(
+    name: str,
+    surface: ContactSurface,
+    sets: Mapping[str, Pieces],
+    preload: float,
+    slip: SlipDemand | None,
+) -> InterfaceAssessment:
+    least_case, least = _extreme(sets, f"clamp_force.{name}", largest=False)
+    most_case, most = _extreme(sets, f"clamp_force.{name}")
+    pressure_case, pressure = _extreme(sets, f"max_pressure.{name}")
+    mean_case, mean = _extreme(sets, f"max_nodal_pressure.{name}")
+    open_case, open_area = _extreme(sets, f"open_area.{name}")
+    return InterfaceAssessment(
+        preload=preload,
+        least_clamp=least,
+        least_clamp_case=least_case,
+        certified=None,
+        most_clamp=most,
+        most_clamp_case=most_case,
+        certified_most=None,
+        certified_width=None,
+        max_pressure=pressure,
+        max_pressure_case=pressure_case,
+        max_pressure_point=np.full(3, np.nan),
+        max_nodal_pressure=mean,
+        max_nodal_pressure_case=mean_case,
+        closed_area=float(surface.weights.sum()) - open_area,
+        closed_area_case=open_case,
+        first_opening={},
+        loss_of_clamp={},
+        slip=slip,
+    )
+
+
+def sliding_checks(
+    rom: ReducedModel, static: Pieces | None, transients: Mapping[str, Pieces]
+) -> Iterator[Check]:
+    """Judge interfaces with friction: what sticks somewhere in a case does not slide in it."""
+    sets = {**({} if static is None else {"": static}), **transients}
+    for name, surface in rom.interfaces.items():
+        if not surface.friction > 0:
+            continue
+        shares: list[tuple[float, str]] = []
+        for label, pieces in sets.items():
+            open_area, at_bound = (
+                pieces.column(f"{metric}.{name}") for metric in ("open_area", "area_at_bound")
+            )
+            closed = surface.weights.sum() - open_area
+            slips = np.where(closed > 0, at_bound / np.where(closed > 0, closed, 1.0), 0.0)
+            if not np.isnan(slips).all():
+                row = int(np.nanargmax(slips))
+                shares.append((float(slips[row]), pieces.named(label, row)))
+        share, case = max(shares, default=(np.inf, ""))
+        slides = share > 1 - ALL
+        yield Check(
+            part=name,
+            kind="interface",
+            quantity="slipping share",
+            outcome="unknown" if slides else "met",
+            utilisation=share,
+            value=100 * share,
+            limit=100.0,
+            unit="%",
+            case=case,
+            reason=SLIPS_ALL if slides else "",
+        )
+
+
+ALL = 1e-9
+"""Distance from one from which a share of area is all of it: round-off of sums."""
+
+SLIPS_ALL = "all that touches is at its friction bound; faying run tells whether it slides"
+"""Why nothing is known of an interface that sticks nowhere."""
+
+
+def _slip_demands(
+    wanted: Requirements, rom: ReducedModel, static: Pieces | None
+) -> dict[str, SlipDemand]:
+    """Return the friction that static cases need at most of interfaces without any."""
+    if static is None:
+        return {}
+    coefficients, known = _coefficients(wanted, rom), areas_of(wanted, rom)
+    told = {one.interface: one.unknown for one in rom.tangential if not one.bolt}
+    found = {}
+    for name, surface in rom.interfaces.items():
+        coefficient = coefficients.get(name)
+        if surface.friction > 0:
+            continue
+        if name in known and coefficient is not None:
+            case, needed = _extreme({"": static}, f"needed_friction.{name}")
+            safety = {case: coefficient / needed} if needed > NO_FRICTION else {}
+            found[name] = SlipDemand(
+                needed_friction={case: needed}, coefficient=coefficient, safety=safety
+            )
+        else:
+            why = told.get(name) or UNTOLD
+            found[name] = SlipDemand(coefficient=coefficient, unknown=why)
+    return found
+
+
+UNTOLD = "the file does not tell what is carried along it; reduce the study again"
+"""Why nothing is known of slip by sums in files of earlier versions."""
+
+
 def _slip(
     limit: float, wanted: Requirements, rom: ReducedModel, static: Pieces | None
 ) -> Iterator[Verdict]:
@@ -119,9 +277,8 @@ def _slip(
     found: list[tuple[float, str, str]] = []
     for name, coefficient in coefficients.items():
         if name not in known:
-            why = told.get(name, "the file does not tell; reduce the study again")
-            reason = f"what is carried along it is not known: {why}"
-            yield Verdict.unknown("min_slip_safety", limit, reason, name)
+            why = told.get(name, UNTOLD)
+            yield Verdict.unknown("min_slip_safety", limit, why, name)
             continue
         case, needed = _extreme({"": static}, f"needed_friction.{name}")
         found.append((coefficient / needed if needed > NO_FRICTION else np.inf, name, case))
@@ -141,15 +298,11 @@ def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -
         low = metric.replace("clamp_force.", "clamp_force_low.", 1)
         found = pieces.extreme(low if low in known else metric, largest=largest)
         if found is not None:
-            best.append((_label(name, pieces, found[0]), found[1]))
+            best.append((pieces.named(name, found[0]), found[1]))
     if not best:
         message = "no case was solved, so there is nothing to judge"
         raise ModelError(message)
     return (max if largest else min)(best, key=lambda one: one[1])
-
-
-def _label(name: str, pieces: Pieces, row: int) -> str:
-    return f"{name} at {pieces.label(row)}" if name else pieces.label(row)
 
 
 def _openings(
@@ -165,7 +318,7 @@ def _openings(
         for name, envelope in envelopes.items():
             if envelope is not None and len(near):
                 point = near[envelope.min_pressure[near].argmin()]
-                case = _label(name, sets[name], int(envelope.min_pressure_case[point]))
+                case = sets[name].named(name, int(envelope.min_pressure_case[point]))
                 lows.append((case, float(envelope.min_pressure[point])))
         yield no_opening(bolt_name, radius, lows)
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from faying._typing import Vector
 from faying.contact.laws import Coulomb, Law
 from faying.exceptions import StudyError
-from faying.export.arrays import sparse_variables
+from faying.export.arrays import refuse_expanding_bolts, sparse_variables
 from faying.export.fmu.quantities import seconds
 from faying.export.fmu.variables import Defaults
 from faying.joint.load_pattern import pattern_forces
@@ -32,13 +32,14 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
     ------
     StudyError
         If the residual compliance of the model is not a dense matrix, or there are too many points
-        of hard contact.
+        of hard contact, or as :func:`faying.export.arrays.refuse_expanding_bolts`.
 
     Notes
     -----
     Layout: see ``sources/joint.c``. The token is a hash of everything else, so equal joints give
     equal files.
     """
+    refuse_expanding_bolts(rom)
     contact = rom.contact
     residual = contact.residual_compliance
     if residual is not None and not isinstance(residual, np.ndarray):
@@ -48,6 +49,12 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         message = (
             f"hard contact at {contact.n_points} points is too large for an FMU, which takes "
             f"{MOST_HARD_POINTS}; use nodal quadrature or a penalty"
+        )
+        raise StudyError(message)
+    if rom.rigid_motions.shape[1]:
+        message = (
+            "nothing holds the joint, and an FMU begins with a state of rest that its supports "
+            "bear; support it"
         )
         raise StudyError(message)
     rows = sp.csr_array(contact.interpolation)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,10 +9,12 @@ from scipy.spatial import cKDTree
 from faying._typing import Matrix
 from faying.interface.across import declared
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.fields import real
 from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction, tied_slopes
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.overclosure import Normal, curve_of, read_behaviour, stiffness_of
 from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.solid_sections import is_of_abaqus
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slave_and_master
 from faying.io.left_out import IGNORABLE
 from faying.model.assembly import Assembly
@@ -23,25 +24,25 @@ from faying.model.specs import InterfaceSpec
 from faying.model.surface import exterior_facets
 
 MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
-_FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
     """A contact pair: the slave is our minus side, which carries the points and the normals.
 
-    Pairs that are ``tied`` neither open nor slide.
+    Pairs that are ``tied`` neither open nor slide; ``lone`` ones are of a single point.
     """
 
     keyword: Keyword
     row: int
     slave: DeckSurface
     master: DeckSurface
-    penalty: float | Literal["hard"]
+    penalty: Normal
     adjusted: GapRule | None
     interaction: str
     friction: DeckFriction = FRICTIONLESS
     tied: bool = False
+    lone: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +50,7 @@ class Interaction:
     """A ``*SURFACE INTERACTION``; what is ``tied`` neither opens nor slides."""
 
     name: str
-    penalty: float | Literal["hard"] = "hard"
+    penalty: Normal = "hard"
     friction: DeckFriction = FRICTIONLESS
     tied: bool = False
 
@@ -98,7 +99,7 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, ignored)
-        penalty = _behaviour(head, members, ignored)
+        penalty = read_behaviour(head, members, is_of_abaqus(deck), ignored)
         friction = read_friction(members, ignored)
         found[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
     return found
@@ -185,50 +186,6 @@ def _adjust(keyword: Keyword, sets: NamedSets) -> GapRule | None:
         return GapRule(closed_nodes=tuple(members.tolist()))
 
 
-def _behaviour(
-    head: Keyword, members: list[Keyword], ignored: list[str]
-) -> float | Literal["hard"]:
-    """Contact stiffness of an interaction; hard where it says nothing."""
-    penalty: float | Literal["hard"] = "hard"
-    for member in members:
-        if member.name == "SURFACE BEHAVIOR":
-            penalty = _surface_behavior(member, ignored)
-        elif member.name == "GAP CONDUCTANCE":
-            ignored.append(f"*{member.name} of {head.value('NAME')}")
-    return penalty
-
-
-def _surface_behavior(keyword: Keyword, ignored: list[str]) -> float | Literal["hard"]:
-    keyword.allow("PRESSURE-OVERCLOSURE", *_FLAGS)
-    if keyword.has("NO SEPARATION"):
-        message = "NO SEPARATION is not supported; faying's contact opens"
-        raise keyword.error(message)
-    ignored += [
-        f"{flag} of *SURFACE BEHAVIOR: faying enforces contact in its own way"
-        for flag in _FLAGS
-        if keyword.has(flag)
-    ]
-    kind = keyword.choice("PRESSURE-OVERCLOSURE", "HARD")
-    if kind == "HARD":
-        return "hard"
-    if kind != "LINEAR":
-        message = f"PRESSURE-OVERCLOSURE={kind} is not supported; give LINEAR (a slope) or HARD"
-        raise keyword.error(message)
-    rows = keyword.rows()
-    if len(rows) != 1 or not 1 <= len(rows[0]) <= 3:
-        message = "expected one data line with the slope (pressure per overclosure)"
-        raise keyword.error(message)
-    slope = real(keyword, 0, rows[0][0], "the slope")
-    if not slope > 0:
-        message = f"the slope is {slope:g}; it must be positive"
-        raise keyword.error(message, 0)
-    for column in range(1, len(rows[0])):
-        # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
-        optional_real(keyword, 0, rows[0], column, 0.0, "a number")
-        ignored.append("tension and range behind the slope of *SURFACE BEHAVIOR")
-    return slope
-
-
 def interface_names(pairs: list[Pair]) -> list[str]:
     """Names of interfaces: that of the interaction, with both surfaces where it is used twice."""
     names = [pair.interaction for pair in pairs]
@@ -244,8 +201,7 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
     Raises
     ------
     FormatError
-        If other facets lie between the nodes of a surface of facets too, or none between those of
-        a surface of nodes.
+        If other facets lie between the nodes of a surface of facets too.
     """
     for side in sides:
         if len(side.facets) == 1:
@@ -255,11 +211,7 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
         inside[side.nodes] = inside[-1] = True
         count = int(inside[exterior.nodes].all(axis=1).sum())
         if not side.facets and not count:
-            message = (
-                f"surface '{side.name}' does not have all nodes of any facet; give it "
-                "TYPE=ELEMENT with element faces"
-            )
-            raise side.keyword.error(message)
+            continue  # of single nodes, which are contact points of their own
         other = mesh.node_sets.get(side.name)
         if (other is not None and not np.array_equal(np.unique(other), side.nodes)) or (
             side.facets and count != sum(map(len, side.facets.values()))
@@ -283,10 +235,13 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
                 name=name,
                 minus=pair.slave.name,
                 plus=pair.master.name,
-                penalty=pair.penalty,
+                penalty=stiffness_of(pair.penalty),
+                closure=curve_of(pair.penalty),
                 friction=pair.friction.coefficient,
                 tangential_penalty=pair.friction.tangential_penalty,
                 search_distance=np.inf,
+                quadrature="gauss" if pair.lone else None,
+                order=1 if pair.lone else None,
             ),
         )
         if spec.meshes == "non-matching":

@@ -14,8 +14,10 @@ from faying.io.abaqus.element_types import SHELL_TYPES
 from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.nodes import Nodes
 from faying.io.abaqus.orientations import orientation_at
 from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.solid_sections import is_of_abaqus
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
 
@@ -85,11 +87,11 @@ def read_couplings(
             )
             continue
         if head.has("ORIENTATION"):
-            message = (
-                "ORIENTATION is not supported with *DISTRIBUTING, whose forces CalculiX turns to "
-                "it and Abaqus does not; leave it out, and turn the forces on the reference node"
+            components = _ALL
+            ignored.append(
+                "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
+                "CalculiX, but in decks that only Abaqus reads; all rotations are tied"
             )
-            raise head.error(message)
         member.allow("COUPLING", "WEIGHTING METHOD")
         _check_distributing(member, elements, nodes)
         weights = _areas(found, dofs.nodes.coordinates)[found.nodes != reference]
@@ -104,6 +106,31 @@ def read_couplings(
         )
     turned = [replace(e, id=first_id + len(rigid) + len(average) + i) for i, e in enumerate(turned)]
     return Couplings(rigid=rigid, average=average, turned=turned, turned_references=references)
+
+
+def reference_axes(
+    deck: Deck, nodes: Nodes, sets: NamedSets, ignored: list[str]
+) -> dict[int, Matrix]:
+    """Return the axes of reference nodes of *DISTRIBUTING with ORIENTATION; none of Abaqus.
+
+    CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these axes; in Abaqus
+    they say which rotations are tied.
+
+    Raises
+    ------
+    FormatError
+        As :func:`faying.io.abaqus.orientations.orientation_at`.
+    """
+    plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
+    found = {}
+    for head, members in deck.groups("COUPLING", *MEMBERS):
+        of_forces = any(member.name == "DISTRIBUTING" for member in members)
+        if not head.has("ORIENTATION") or not of_forces or is_of_abaqus(deck):
+            continue
+        reference = plain.one(head, None, head.required("REF NODE"), "the reference node")
+        points = nodes.coordinates[[reference]]
+        found[reference] = orientation_at(deck, head, points, ignored)[0]
+    return found
 
 
 def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list[Equation]:

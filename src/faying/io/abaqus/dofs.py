@@ -28,6 +28,8 @@ class Dofs:
     rotations
         Index of a rotation node of CalculiX to the index of the node whose rotations its
         translations are.
+    turned
+        Axes of reference nodes of *DISTRIBUTING with an ORIENTATION, as CalculiX has it.
     """
 
     nodes: Nodes
@@ -35,6 +37,7 @@ class Dofs:
     system: Indices
     transforms: Sequence[Keyword]
     rotations: Mapping[int, int] = field(default_factory=dict)
+    turned: Mapping[int, Matrix] = field(default_factory=dict)
 
     def find(self, keyword: Keyword, row: int, label: str) -> Indices:
         """Return the indices of the nodes a field stands for: an id, or a node set."""
@@ -57,7 +60,7 @@ class Dofs:
         """Return the local axes of a node as rows, None for the basic frame."""
         number = int(self.system[node])
         if number < 0:
-            return None
+            return self.turned.get(node)
         return _axes(self.transforms[number], self.nodes.coordinates[node])
 
     def places(self, nodes: Indices, component: int) -> list[tuple[int, int]]:

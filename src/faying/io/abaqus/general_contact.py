@@ -12,6 +12,7 @@ from faying.interface.mortar import find_couplings
 from faying.io.abaqus.contact import Interaction, Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.overclosure import curve_of, stiffness_of
 from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly
@@ -71,7 +72,8 @@ def read_general_contact(
             name=f"{found.name} {names[one.minus]} {names[one.plus]}",
             minus=f"body {one.minus}",
             plus=f"body {one.plus}",
-            penalty=found.penalty,
+            penalty=stiffness_of(found.penalty),
+            closure=curve_of(found.penalty),
             meshes="matching" if one.matching else "non-matching",
             friction=found.friction.coefficient,
             tangential_penalty=found.friction.tangential_penalty,

@@ -16,6 +16,7 @@ from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.temperatures import (
     Expansion,
     check_constant,
+    constant_expansion,
     read_expansion,
 )
 from faying.model.assembly import Material
@@ -69,7 +70,7 @@ def read_materials(
         if name.upper() in found:
             message = f"there are two materials '{name}'; rename one of them"
             raise head.error(message)
-        elastic, law, density = None, None, 0.0
+        elastic, law, density, expansion = None, None, 0.0, None
         for member in members:
             if _is_anisotropic(member):
                 member.allow("TYPE", "MODULI")
@@ -78,6 +79,8 @@ def read_materials(
                 elastic = _elastic(member, temperature)
             elif member.name == "DENSITY":
                 density = _density(member, temperature)
+            elif member.name == "EXPANSION":
+                expansion = constant_expansion(member)
             elif member.name in HARMLESS:
                 ignored.append(f"*{member.name} of material {name} (no temperatures)")
         tables = [m for m in members if m.name in ("ELASTIC", "DENSITY") and len(m.data) > 1]
@@ -89,7 +92,11 @@ def read_materials(
         try:
             found[name.upper()] = (
                 Material(
-                    name=name, youngs_modulus=elastic[0], poissons_ratio=elastic[1], density=density
+                    name=name,
+                    youngs_modulus=elastic[0],
+                    poissons_ratio=elastic[1],
+                    density=density,
+                    expansion=expansion,
                 )
                 if elastic is not None
                 else Material.anisotropic(np.asarray(law), density=density, name=name)

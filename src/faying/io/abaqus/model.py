@@ -9,7 +9,12 @@ from faying._typing import Matrix
 from faying.io.abaqus import contact, materials, pretension
 from faying.io.abaqus.amplitudes import read_amplitudes
 from faying.io.abaqus.beams import read_beams
-from faying.io.abaqus.couplings import read_couplings, read_distributing, with_real_rotations
+from faying.io.abaqus.couplings import (
+    read_couplings,
+    read_distributing,
+    reference_axes,
+    with_real_rotations,
+)
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
@@ -26,6 +31,7 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import nodal_forces, read_concentrated
+from faying.io.abaqus.lone_nodes import with_lone_nodes
 from faying.io.abaqus.masses import read_masses
 from faying.io.abaqus.model_changes import (
     is_from_the_start,
@@ -76,6 +82,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     by_node = read_node_sets(deck, nodes, elements, by_element)
     elements, by_element = without_removed(deck, elements, by_element, ignored)
     dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
+    dofs = replace(dofs, turned=reference_axes(deck, nodes, by_node, ignored))
     amplitudes = read_amplitudes(deck)
     temperatures = read_temperatures(deck, dofs, amplitudes)
     used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
@@ -161,8 +168,9 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     senses |= {cut.name: cut.sense for cut in cuts}
     preloads = pretension.preloads(sections, general, held, senses)
     unlocked = pretension.unlocked(sections, held, preloads, loads, deck.n_step, ignored)
-    specs = contact.specs(assembly, pairs, ignored)
-    offsets, rules = contact.gap_rules(deck, assembly, pairs, specs)
+    assembly, points = with_lone_nodes(assembly, pairs, ignored)
+    specs = contact.specs(assembly, points, ignored)
+    offsets, rules = contact.gap_rules(deck, assembly, points, specs)
     sides = [(one.slave.nodes, one.master.nodes) for one in pairs]
     sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
     joined = joined_bodies(assembly, cuts, sides)

@@ -146,6 +146,13 @@ def read_expansion(keyword: Keyword) -> Expansion:
     return Expansion(temperatures=table[:, 0], coefficients=table[:, 1], zero=zero)
 
 
+def constant_expansion(keyword: Keyword) -> float | None:
+    """Return the coefficient of *EXPANSION; None where it differs in directions or temperatures."""
+    rows = keyword.rows()
+    isotropic = keyword.choice("TYPE", "ISO") in ("ISO", "ISOTROPIC")
+    return real(keyword, 0, rows[0][0], "a coefficient") if isotropic and len(rows) == 1 else None
+
+
 def thermal_forces(
     assembly: Assembly,
     temperatures: Temperatures,

@@ -129,8 +129,8 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
 
 
 def _stiffness(pair: Pair) -> tuple[float, float] | None:
-    along = pair.friction.tangential_penalty
-    return (float(pair.penalty), along) if pair.penalty != "hard" and along != "auto" else None
+    normal, along = pair.penalty, pair.friction.tangential_penalty
+    return (normal, along) if isinstance(normal, float) and isinstance(along, float) else None
 
 
 def _following(

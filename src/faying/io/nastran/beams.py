@@ -14,7 +14,6 @@ from faying.io.nastran.principal_axes import turned_about
 from faying.io.nastran.sections import Property
 from faying.model.assembly import Beam
 
-_WARPING = (16, 17)
 _PARALLEL = 1e-8
 
 
@@ -79,9 +78,7 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
         kinds = "PBAR or PBARL" if card.cards.name == "CBAR" else "PBEAM or PBEAML"
         text = f"property {pid} is not a {kinds} of the deck; define it"
         raise card.error(text, 1)
-    if card.cards.name == "CBEAM":
-        card.refuse_non_zero(_WARPING, "a warping point", "leave SA and SB blank")
-    section, material, angle = sections[pid]
+    section, material, angle, _ = sections[pid]
     own = grids.one(card, 2), grids.one(card, 3)
     vector = _orientation(card, grids, own[0])
     along = _between(card, grids, own, vector)

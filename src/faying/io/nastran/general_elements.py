@@ -29,14 +29,17 @@ def read_general_elements(cards: Mapping[str, Cards], grids: Grids) -> Iterator[
         many, or Z or the motion of UD cannot be inverted.
     """
     for card in cards.get("GENEL", ()):
-        places, K = _stiffness(card, grids)
-        for i, j in np.argwhere(np.triu(K, 1)).tolist():
-            ends = (places[i], places[j])
-            yield Spring(id=card.integer(0), ends=ends, stiffness=-float(K[i, j]))
-        ground = K.sum(axis=1)
-        # What a rigid motion leaves is rounding of sums.
-        for k in np.flatnonzero(np.abs(ground) > 1e-12 * np.abs(K).sum(axis=1)).tolist():
-            yield Spring(id=card.integer(0), ends=(places[k],), stiffness=float(ground[k]))
+        yield from springs_between(card.integer(0), *_stiffness(card, grids))
+
+
+def springs_between(number: int, places: Sequence[Place], K: Matrix) -> Iterator[Spring]:
+    """Yield the springs between components that have a symmetric stiffness."""
+    for i, j in np.argwhere(np.triu(K, 1)).tolist():
+        yield Spring(id=number, ends=(places[i], places[j]), stiffness=-float(K[i, j]))
+    ground = K.sum(axis=1)
+    # What a rigid motion leaves is rounding of sums.
+    for k in np.flatnonzero(np.abs(ground) > 1e-12 * np.abs(K).sum(axis=1)).tolist():
+        yield Spring(id=number, ends=(places[k],), stiffness=float(ground[k]))
 
 
 def _stiffness(card: Card, grids: Grids) -> tuple[list[Place], Matrix]:

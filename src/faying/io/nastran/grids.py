@@ -150,8 +150,12 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
 
 
 def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
-    """Ids of scalar points, each once."""
-    found = [np.zeros(0, dtype=np.int64)]
+    """Ids of scalar points, each once; elements of nothing else need no SPOINT."""
+    names = (f"C{kind}{n}" for kind in ("ELAS", "MASS", "DAMP") for n in "34")
+    blocks = [cards[name] for name in names if name in cards]
+    of_elements = (block.integers(field, 0) for block in blocks for field in (2, 3))
+    ends = np.concatenate([np.zeros(0, dtype=np.int64), *of_elements])
+    found = [ends[(ends > 0) & ~np.isin(ends, grids)]]
     for card in cards.get("SPOINT", ()):
         numbers = np.array(id_list(card, [text for text in card.texts if text]), dtype=np.int64)
         wrong = numbers[(numbers <= 0) | np.isin(numbers, grids)]

@@ -18,6 +18,7 @@ from faying.io.nastran.free_strains import with_free_strains
 from faying.io.nastran.glue import with_glue
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
+from faying.io.nastran.shell_sides import with_shell_sides
 from faying.io.solid_cuts import close_cuts, origins
 from faying.model.assembly import Assembly
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
@@ -64,7 +65,8 @@ def read_joint(
 
 
 def _described(deck: Deck) -> JointDescription:
-    regions = read_regions(deck.cards, deck.grids, deck.solids)
+    thin = [np.empty(0, dtype=np.int64), *(block.ids for block in deck.assembly.shells)]
+    regions = read_regions(deck.cards, deck.grids, deck.solids, np.concatenate(thin))
     cut = cut_bolts(deck.cards, deck.grids, deck.assembly, deck.control, deck.moved, deck.ignored)
     cuts = [*cut.cuts.values()]
     parents = deck.parents[origins(cut.assembly.mesh, cuts)]
@@ -76,6 +78,7 @@ def _described(deck: Deck) -> JointDescription:
         *read_msc_pairs(deck.cards, deck.control, regions, notes),
     ]
     check_distinct(pairs)
+    pairs, gaps = with_shell_sides(pairs, deck.assembly, deck.thicknesses, notes)
     ids = deck.assembly.mesh.element_ids
     everything = friction_of_all_bodies(deck.cards, deck.control, regions, ids, notes)
     if everything is not None and cuts:
@@ -114,6 +117,7 @@ def _described(deck: Deck) -> JointDescription:
             for spec in bolts
             if spec.name == f"bolt-{number}"
         },
+        initial_gaps=gaps,
         gap_rules={name: rule for name, rule in rules.items() if rule is not None},
         selected_load=_selected_load(deck),
         has_joined_faces=has_joined_faces,
@@ -196,19 +200,21 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     assembly = deck.assembly
     element_sets = dict(assembly.mesh.element_sets)
     node_sets = dict(assembly.mesh.node_sets)
+    every = {region.name: region for region in regions.values() if region.shells is None}
+    every |= {region.name: region for pair in pairs for region in (pair.minus, pair.plus)}
     used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
-    faces = {r.name: r.face_set for r in regions.values() if r.facets is not None}
+    faces = {r.name: r.face_set for r in every.values() if r.facets is not None}
     mixed = {name for name, one in faces.items() if one is None}
     exterior = np.zeros((0, 8), dtype=np.int64)
     if used | mixed:
         exterior = exterior_facets(assembly.mesh).nodes
-    for region in regions.values():
+    for region in every.values():
         if region.elements is not None:
             element_sets[region.name] = region.elements
             if region.name in used and not len(region.elements):
                 text = "no solid of the deck belongs to this contact region; correct its ids"
                 raise region.card.error(text)
-        elif region.name in used:
+        elif region.name in used and region.shells is None:
             _check_exterior(region, exterior)
         if region.name in mixed and region.facets is not None:
             nodes = np.unique(region.facets[region.facets >= 0])

@@ -66,6 +66,11 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
 _REMEDIES = {
     "CPYRA": "write CPYRAM",
     "PLSOLID": "use PSOLID",
+    **dict.fromkeys(
+        ("CWELD", "PWELD", "CFAST", "PFAST"),
+        "join the parts by a CBUSH or CBAR between two RBE3 of the nodes around either end",
+    ),
+    **dict.fromkeys(("CGAP", "PGAP"), "remove it, and let the faces touch (BCTSET, BCTABL1)"),
 }
 
 ADDED_MASS = ("NSM", "NSM1", "NSML", "NSML1", "NSMADD")

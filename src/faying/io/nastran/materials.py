@@ -68,6 +68,7 @@ def read_materials(
                 poissons_ratio=poisson,
                 density=card.real(4, 0.0) * mass_factor,
                 name=str(number),
+                expansion=card.real(5) if card.text(5) else None,
             )
         except ModelError as error:
             raise card.error(str(error)) from error

@@ -60,6 +60,7 @@ from faying.io.nastran.springs import read_scalar_masses, read_springs
 from faying.io.nastran.supports import read_supports
 from faying.io.nastran.telling_lines import TellingLines
 from faying.io.nastran.tokenizer import read_cards
+from faying.io.nastran.warping import read_warping
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
@@ -140,6 +141,8 @@ class Deck:
         Nodes of the deck whose mean each node stands for: one twice, or both ends of a side.
     plane
         Materials of shells.
+    thicknesses : [length]
+        Of shells, by property.
     """
 
     cards: Mapping[str, Cards]
@@ -149,6 +152,7 @@ class Deck:
     assembly: Assembly
     parents: Indices
     plane: Mapping[int, PlaneMaterial]
+    thicknesses: Mapping[int, float]
     ignored: list[str]
     ignore: frozenset[str] = frozenset()
     moved: Moved = field(default_factory=Moved)
@@ -221,7 +225,11 @@ def read_parts(
             beams=(*beams, *read_rods(cards, grids, materials, factors, factor)),
             shells=shells.blocks,
             shell_sections=shells.sections,
-            springs=(*springs, *read_general_elements(cards, grids)),
+            springs=(
+                *springs,
+                *read_general_elements(cards, grids),
+                *read_warping(cards, grids, sections["CBEAM"], {one.id: one for one in beams}),
+            ),
             bushes=(
                 *turned,
                 *read_bushes(cards, grids, factor, ignored),
@@ -256,6 +264,7 @@ def read_parts(
         assembly=assembly,
         parents=_parents(grids, straight, ends),
         plane=plane,
+        thicknesses={number: one.thickness for number, one in laminates.items()},
         ignored=ignored,
         ignore=ignore,
         moved=moved,

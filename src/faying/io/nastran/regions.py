@@ -34,12 +34,15 @@ class Region:
         Of BSURFS: node indices, -1 behind the last; of several kinds perhaps.
     elements : (n,)
         Of the other cards: element ids.
+    shells : (n,)
+        Of BSURF of shells: element ids; ``facets`` are then those of the side that touches.
     """
 
     card: Card
     name: str
     facets: Indices | None = None
     elements: Indices | None = None
+    shells: Indices | None = None
 
     def on_sides_of(self, mesh: Mesh, cuts: Sequence[Cut]) -> "Region":
         """Return the region on a mesh that was cut."""
@@ -66,8 +69,15 @@ _SIDES = {
 """Three corners of the sides of CHEXA that BCSURF names."""
 
 
-def read_regions(cards: Mapping[str, Cards], grids: Grids, solids: Solids) -> dict[int, Region]:
+def read_regions(
+    cards: Mapping[str, Cards], grids: Grids, solids: Solids, shells: Indices
+) -> dict[int, Region]:
     """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs.
+
+    Parameters
+    ----------
+    shells : (n,)
+        Element ids.
 
     Raises
     ------
@@ -80,10 +90,14 @@ def read_regions(cards: Mapping[str, Cards], grids: Grids, solids: Solids) -> di
     properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])
     for card in cards.get("BSURF", ()):
         texts = [text for text in card.texts[1:] if text]
-        listed = np.array(id_list(card, texts, np.sort(ids)), dtype=np.int64)
-        region = Region(
-            card=card, name=f"bsurf:{card.integer(0)}", elements=listed[np.isin(listed, ids)]
-        )
+        both = np.sort(np.concatenate([ids, shells]))
+        listed = np.array(id_list(card, texts, both), dtype=np.int64)
+        region = Region(card=card, name=f"bsurf:{card.integer(0)}")
+        solid, thin = (listed[np.isin(listed, some)] for some in (ids, shells))
+        region = replace(region, shells=thin) if len(thin) else replace(region, elements=solid)
+        if len(thin) and len(solid):
+            text = "a contact region of shells and solids; give each its own region"
+            raise card.error(text)
         _add(found, card, region)
     for name in ("BCPROP", "BCPROPS"):
         for card in cards.get(name, ()):

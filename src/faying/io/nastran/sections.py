@@ -13,11 +13,15 @@ from faying.model.assembly import BeamSection, Material
 
 
 class Property(NamedTuple):
-    """Section and material of beams, and how far principal axes are turned from y to z [rad]."""
+    """Section and material of beams, and how far principal axes are turned from y to z [rad].
+
+    ``warping`` [length⁶] resists twist where a beam has warping points.
+    """
 
     section: BeamSection
     material: Material
     angle: float
+    warping: float = 0.0
 
 
 _DIMENSIONS = {
@@ -83,7 +87,8 @@ def read_sections(
                 raise card.error(text, _mass_field(card))
             heavy += line_mass > 0
             own = replace(material, density=material.density + line_mass / section.area)
-            result[element][number] = Property(with_shear(section, factor), own, angle)
+            warping = _warping(card) if name == "PBEAM" else 0.0
+            result[element][number] = Property(with_shear(section, factor), own, angle, warping)
     lists = (cards[name] for name in ("PBARL", "PBEAML") if name in cards)
     if any(kind in SHAPES for one in lists for kind in one.words(3)):
         ignored.append(ESTIMATED)
@@ -146,16 +151,8 @@ def _pbar(card: Card, _: Material) -> BeamSection:
 
 
 def _pbeam(card: Card, _: Material) -> BeamSection:
-    row = 8
-    if card.text(row) not in _STATIONS:
-        row += 8
-    while card.text(row) in _STATIONS:
-        _check_station(card, row)
-        row += 16 if card.text(row) == "YES" else 8
+    row = _behind_stations(card)
     card.refuse_non_zero([row + 4, row + 5], "non-structural inertia", "use a CONM2 at the node")
-    # CW serves beams with warping points (SA, SB) alone, which are refused.
-    card.real(row + 6, 0.0)
-    card.real(row + 7, 0.0)
     if card.real(7, 0.0):
         card.refuse_non_zero(range(row + 8, row + 12), "an offset of mass", "remove it")
     card.refuse_non_zero(range(row + 12, row + 16), "an offset of the neutral axis", "remove it")
@@ -167,6 +164,27 @@ def _pbeam(card: Card, _: Material) -> BeamSection:
         shear_factor_y=_factor(card, row, 1.0),
         shear_factor_z=_factor(card, row + 1, 1.0),
     )
+
+
+def _warping(card: Card) -> float:
+    """Return CW, blank at end B where it is as at A."""
+    field = _behind_stations(card) + 6
+    first = card.real(field, 0.0)
+    if _differ(first, card.real(field + 1, first)):
+        text = "CW changes along the beam, which is not supported; split the beam"
+        raise card.error(text, field + 1)
+    return first
+
+
+def _behind_stations(card: Card) -> int:
+    """Return the field of K1, behind the stations along the beam, which are checked."""
+    row = 8
+    if card.text(row) not in _STATIONS:
+        row += 8
+    while card.text(row) in _STATIONS:
+        _check_station(card, row)
+        row += 16 if card.text(row) == "YES" else 8
+    return row
 
 
 def _check_station(card: Card, row: int) -> None:

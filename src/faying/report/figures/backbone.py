@@ -1,13 +1,17 @@
 """Frequency and damping of modes over their amplitude, and the loops they come from."""
 
+from collections.abc import Sequence
+
 from matplotlib.axes import Axes
 
 from faying._typing import Vector
 from faying.assessment.backbone import Backbone
+from faying.assessment.measured_curve import MeasuredCurve
+from faying.display.quantities import quantity
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import quantity
 from faying.report.style import new_figure
+from faying.study.measurements import sentence
 from faying.study.results import CaseResult, Results
 from faying.units import Units, units_of
 
@@ -27,8 +31,13 @@ def unit_of(one: Backbone, units: Units) -> str:
     return "rad" if ".r" in one.measured_at else units.length
 
 
-def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
-    """Draw damping over amplitude: all of it, the share of the damping matrix, Masing's rule."""
+def plot_damping(
+    case: CaseResult, axes: Axes, units: Units, measured: Sequence[MeasuredCurve] = ()
+) -> Axes:
+    """Draw damping over amplitude: all of it, the share of the damping matrix, Masing's rule.
+
+    Triangles are what was measured.
+    """
     curves = case.reference.backbones
     largest = max(float(one.damping_ratio.max()) for one in curves.values())
     for i, (mode, one) in enumerate(curves.items()):
@@ -42,6 +51,9 @@ def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
             masing = one.masing_damping + one.linear_damping
             seen = masing > NEXT_TO_NONE * largest
             axes.plot(along[seen], masing[seen], "x--", color=f"C{i}", linewidth=0.8)
+    for test in measured:
+        if test.damping_ratio is not None:
+            axes.plot(test.amplitude, test.damping_ratio, "^k", mfc="none", label=test.name)
     if largest > 0:
         axes.set_yscale("log")
     axes.set_xscale("log")
@@ -50,13 +62,18 @@ def plot_damping(case: CaseResult, axes: Axes, units: Units) -> Axes:
     return axes
 
 
-def plot_shift(case: CaseResult, axes: Axes) -> Axes:
-    """Draw the change of frequency from small vibrations over amplitude."""
+def plot_shift(case: CaseResult, axes: Axes, measured: Sequence[MeasuredCurve] = ()) -> Axes:
+    """Draw the change of frequency from small vibrations, as computed, over amplitude."""
     for i, one in enumerate(case.reference.backbones.values()):
         shift = 100 * (one.frequency / one.small_frequency - 1)
         along, gross = abscissa(one), one.macroslip
         axes.semilogx(along, shift, "o-", color=f"C{i}")
         axes.semilogx(along[gross], shift[gross], "s", ms=9, mfc="none", color=f"C{i}")
+    for test in measured:
+        computed = case.reference.backbones.get(str(test.mode))
+        if computed is not None and test.frequency is not None:
+            off = 100 * (test.frequency / computed.small_frequency - 1)
+            axes.semilogx(test.amplitude, off, "^k", mfc="none")
     axes.set_ylabel("change of frequency [%]")
     return axes
 
@@ -96,8 +113,9 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     damping = figure.add_subplot(grid[0, 0])
     shift = figure.add_subplot(grid[1, 0], sharex=damping)
     loops = figure.add_subplot(grid[:, 1])
-    plot_damping(case, damping, units)
-    plot_shift(case, shift)
+    tests = [test for test in results.measurements if test.case == case.name]
+    plot_damping(case, damping, units, tests)
+    plot_shift(case, shift, tests)
     plot_modal_loops(case, loops, units)
     places = sorted({one.measured_at for one in curves.values()})
     one = next(iter(curves.values()))
@@ -111,6 +129,8 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
         f"Mode {mode}: {text}." for mode, one in curves.items() for text in one.remarks
     )
     remarks += "".join(masing_remark(mode, one) for mode, one in curves.items())
+    said = "; ".join(sentence(test, curves) for test in tests)
+    remarks += f" Measured: {said}." if said else ""
     return Drawn(
         figure=figure,
         stem="backbones",

@@ -5,12 +5,12 @@ import tomllib
 import numpy as np
 
 from faying.assessment.backbone import Backbone
+from faying.display.quantities import quantity
 from faying.display.style import heading, plain
 from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
-from faying.report.quantities import quantity
 from faying.report.style import new_figure
 from faying.study.results import CaseResult, Results
 from faying.units import units_of

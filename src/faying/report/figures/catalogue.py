@@ -78,6 +78,7 @@ def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
         title=drawn.title,
         caption=drawn.caption,
         section=drawn.section,
+        stem=drawn.stem,
         wide=width > WIDE * height,
     )
 

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from faying.display.quantities import number, place, quantity
 from faying.display.style import heading
 from faying.joint.picture import name_axes, plot_bodies, title_above
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import number, place, quantity
 from faying.report.style import new_figure
 from faying.study.results import CaseResult, Results
 from faying.units import units_of

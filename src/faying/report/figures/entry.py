@@ -20,6 +20,8 @@ class FigureEntry:
         How to read it, with the numbers that matter.
     section
         ``"model"``, ``"preload"``, ``"convergence"``, ``"beyond"`` or the name of a load case.
+    stem
+        Which picture it is, as ``"pressure"``.
     wide
         Whether it is too wide to be read when it is shrunk to the width of a phone.
     """
@@ -28,6 +30,7 @@ class FigureEntry:
     title: str
     caption: str
     section: str
+    stem: str
     wide: bool = False
 
 

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from faying._typing import Vector
+from faying.display.quantities import ROUND_OFF, percent, place
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
@@ -17,7 +18,6 @@ from faying.report.figures.surface_map import (
     prepare,
     scale,
 )
-from faying.report.quantities import ROUND_OFF, percent, place
 from faying.report.style import ERROR_MAP, label, new_figure
 from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.units import Units, units_of

@@ -6,6 +6,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.patches import Patch
 
 from faying._typing import Vector
+from faying.display.quantities import percent, place, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
@@ -17,7 +18,6 @@ from faying.report.figures.surface_map import (
     prepare,
     scale,
 )
-from faying.report.quantities import percent, place, quantity
 from faying.report.style import GAP_MAP, OPEN_COLOUR, new_figure
 from faying.study.opening import Opening, opening
 from faying.study.results import CaseResult, InterfaceRecord, Results

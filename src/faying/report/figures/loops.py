@@ -3,11 +3,11 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from faying.display.quantities import number, percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
-from faying.report.quantities import number, percent, quantity
 from faying.report.style import new_figure
 from faying.study.path_record import CycleRecord
 from faying.study.results import CaseResult, Results

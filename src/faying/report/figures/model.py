@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from faying.display.quantities import quantity
 from faying.display.style import INTERFACE_COLOUR, heading
 from faying.joint.picture import add_lines, name_axes, plot_bodies, plot_bolt_axis, title_above
 from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import outline
-from faying.report.quantities import quantity
 from faying.report.style import new_figure
 from faying.study.results import Results
 from faying.units import units_of

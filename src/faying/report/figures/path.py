@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from faying._typing import Matrix, Vector
+from faying.display.quantities import quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import quantity
 from faying.report.style import colour, new_figure
 from faying.study.results import CaseResult, Results
 from faying.study.slip_record import SlipRecord

@@ -5,9 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from faying.assessment.penalty_sweep import PenaltySweep
+from faying.display.quantities import quantity
 from faying.display.style import plain
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import quantity
 from faying.report.style import colour, new_figure
 from faying.study.results import Results
 from faying.units import Units, units_of

@@ -4,9 +4,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from faying._typing import Vector
+from faying.display.quantities import percent, place, quantity
 from faying.display.style import PRESSURE_MAP, heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane, looks_both_ways
+from faying.report.figures.plane import Unrolled, best_plane, looks_both_ways
 from faying.report.figures.surface_map import (
     colour_bar,
     draw_averages,
@@ -15,7 +16,6 @@ from faying.report.figures.surface_map import (
     prepare,
     scale,
 )
-from faying.report.quantities import percent, place, quantity
 from faying.report.style import new_figure
 from faying.study.results import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
@@ -123,7 +123,8 @@ def _projected(record: InterfaceRecord) -> str:
             "faces that look opposite ways, drawn one over the other (as interfaces of their own, "
             "from faces that are named in the source, each has a map)"
         )
-    return "curved, projected on its best plane"
+    unrolled = isinstance(best_plane(record), Unrolled)
+    return "unrolled" if unrolled else "curved, projected on its best plane"
 
 
 def pressure_figure(results: Results, case: CaseResult) -> Drawn:

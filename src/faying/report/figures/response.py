@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
 from faying._typing import Vector
+from faying.display.quantities import percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import percent, quantity
 from faying.report.style import REFERENCE, colour, label, new_figure
 from faying.study.results import CaseResult, MethodResult, Response, Results
 from faying.units import Units, units_of

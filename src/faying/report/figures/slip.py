@@ -6,12 +6,12 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.patches import Patch
 
 from faying._typing import Indices, Matrix, Vector
+from faying.display.quantities import percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import plot_pressure
 from faying.report.figures.surface_map import Scale, draw_points, panel_size, prepare
-from faying.report.quantities import percent, quantity
 from faying.report.slip import shown_slip, slipping
 from faying.report.style import OPEN_COLOUR, new_figure
 from faying.study.results import CaseResult, InterfaceRecord, Results
@@ -53,7 +53,7 @@ def plot_traction(
     if size > 0:
         strong = np.linalg.norm(averages, axis=1) > WEAKEST_ARROW * size
         x, y = plane.project(record.pair_points[strong]).T
-        right, up = plane.project(averages[strong]).T
+        right, up = plane.directions(record.pair_points[strong], averages[strong]).T
         edge = np.sqrt(float(record.weights.sum()) / max(len(record.pairs), 1))
         arrows = axes.quiver(
             x, y, right, up, angles="xy", scale_units="xy", scale=size / (LONGEST_ARROW * edge),

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.facets import shape_functions
 from faying.model.outline import RINGS, outline_of
-from faying.report.figures.plane import Plane
+from faying.report.figures.plane import Map, Unrolled
 from faying.report.style import OPEN_COLOUR
 from faying.study.interface_surface import pair_facets
 from faying.study.results import InterfaceRecord
@@ -47,9 +47,9 @@ class Scale:
     limits: Normalize
 
 
-def prepare(axes: Axes, record: InterfaceRecord, plane: Plane, units: Units) -> None:
+def prepare(axes: Axes, record: InterfaceRecord, plane: Map, units: Units) -> None:
     """Set limits, labels and equal scales, and draw the facets as empty grey surfaces."""
-    flat = plane.project(record.pair_points)
+    flat = np.concatenate([np.empty((0, 2)), *covered(record, plane)])
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.set_xlabel(f"{plane.labels[0]} [{units.length}]")
@@ -69,21 +69,21 @@ def prepare(axes: Axes, record: InterfaceRecord, plane: Plane, units: Units) -> 
     )
 
 
-def covered(record: InterfaceRecord, plane: Plane) -> list[Matrix]:
+def covered(record: InterfaceRecord, plane: Map) -> list[Matrix]:
     """Return the polygons (n_corner, 2) where the two sides lie on each other, in the map."""
     flat, first = plane.project(record.pair_points), 0
     polygons: list[Matrix] = []
     for kind, nodes in pair_facets(record):
         share = None if record.face_coverage is None else record.face_coverage[first:]
         whole = slice(None) if share is None else share[: len(nodes)] >= 1
-        polygons += list(flat[nodes[:, list(RINGS[kind])]][whole])
+        polygons += list(plane.whole(flat[nodes[:, list(RINGS[kind])]])[whole])
         first += len(nodes)
     if record.overlap is not None:
         polygons += list(plane.project(record.overlap))
     return polygons
 
 
-def _clipped(artist: Artist, axes: Axes, record: InterfaceRecord, plane: Plane) -> None:
+def _clipped(artist: Artist, axes: Axes, record: InterfaceRecord, plane: Map) -> None:
     """Show of an artist only what lies where the two sides lie on each other."""
     region = Outline.make_compound_path(*map(_closed, covered(record, plane)))
     patch = PathPatch(region, transform=axes.transData, facecolor="none", edgecolor="none")
@@ -94,7 +94,7 @@ def _clipped(artist: Artist, axes: Axes, record: InterfaceRecord, plane: Plane) 
 def draw_averages(
     axes: Axes,
     record: InterfaceRecord,
-    plane: Plane,
+    plane: Map,
     values: Vector,
     scale: Scale,
     *,
@@ -119,14 +119,14 @@ def draw_averages(
     for kind, nodes in facets:
         places, pattern = subdivision(kind, fineness)
         shape = shape_functions(kind, places)
-        points.append(np.einsum("pn,fnk->fpk", shape, flat[nodes]).reshape(-1, 2))
+        points.append(np.einsum("pn,fnk->fpk", shape, plane.whole(flat[nodes])).reshape(-1, 2))
         data.append((values[nodes] @ shape.T).ravel())
         first = offset + len(places) * np.arange(len(nodes))
         corners.append((first[:, None, None] + pattern).reshape(-1, 3))
         offset += len(places) * len(nodes)
     if offset and not np.all(open_points):
         places, triangles = np.concatenate(points), np.concatenate(corners)
-        nearest = cKDTree(plane.project(record.points)).query(places)[1]
+        nearest = _nearest(record, plane, places)
         # Under the grey as well nothing is drawn, or it would shine through at the border.
         apart = np.asarray(open_points)[nearest][triangles].all(axis=1)
         x, y = places.T
@@ -173,19 +173,19 @@ def subdivision(kind: str, fineness: int) -> tuple[Matrix, Indices]:
 
 
 def draw_points(
-    axes: Axes, record: InterfaceRecord, plane: Plane, values: Vector, scale: Scale
+    axes: Axes, record: InterfaceRecord, plane: Map, values: Vector, scale: Scale
 ) -> Axes:
     """Draw values at the contact points (n_point,), each over the area nearest to it."""
     facets = pair_facets(record)
     if not len(record.points) or not facets:
         return axes
-    flat = plane.project(record.pair_points)
-    low, high = flat.min(axis=0), flat.max(axis=0)
+    corners = np.concatenate(covered(record, plane))
+    low, high = corners.min(axis=0), corners.max(axis=0)
     step = max((high - low).max() / RASTER, 1e-300)
     count = np.maximum(np.ceil((high - low) / step).astype(int), 1)
     x, y = (low[i] + (np.arange(count[i]) + 0.5) * (high - low)[i] / count[i] for i in (0, 1))
     pixels = np.stack(np.meshgrid(x, y), axis=-1)
-    nearest = cKDTree(plane.project(record.points)).query(pixels)[1]
+    nearest = _nearest(record, plane, pixels)
     image = axes.imshow(
         np.asarray(values)[nearest],
         origin="lower",
@@ -204,6 +204,15 @@ def draw_points(
     return axes
 
 
+def _nearest(record: InterfaceRecord, plane: Map, places: Matrix) -> Indices:
+    """Return the contact points nearest to places of the map, across its cut too."""
+    flat = plane.project(record.points)
+    if isinstance(plane, Unrolled):
+        flat = np.concatenate([flat, flat + np.array([plane.period, 0.0])])
+    nearest: Indices = cKDTree(flat).query(places)[1] % len(record.points)
+    return nearest
+
+
 def _closed(polygon: Matrix) -> Outline:
     """Close a path, counter-clockwise so that a union of facets has no holes."""
     x, y = polygon.T
@@ -212,11 +221,11 @@ def _closed(polygon: Matrix) -> Outline:
     return Outline(np.concatenate([ring, ring[:1]]), closed=True)
 
 
-def draw_edges(axes: Axes, record: InterfaceRecord, plane: Plane) -> Axes:
+def draw_edges(axes: Axes, record: InterfaceRecord, plane: Map) -> Axes:
     """Draw the facets' edges, thin."""
     flat = plane.project(record.pair_points)
     for kind, nodes in pair_facets(record):
-        ring = flat[nodes[:, list(RINGS[kind])]]
+        ring = plane.whole(flat[nodes[:, list(RINGS[kind])]])
         closed = np.concatenate([ring, ring[:, :1]], axis=1)
         axes.add_collection(
             LineCollection(list(closed), colors="k", linewidths=0.25, alpha=0.35, zorder=2)
@@ -245,7 +254,7 @@ def colour_bar(axes: Axes, scale: Scale, label: str, *, pointed: bool = False) -
     figure.colorbar(mappable, cax=inset, label=label, extend=extend)
 
 
-def panel_size(record: InterfaceRecord, plane: Plane, width: float) -> tuple[float, float]:
+def panel_size(record: InterfaceRecord, plane: Map, width: float) -> tuple[float, float]:
     """Return the size [inch] of a panel that holds the map at a given width, labels included."""
     flat = plane.project(record.pair_points)
     across, up = np.ptp(flat, axis=0) if len(flat) else (1.0, 1.0)

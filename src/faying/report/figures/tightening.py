@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from faying.display.quantities import percent, quantity
 from faying.display.style import plain
 from faying.reduction.methods import METHODS
 from faying.report.figures.entry import Drawn
-from faying.report.quantities import percent, quantity
 from faying.report.style import new_figure
 from faying.study.results import Results
 from faying.units import units_of

@@ -2,10 +2,10 @@
 
 from matplotlib.axes import Axes
 
+from faying.display.quantities import percent, quantity
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.figures.response import peak_pressure
-from faying.report.quantities import percent, quantity
 from faying.report.style import REFERENCE, colour, new_figure
 from faying.study.results import CaseResult, Results
 from faying.study.step_check import step_check

@@ -1,12 +1,23 @@
 // An interface in its own plane: every pixel has a value, to be zoomed and read.
 
+function uncut(triangles, flat, period) {
+  const kept = [];
+  for (let at = 0; at < triangles.length; at += 3) {
+    const corners = triangles.subarray(at, at + 3);
+    const arcs = [...corners].map((corner) => flat[2 * corner]);
+    if (Math.max(...arcs) - Math.min(...arcs) < period / 2) kept.push(...corners);
+  }
+  return Int32Array.from(kept);
+}
+
 class FieldMap {
-  // `flat` are the pairs in the plane; `told(value, x, y)` hears what the pointer is over, or
+  // `flat` are the pairs in the plane, of a cylinder of circumference `period` unrolled; `told(value, x, y)` hears what the pointer is over, or
   // null; `chosen(pair)` which pair was clicked.
-  constructor(canvas, { flat, triangles }, told, chosen) {
+  constructor(canvas, { flat, triangles, period }, told, chosen) {
     this.canvas = canvas;
     this.flat = flat.values;
-    this.triangles = triangles.values;
+    // Triangles over the cut of a cylinder have no place in its map.
+    this.triangles = period ? uncut(triangles.values, flat.values, period) : triangles.values;
     this.told = told;
     const low = [0, 0];
     const high = [0, 0];

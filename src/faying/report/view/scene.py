@@ -10,10 +10,11 @@ from matplotlib.colors import to_hex
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices
+from faying.assessment.joint_verdict import JointVerdict
+from faying.display.quantities import percent
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, PRESSURE_MAP
 from faying.model.mesh import Mesh
-from faying.report.figures.plane import best_plane, looks_both_ways
-from faying.report.quantities import percent
+from faying.report.figures.plane import Unrolled, best_plane, looks_both_ways
 from faying.report.style import ERROR_MAP, GAP_MAP, OPEN_COLOUR, SLIP_MAP
 from faying.report.view.explosion import explosion
 from faying.report.view.fields import averages, fields, models
@@ -23,6 +24,7 @@ from faying.report.view.packing import packed_integers, packed_numbers
 from faying.study.comparison import increments
 from faying.study.interface_surface import pair_facets
 from faying.study.results import CaseResult, InterfaceRecord, Response, Results
+from faying.study.run_verdict import run_verdict
 from faying.units import units_of
 
 ROOM = 4_000_000
@@ -54,6 +56,8 @@ class SceneText:
 def scene(results: Results, room: int = ROOM) -> SceneText | None:
     """Return what the page draws, at most about ``room`` bytes; None where there is no surface.
 
+    It begins with the load case and the field that decide.
+
     Parameters
     ----------
     results
@@ -61,7 +65,7 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
     room
         Fields are kept in their order until one does not fit.
     """
-    pairs = [record.pairs for record in results.interfaces.values()]
+    verdict, pairs = run_verdict(results), [one.pairs for one in results.interfaces.values()]
     surface = outer_surface(
         Mesh(nodes=results.nodes, node_ids=np.arange(len(results.nodes)), blocks=results.blocks),
         np.concatenate([*(one.ravel() for one in pairs), np.empty(0, dtype=np.int64)]),
@@ -92,11 +96,10 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
         },
         "bodies": _bodies(results, surface),
         "contact": _contact(results, surface),
-        "bolts": _bolts(results, surface),
+        "bolts": _bolts(results, surface, verdict),
         "cases": [_case(case, frames_of[name]) for name, case in results.cases.items()],
     }
-    peaks = [one["peak"] for one in shown["cases"]]
-    shown["start"] = peaks.index(max(peaks)) if peaks else 0
+    shown |= _start(verdict, shown["cases"])
     if results.interfaces:
         shown["cases"].append(_preload(results))
     room -= len(json.dumps(shown))
@@ -175,15 +178,35 @@ def _sides(name: str, record: InterfaceRecord, results: Results, place: Indices)
         "triangles": packed_integers(np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])),
         "flat": packed_numbers(plane.project(record.pair_points)),
         "labels": plane.labels,
+        "period": plane.period if isinstance(plane, Unrolled) else 0.0,
         "over": looks_both_ways(record),
     }
 
 
-def _bolts(results: Results, surface: OuterSurface) -> list[dict[str, Any]]:
+def _start(verdict: JointVerdict, cases: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the load case and the quantity that decide; else the largest pressure of all."""
+    peaks, names = [one["peak"] for one in cases], [one["name"] for one in cases]
+    check = verdict.decides
+    if check is None or check.case not in names:
+        return {"start": peaks.index(max(peaks)) if peaks else 0, "quantity": "pressure"}
+    opens = check.outcome == "not met" and check.quantity.startswith(("opening", "clamp"))
+    slides = check.quantity.startswith(("slid", "slip"))
+    quantity = "gap" if opens else "slip" if slides else "pressure"
+    return {"start": names.index(check.case), "quantity": quantity}
+
+
+QUIET, LOUD = "#4d5761", "#d01c1c"
+"""Colours of bolts: of all, and of those of which a check is not met."""
+
+
+def _bolts(results: Results, surface: OuterSurface, verdict: JointVerdict) -> list[dict[str, Any]]:
+    failed = {one.part for one in verdict.parts if one.kind == "bolt" and one.outcome == "not met"}
     tree = cKDTree(results.nodes[surface.nodes])
     return [
         {
             "name": name,
+            "colour": LOUD if name in failed else QUIET,
+            "failed": name in failed,
             "ends": bolt.axis.tolist(),
             "nodes": tree.query(bolt.axis)[1].tolist(),
         }

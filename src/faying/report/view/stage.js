@@ -125,19 +125,20 @@ class Stage {
   }
 
   #addBolts({ owner }) {
-    this.bolts = this.data.bolts.map(({ name, ends, nodes }) => {
+    this.bolts = this.data.bolts.map(({ name, colour, failed, ends, nodes }) => {
       const owners = nodes.map((node) => owner.values[node]);
       const cloud = new Cloud(Float32Array.from(ends.flat()), owners, nodes);
       const line = new THREE.BufferGeometry();
       line.setAttribute("position", cloud.attribute);
       const material = new THREE.LineBasicMaterial({
-        color: this.data.colours.bolt, depthTest: false,
+        color: colour, depthTest: false,
       });
       const drawn = new THREE.LineSegments(line, material);
       drawn.frustumCulled = false;
       drawn.renderOrder = 1;
       this.scene.add(drawn);
       const label = document.createElement("span");
+      if (failed) label.className = "poor";
       this.labels.append(label);
       return { name, cloud, label };
     });

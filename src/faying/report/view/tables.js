@@ -1,7 +1,9 @@
 // Every table can be sorted by a column and taken along as csv.
 
-// What a cell is sorted by: the number it begins with, else its text.
-function sortKey(text) {
+// What a cell is sorted by: its number, that it begins with, else its text.
+function sortKey(cell) {
+  if (cell.dataset.value !== undefined) return [0, Number(cell.dataset.value.replace("inf", "Infinity"))];
+  const text = cellText(cell);
   const plain = text.replaceAll("−", "-").replaceAll("×", " ");
   const found = plain.match(/^[^\p{L}\d-]*(-?\d+(\.\d+)?(e-?\d+)?)/u);
   if (found) return [0, Number(found[1])];
@@ -37,7 +39,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
       const turned = head.getAttribute("aria-sort") === "ascending" ? -1 : 1;
       heads.forEach((other) => other.removeAttribute("aria-sort"));
       head.setAttribute("aria-sort", turned === 1 ? "ascending" : "descending");
-      const rows = [...body.rows].map((row) => [sortKey(cellText(row.cells[column])), row]);
+      const rows = [...body.rows].map((row) => [sortKey(row.cells[column]), row]);
       rows.sort(([one], [other]) => turned * before(one, other));
       body.append(...rows.map(([, row]) => row));
     });
@@ -48,7 +50,8 @@ for (const table of document.querySelectorAll("table.sortable")) {
   link.textContent = "download csv";
   link.addEventListener("click", () => {
     const lines = [table.tHead.rows[0], ...body.rows].map((row) =>
-      [...row.cells].map((cell) => quoted(cellText(cell))).join(","));
+      [...row.cells].map((cell) =>
+        quoted(cell.dataset.value ?? cell.dataset.name ?? cellText(cell).replace(/^—$/, ""))).join(","));
     const away = document.createElement("a");
     // Spreadsheets take a file for UTF-8 that begins with this mark.
     away.href = URL.createObjectURL(new Blob(["\ufeff", lines.join("\r\n"), "\r\n"], { type: "text/csv" }));

@@ -61,7 +61,7 @@ async function startView(data) {
     const figure = document.createElement("figure");
     const canvas = document.createElement("canvas");
     const caption = document.createElement("figcaption");
-    const { name, labels, over } = contact[number];
+    const { name, labels, over, period } = contact[number];
     const { length } = data.units;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
@@ -78,7 +78,7 @@ async function startView(data) {
     caption.textContent = rest;
     figure.append(canvas, caption);
     part("maps").append(figure);
-    return new FieldMap(canvas, side, (value, x, y) => {
+    return new FieldMap(canvas, { ...side, period }, (value, x, y) => {
       caption.textContent = value === undefined || value === null
         ? rest
         : `${name}: ${written(value, unit())} at ${labels[0]} ${written(x, length)}, `
@@ -344,6 +344,9 @@ async function startView(data) {
     .filter(([at]) => data.cases[at].models.some((_, model) => known(at, model).length));
   options(control.case, there, data.start);
   offer();
+  if ([...control.quantity.options].some(({ value }) => value === data.quantity)) {
+    control.quantity.value = data.quantity;
+  }
   await show();
 }
 

@@ -53,6 +53,11 @@ class EnergyDecaying(SpectralRadius):
         return self.lag**2 / (0.5 + 2 * self.lag)
 
     @property
+    def order(self) -> int:
+        """Two: errors fall to a quarter with half the step."""
+        return 2
+
+    @property
     def force_weight(self) -> float:
         """Forces at both ends count alike."""
         return 0.5

@@ -53,6 +53,11 @@ class GeneralizedAlpha(SpectralRadius):
         return 0.25 * (1 - self.alpha_m + self.alpha_f) ** 2
 
     @property
+    def order(self) -> int:
+        """Two: errors fall to a quarter with half the step."""
+        return 2
+
+    @property
     def force_weight(self) -> float:
         """Weight 1 − α_f of the new forces."""
         return 1.0 - self.alpha_f

@@ -26,6 +26,11 @@ class ImplicitEuler:
         return "implicit-euler"
 
     @property
+    def order(self) -> int:
+        """One: errors halve with the step."""
+        return 1
+
+    @property
     def force_weight(self) -> float:
         """New forces enter fully."""
         return 1.0

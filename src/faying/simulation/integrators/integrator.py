@@ -43,6 +43,11 @@ class Integrator(Protocol):
         ...
 
     @property
+    def order(self) -> int:
+        """Power of the step with which errors of smooth motions fall."""
+        ...
+
+    @property
     def force_weight(self) -> float:
         """Weight of the new forces in the equation of a step."""
         ...

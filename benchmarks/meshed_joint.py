@@ -1,0 +1,147 @@
+"""A joint from a mesher, in units of one plain factorization of its stiffness matrix.
+
+    python benchmarks/meshed_joint.py STUDY.toml
+    python benchmarks/meshed_joint.py STUDY.toml --friction 0.15 --steps 10
+
+takes a study whose model is a mesh with bolts, and its first static load case, and prints a table:
+preparing contact, tightening, static cases, increments with friction by the share of closed area
+that slips. Processor time of one thread, medians of three where a stage takes below ten seconds.
+Run it with OMP_NUM_THREADS=1.
+"""
+
+import argparse
+import os
+import resource
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+import faying as fy
+from faying.assessment.slip import slip_states
+from faying.linalg.factorization import factorize
+from faying.simulation.static import AT_REST
+from faying.study.load_model import build_loaded, load_model
+from faying.study.loads import case_load
+from faying.study.schema import read_study
+
+Result = TypeVar("Result")
+
+LONG = 10.0
+"""Seconds from which a stage is run once."""
+
+FULL = 20
+"""Loads that grow to the nominal one."""
+
+
+class Table:
+    """Prints stages over the first one."""
+
+    def __init__(self) -> None:
+        self.unit = 0.0
+
+    def stage(self, name: str, compute: Callable[[], Result], *, times: int = 3) -> Result:
+        """Run a stage, print its processor time and peak memory, and return what it computes."""
+        spent: list[float] = []
+        while len(spent) < times:
+            start = time.process_time()
+            result = compute()
+            spent.append(time.process_time() - start)
+            if spent[-1] > LONG:
+                break
+        self.unit = self.unit or float(np.median(spent))
+        self.line(name, float(np.median(spent)))
+        return result
+
+    def line(self, name: str, seconds: float, remark: str = "") -> None:
+        """Print one line."""
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+        ratio = seconds / self.unit
+        sys.stdout.write(f"| {name} | {seconds:.3f} | {ratio:.2f} | {peak:.2f} | {remark} |\n")
+        sys.stdout.flush()
+
+
+def fresh(model: fy.Model) -> fy.Model:
+    """Return a model that remembers nothing of contact."""
+    return replace(model, structure=replace(model.structure))
+
+
+def prepared(model: fy.Model) -> fy.Model:
+    """Return a model whose contact is prepared."""
+    model = fresh(model)
+    _ = model.static_contact.increments
+    return model
+
+
+def main() -> None:
+    """Print the table."""
+    options = parse()
+    study = read_study(options.study)
+    loaded = load_model(study)
+    model = build_loaded(loaded)
+    case = next(one for one in study.load_cases if one.kind == "static")
+    load = case_load(case)
+    forces = {bolt.name: float(bolt.preload) for bolt in study.bolts}
+    sys.stdout.write(
+        f"{options.study.name}: {model.K.shape[0]} dofs, {model.contact.n_points} points, "
+        f"{len(forces)} bolts; load average {os.getloadavg()[0]:.1f}\n\n"
+        "| stage | processor s | over one factorization | peak GiB | |\n|---|---|---|---|---|\n"
+    )
+    table = Table()
+    table.stage("factorization of K", lambda: factorize(model.K))
+    smooth = table.stage("contact prepared", lambda: prepared(model))
+    relative = smooth.contact.relative_operator.shape[0]
+    tight = table.stage(f"tightening, {relative} rows", lambda: fy.preload(smooth, forces))
+    table.stage("static case, cold", lambda: fy.solve_static(tight, load))
+    growing = [load.scaled((n + 1) / FULL) for n in range(FULL)]
+    start = time.process_time()
+    fy.solve_static_cases(tight, growing)
+    table.line("static case, warm", (time.process_time() - start) / FULL, f"{FULL} loads")
+    if options.friction:
+        rub(table, tight, load, options.friction, options.steps, options.factor)
+
+
+def rub(
+    table: Table, tight: fy.Model, load: fy.Load, friction: float, steps: int, factor: float
+) -> None:
+    """Print the stages with friction."""
+    rubbing = tight.with_friction(friction)
+    rubbing = table.stage(f"contact prepared, friction {friction:g}", lambda: prepared(rubbing))
+    state = table.stage("preload in one increment", lambda: fy.solve_path(rubbing, [AT_REST]))
+    tell(table, "preload in one increment", 0.0, state)
+    for n in range(steps):
+        start = time.process_time()
+        part = factor * (n + 1) / steps
+        before, state = state, fy.solve_path(rubbing, [load.scaled(part)], state)
+        tell(table, f"increment to {part:.2f}", time.process_time() - start, state, before)
+
+
+def tell(
+    table: Table,
+    name: str,
+    seconds: float,
+    state: fy.Solution,
+    before: fy.Solution | None = None,
+) -> None:
+    """Print an increment with what slips in it."""
+    states = slip_states(state, before)
+    slips = f"{states.slip_of_closed[-1]:.0%} of closed area slips"
+    table.line(name, seconds, f"{slips}, {int(state.iterations[-1])} Newton steps")
+
+
+def parse() -> argparse.Namespace:
+    """Read the command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("study", type=Path)
+    parser.add_argument("--friction", type=float, default=0.0)
+    parser.add_argument("--steps", type=int, default=5)
+    parser.add_argument("--factor", type=float, default=1.0)
+    return parser.parse_args()
+
+
+if __name__ == "__main__":
+    main()

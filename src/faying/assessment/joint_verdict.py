@@ -1,0 +1,230 @@
+"""The verdict on a joint: a row for each bolt and each interface, and a sentence over all."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from faying.assessment.check import Check, Outcome, PartKind, worst_check
+from faying.display.quantities import number, percent, quantity
+from faying.units import Units
+
+AT_LEAST = (
+    "MS_",
+    "clamp force",
+    "opening",
+    "slip",
+    "sliding",
+    "pressure on the ring",
+    "fatigue safety",
+)
+"""What checks whose value must not be below the limit begin with."""
+
+NAMED = 3
+"""Most checks that the sentence names; the table has all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PartVerdict:
+    """One row of the verdict.
+
+    Attributes
+    ----------
+    part
+        Name of the bolt or the interface.
+    kind
+        Whether it is a bolt or an interface.
+    checks
+        All of it.
+    """
+
+    part: str
+    kind: PartKind
+    checks: tuple[Check, ...]
+
+    @property
+    def counted(self) -> tuple[Check, ...]:
+        """Checks that count: all but those that are unknown and not demanded."""
+        return tuple(one for one in self.checks if one.required or one.outcome != "unknown")
+
+    @property
+    def worst(self) -> Check | None:
+        """The check that decides; None where nothing could be judged."""
+        return worst_check(self.counted)
+
+    @property
+    def outcome(self) -> Outcome:
+        """What the check that decides says."""
+        return "unknown" if self.worst is None else self.worst.outcome
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointVerdict:
+    """The verdict on a joint.
+
+    Attributes
+    ----------
+    parts
+        Bolts, then interfaces.
+    units
+        Of the study.
+    missing
+        Why the joint could not be judged; empty where it was.
+    """
+
+    parts: tuple[PartVerdict, ...]
+    units: Units
+    missing: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether no check fails, and all that is demanded is known to be met."""
+        return not self.missing and all(
+            one.worst is None or one.outcome == "met" for one in self.parts
+        )
+
+    @property
+    def decides(self) -> Check | None:
+        """The check that decides over all bolts and interfaces."""
+        return worst_check(tuple(one.worst for one in self.parts if one.worst is not None))
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in a sentence or two."""
+        if self.missing:
+            return f"The joint was not judged: {self.missing}."
+        failed, unknown = (list(self._of(outcome)) for outcome in ("not met", "unknown"))
+        said = [f"The joint does not hold: {_several(failed, self.units)}."] if failed else []
+        if unknown:
+            said.append(f"Not known: {'; '.join(_questions(unknown))}.")
+        if said:
+            return " ".join(said)
+        worst = self.decides
+        if worst is None:
+            return "Nothing of the joint could be judged."
+        used = "" if worst.utilisation is None else f" {share_used(worst)} of what is allowed"
+        return (
+            f"The joint holds. The most used is {worst.part}, by {worst.quantity}:{used}"
+            f"{_where(worst, self.units)}."
+        )
+
+    def _of(self, outcome: Outcome) -> Iterator[Check]:
+        """Yield the checks of all parts with an outcome, the most used first."""
+        found = [one for part in self.parts for one in part.counted if one.outcome == outcome]
+        yield from sorted(found, key=lambda check: -(check.utilisation or np.inf))
+
+    @property
+    def open_questions(self) -> tuple[str, ...]:
+        """What the study does not allow to judge, and nobody demands."""
+        return _questions(
+            check for part in self.parts for check in part.checks if check not in part.counted
+        )
+
+
+def joint_verdict(checks: Iterable[Check], units: Units, missing: str = "") -> JointVerdict:
+    """Return the verdict from the checks of all bolts and interfaces, in their order."""
+    parts: dict[tuple[PartKind, str], list[Check]] = {}
+    for check in checks:
+        parts.setdefault((check.kind, check.part), []).append(check)
+    return JointVerdict(
+        parts=tuple(
+            PartVerdict(part=name, kind=kind, checks=tuple(found))
+            for (kind, name), found in parts.items()
+        ),
+        units=units,
+        missing=missing,
+    )
+
+
+COLUMNS = ("part", "verdict", "used", "by", "where", "all checks")
+"""Columns of the table of a verdict."""
+
+
+def verdict_rows(verdict: JointVerdict) -> list[tuple[str, ...]]:
+    """Return the rows of the table of a verdict, as text."""
+    return [tuple(_row(part, verdict.units)) for part in verdict.parts]
+
+
+def _row(part: PartVerdict, units: Units) -> Iterator[str]:
+    worst = part.worst
+    yield part.part
+    yield part.outcome
+    if worst is None:
+        yield from ("—", "—", "—")
+    else:
+        yield share_used(worst)
+        amount = amount_of(worst) if worst.outcome == "not met" else ""
+        yield f"{worst.quantity}: {amount}" if amount else worst.quantity
+        yield place_of(worst, units) or "—"
+    yield ", ".join(f"{one.quantity} {share_used(one)}" for one in part.checks) or "—"
+
+
+def share_used(check: Check) -> str:
+    """Return the utilisation in percent, or what the check says where it has none."""
+    if check.utilisation is None:
+        return check.outcome
+    if not np.isfinite(check.utilisation):
+        return "lost"
+    return percent(check.utilisation) if check.utilisation < 1e3 else "> 1000 ×"
+
+
+def amount_of(check: Check) -> str:
+    """Return what was found and what is allowed; empty where a check has no value."""
+    if check.value is None or check.limit is None:
+        return ""
+    value, limit = number(check.value, 4), f"{check.limit:.5g}"
+    if check.quantity.startswith(AT_LEAST):
+        return f"{quantity(check.value, check.unit, 4)}, {limit} needed"
+    return f"{value} of {limit} {check.unit}".rstrip()
+
+
+def place_of(check: Check, units: Units) -> str:
+    """Return the load case, the instant and the end of the scatter that decide."""
+    instant = "" if check.instant is None else f"at {quantity(check.instant, units.time)}"
+    return ", ".join(filter(None, (f"{check.case} {instant}".strip(), check.scatter)))
+
+
+def _where(check: Check, units: Units) -> str:
+    place = place_of(check, units)
+    return f", in {place}" if place else ""
+
+
+def _questions(checks: Iterable[Check]) -> tuple[str, ...]:
+    """Say what is not known, of which parts and why, each reason once."""
+    parts: dict[tuple[str, str], list[str]] = {}
+    for check in checks:
+        parts.setdefault((check.quantity, check.reason), []).append(check.part)
+    return tuple(
+        f"{quantity} of {', '.join(names)}: {reason}" for (quantity, reason), names in parts.items()
+    )
+
+
+def _several(checks: Sequence[Check], units: Units) -> str:
+    """Name checks that are not met, with by how much."""
+    said = [
+        f"{check.part}, {check.quantity} {amount_of(check) or 'not met'}" + _where(check, units)
+        for check in checks[:NAMED]
+    ]
+    more = len(checks) - NAMED
+    return "; ".join(said) + (f"; and {more} more below" if more > 0 else "")
+
+
+def summarized(verdict: JointVerdict) -> dict[str, Any]:
+    """Return the verdict as ``summary.json`` has it."""
+    return {
+        "holds": verdict.holds,
+        "sentence": verdict.sentence,
+        "open_questions": list(verdict.open_questions),
+        "table": [dict(zip(COLUMNS, row, strict=True)) for row in verdict_rows(verdict)],
+        "parts": [
+            {
+                "part": part.part,
+                "kind": part.kind,
+                "outcome": part.outcome,
+                "decides": None if part.worst is None else asdict(part.worst),
+                "checks": [asdict(check) for check in part.checks],
+            }
+            for part in verdict.parts
+        ],
+    }

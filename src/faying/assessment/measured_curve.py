@@ -1,0 +1,95 @@
+"""What a test measured of a mode over amplitude, beside the backbone that was computed."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Vector, frozen
+from faying.assessment.backbone import Backbone
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeasuredCurve:
+    """Frequency, damping or both of a mode at amplitudes.
+
+    Attributes
+    ----------
+    name
+        What it is called.
+    case
+        Load case whose backbone it stands beside.
+    mode
+        Number of the mode, from 1.
+    amplitude : (n,) [length]
+        Rising, where the backbone measures it.
+    frequency : (n,) [1/time]
+        Cyclic; None where it was not measured.
+    damping_ratio : (n,) [1]
+        Of everything that damps; None where it was not measured.
+    """
+
+    name: str
+    case: str
+    mode: int
+    amplitude: Vector
+    frequency: Vector | None = None
+    damping_ratio: Vector | None = None
+
+    def __post_init__(self) -> None:
+        for column in ("amplitude", "frequency", "damping_ratio"):
+            if getattr(self, column) is not None:
+                object.__setattr__(self, column, frozen(getattr(self, column)))
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Deviations:
+    """How far a backbone is from what was measured, at the amplitudes that it reaches.
+
+    Attributes
+    ----------
+    within : (n,)
+        Which measured amplitudes these are.
+    frequency, damping_ratio : (n,)
+        Computed at the measured amplitudes; NaN at those it does not reach.
+    frequency_error, damping_error : (n,) [1]
+        Over what was measured; NaN there, and where it was not measured.
+    """
+
+    within: Vector
+    frequency: Vector
+    damping_ratio: Vector
+    frequency_error: Vector
+    damping_error: Vector
+
+
+def deviations(measured: MeasuredCurve, computed: Backbone) -> Deviations:
+    """Compare a measured curve with a backbone, between whose amplitudes it is interpolated.
+
+    Linear over the logarithm of the amplitude: frequencies, and logarithms of damping ratios.
+    """
+    order = np.argsort(computed.amplitude)
+    known = np.log(computed.amplitude[order])
+    at = np.log(measured.amplitude)
+    # The least and the largest amplitude count, whose last digits are round-off.
+    within = (at >= known[0] - 1e-9) & (at <= known[-1] + 1e-9)
+
+    def interpolated(values: Vector) -> Vector:
+        return np.where(within, np.interp(at, known, values[order]), np.nan)
+
+    frequency = interpolated(computed.frequency)
+    with np.errstate(divide="ignore"):
+        damping = np.exp(interpolated(np.log(computed.damping_ratio)))
+
+    def error(found: Vector, truth: Vector | None) -> Vector:
+        return np.full(len(at), np.nan) if truth is None else found / truth - 1
+
+    return Deviations(
+        within=within,
+        frequency=frequency,
+        damping_ratio=damping,
+        frequency_error=error(frequency, measured.frequency),
+        damping_error=error(damping, measured.damping_ratio),
+    )

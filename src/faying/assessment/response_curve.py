@@ -1,0 +1,255 @@
+"""Responses to harmonic loads over frequency, one curve for each level of the load."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from faying._typing import ComplexMatrix, ComplexVector, Mask, Matrix, Vector, frozen
+from faying.assessment.backbone import amplitude_unit
+from faying.display.facts import Shown, with_unit
+from faying.exceptions import ModelError
+from faying.joint.system import System
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.units import units_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Peak:
+    """Where a curve is highest.
+
+    Attributes
+    ----------
+    level
+        Factor of the load.
+    frequency : [1/time]
+    amplitude : [length]
+        Of the fundamental.
+    phase : [degree]
+        Of the displacement against the load.
+    """
+
+    level: float
+    frequency: float
+    amplitude: float
+    phase: float
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactInMotion:
+    """What contact does along a curve, in one period of each point.
+
+    Attributes
+    ----------
+    load_work : (n,) [force·length]
+        What the load puts in.
+    damping_energy : (n,) [force·length]
+        What the damping matrix takes.
+    friction_energy : (n,) [force·length]
+        What friction takes, by slip.
+    peak_pressure : (n,) [force/length²]
+    stick_share : (n,) [1]
+        Least share of the closed area that sticks.
+    slip_share : (n,) [1]
+        Share of the area ever closed that slips at some time.
+    open_share : (n,) [1]
+        Largest share of the area closed at rest that opens.
+    bolt_force_range : (n, n_bolt) [force]
+        Largest less smallest force.
+    error : (n,) [1]
+        Next step of Newton's method over the unknowns.
+    """
+
+    load_work: Vector
+    damping_energy: Vector
+    friction_energy: Vector
+    peak_pressure: Vector
+    stick_share: Vector
+    slip_share: Vector
+    open_share: Vector
+    bolt_force_range: Matrix
+    error: Vector
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            object.__setattr__(self, field.name, frozen(getattr(self, field.name)))
+
+    @property
+    def imbalance(self) -> Vector:
+        """Work of the load less what damping and friction take, over it (n,)."""
+        left = self.load_work - self.damping_energy - self.friction_energy
+        return np.asarray(left / self.load_work)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ResponseCurve:
+    """Periodic motion under one level of a harmonic load; points in the order of the curve.
+
+    Attributes
+    ----------
+    level
+        Factor of the load.
+    components : (n_boundary,)
+        What moves, as ``"tip.uz"``.
+    frequency : (n,) [1/time]
+    harmonics : (n, n_harmonic + 1, n_boundary) [length]
+        h of u = u₀ + Re Σ h_k exp(i k ω t) about the joint at rest; k = 0 is its mean.
+    missed : (n_missed,)
+        Frequencies at which no motion was found, and why.
+    contact
+        What its points did; None of an estimate.
+    """
+
+    level: float
+    components: tuple[str, ...]
+    frequency: Vector
+    harmonics: ComplexMatrix
+    missed: tuple[str, ...] = ()
+    contact: ContactInMotion | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "frequency", frozen(self.frequency))
+        object.__setattr__(self, "harmonics", frozen(self.harmonics, np.complex128))
+
+    @property
+    def swept_up(self) -> Mask:
+        """Which points a slow sweep from low to high frequencies goes through (n,)."""
+        return np.asarray(self.frequency >= np.maximum.accumulate(self.frequency))
+
+    @property
+    def swept_down(self) -> Mask:
+        """Which points a slow sweep from high to low frequencies goes through (n,)."""
+        least = np.minimum.accumulate(self.frequency[::-1])[::-1]
+        return np.asarray(self.frequency <= least)
+
+    def response(self, component: str, harmonic: int = 1) -> ComplexVector:
+        """Return one harmonic of a component, as ``"tip.uz"``, along the curve (n,).
+
+        Raises
+        ------
+        ModelError
+            If there is no such component or harmonic.
+        """
+        if component not in self.components:
+            message = (
+                f"there is no component '{component}'; they are "
+                f"{', '.join(self.components) or 'none'}"
+            )
+            raise ModelError(message)
+        count = self.harmonics.shape[1]
+        if harmonic not in range(count):
+            message = f"there is no harmonic {harmonic}; they are 0 to {count - 1}"
+            raise ModelError(message)
+        return np.asarray(self.harmonics[:, harmonic, self.components.index(component)])
+
+    def peak(self, component: str) -> Peak:
+        """Return where the fundamental of a component is largest, among the points computed.
+
+        Raises
+        ------
+        ModelError
+            If there is no such component, or no point.
+        """
+        if not len(self.frequency):
+            message = f"the curve of level {self.level:g} has no points"
+            raise ModelError(message)
+        response = self.response(component)
+        at = int(np.argmax(np.abs(response)))
+        return Peak(
+            level=self.level,
+            frequency=float(self.frequency[at]),
+            amplitude=float(np.abs(response[at])),
+            phase=float(np.angle(response[at], deg=True)),
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class FrequencyResponse(Shown):
+    """Curves of several levels of one harmonic load.
+
+    Attributes
+    ----------
+    load
+        Complex amplitudes at level one.
+    curves : (n_level,)
+        One for each level.
+    linear
+        Of the joint whose closed points stick, at level one.
+    remarks : (n_remark,)
+        What a reader should know.
+    units
+        Consistent unit set of the model, length-mass-time.
+    """
+
+    load: Mapping[str, complex]
+    curves: tuple[ResponseCurve, ...]
+    linear: ResponseCurve
+    remarks: tuple[str, ...] = ()
+    units: str = "mm-t-s"
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """The load, its levels and the range of frequencies."""
+        unit = f"1/{units_of(self.units).time}"
+        low, high = self.linear.frequency[[0, -1]].tolist()
+        return {
+            "load": ", ".join(self.load),
+            "levels": ", ".join(f"{curve.level:g}" for curve in self.curves),
+            "frequencies": f"{low:.5g} to {with_unit(high, unit)}",
+        }
+
+    def plot(self, component: str, axes: "tuple[Axes, Axes] | None" = None) -> "tuple[Axes, Axes]":
+        """Draw amplitude over level (above) and phase (below) over frequency.
+
+        The linear curve, of the joint whose closed points stick, is dashed.
+
+        Raises
+        ------
+        ModelError
+            If there is no such component.
+        """
+        if axes is None:
+            from matplotlib import pyplot
+
+            figure = pyplot.figure(figsize=(7.0, 6.0), layout="constrained")
+            above = figure.add_subplot(2, 1, 1)
+            below = figure.add_subplot(2, 1, 2, sharex=above)
+        else:
+            above, below = axes
+        units = units_of(self.units)
+        lines = [(curve, f"level {curve.level:g}", "-") for curve in self.curves]
+        for curve, name, style in [*lines, (self.linear, "stuck", "k--")]:
+            response = curve.response(component) / curve.level
+            above.semilogy(curve.frequency, np.abs(response), style, label=name)
+            below.plot(curve.frequency, np.angle(response, deg=True), style)
+        unit = amplitude_unit(component, self.units)
+        above.set_ylabel(f"amplitude of {component} per level [{unit}]")
+        below.set_ylabel("phase [°]")
+        below.set_xlabel(f"frequency [1/{units.time}]")
+        above.legend()
+        return above, below
+
+
+def boundary_components(system: System) -> tuple[str, ...]:
+    """Return the names of all boundary degrees of freedom, with the node where there are many."""
+    names = []
+    for name, boundary in system.boundaries.items():
+        many = len(np.unique(boundary.nodes)) > 1
+        for node, component in zip(boundary.nodes, boundary.components, strict=True):
+            place = f"{name}[{node}]" if many else name
+            names.append(f"{place}.{DISPLACEMENT_NAMES[component]}")
+    return tuple(names)
+
+
+def rows_of(values: Matrix, system: System) -> Matrix:
+    """Return the rows of a matrix (n_dof, ...) at all boundaries (n_boundary, ...)."""
+    empty = np.zeros((0, *values.shape[1:]))
+    return np.concatenate([empty, *(values[one.dofs] for one in system.boundaries.values())])

@@ -1,0 +1,276 @@
+"""Checks of the strength of bolts, each where it is nearest to failing over all load cases."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.assessment.check import Check
+from faying.assessment.joint_record import CaseState
+from faying.assessment.strength.fatigue import (
+    ENDURANCE_CYCLES,
+    EXPONENT,
+    endurance,
+    fibre_stresses,
+    is_rated,
+    largest_amplitude,
+    miner_sums,
+)
+from faying.assessment.strength.preload_ends import PreloadEnd
+from faying.assessment.strength.stripping import stripping_force
+from faying.assessment.strength.thread import Thread, tightening_stress, working_stress
+from faying.units import units_of
+
+
+def strength_checks(
+    threads: Mapping[str, Thread],
+    ends: Sequence[PreloadEnd],
+    units: str,
+    repetitions: Mapping[str, float] | None = None,
+) -> Iterator[Check]:
+    """Yield the checks of the bolts whose threads are known.
+
+    Parameters
+    ----------
+    ends
+        The joint at the ends of the scatter of its preloads, or as it is.
+    repetitions
+        Load case to how often it comes in the life of the joint, where that is known.
+
+    Raises
+    ------
+    ModelError
+        If the units are not known.
+    """
+    for name, thread in threads.items():
+        if thread.friction is not None:
+            yield _tightening_check(name, thread, ends, units)
+        yield _yield_check(name, thread, ends, units)
+        yield from _fatigue_checks(name, thread, ends, units, repetitions or {})
+        if thread.bearing is not None and thread.pressure_limit is not None:
+            yield _pressure_check(name, thread, ends, units)
+        if thread.engagement is not None:
+            yield _stripping_check(name, thread, ends, units)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Largest:
+    """The largest of some values over all ends, load cases and instants."""
+
+    value: float
+    end: PreloadEnd
+    case: str
+    row: int
+
+    def check(self, bolt: str, quantity: str, limit: float, **others: object) -> Check:
+        """Return the check that this value does not exceed a limit."""
+        times = self.end.cases[self.case].times
+        timed = times is not None and self.row < len(times)
+        check = Check(
+            part=bolt,
+            kind="bolt",
+            quantity=quantity,
+            outcome="met" if self.value <= limit else "not met",
+            utilisation=self.value / limit,
+            value=self.value,
+            limit=limit,
+            case=self.case,
+            instant=float(times[self.row]) if timed and times is not None else None,
+            scatter=self.end.name,
+            bound=self._bounds(bolt),
+        )
+        return replace(check, **others)  # type: ignore[arg-type]
+
+    def _bounds(self, bolt: str) -> bool:
+        """Say whether no preload within the scatter gives more.
+
+        The force of the only bolt of a joint without friction rises with its preload: its spring is
+        no stiffer than itself with all else, whatever is open. Of several, one may relax another.
+        """
+        alone = len(self.end.rest.bolt_forces) == 1
+        return alone and self.case in self.end.solved and bolt not in self.end.rest.bolt_moments
+
+
+def _largest(ends: Sequence[PreloadEnd], of: Callable[[PreloadEnd, CaseState], Vector]) -> _Largest:
+    """Return the largest of values (n_instant,) of each end and load case."""
+    candidates = [
+        _Largest(value=float(values.max()), end=end, case=case, row=int(values.argmax()))
+        for end in ends
+        for case, state in end.cases.items()
+        for values in (of(end, state),)
+    ]
+    return max(candidates, key=lambda largest: largest.value)
+
+
+def _tightening_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
+    """Judge tension and torsion while the bolt is tightened."""
+    end = max(ends, key=lambda end: end.preload(bolt))
+    stress, limit = tightening_stress(thread, end.preload(bolt)), thread.strengths(units).yields
+    return Check(
+        part=bolt,
+        kind="bolt",
+        quantity="tightening",
+        outcome="met" if stress <= limit else "not met",
+        utilisation=stress / limit,
+        value=stress,
+        limit=limit,
+        unit=units_of(units).pressure,
+        scatter=end.name,
+        source="σ_red,M over R_p0.2 (VDI symbols)",
+    )
+
+
+def _yield_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
+    worst = _largest(
+        ends,
+        lambda end, state: working_stress(
+            thread, end.preload(bolt), state.bolt_forces[bolt], state.bolt_moments.get(bolt)
+        ),
+    )
+    check = worst.check(
+        bolt,
+        "yield",
+        thread.strengths(units).yields,
+        unit=units_of(units).pressure,
+        source="σ_red,B over R_p0.2 (VDI symbols)",
+    )
+    if check.outcome == "met":
+        return check
+    return replace(check, reason="take a larger size, a higher grade, or relieve the bolt")
+
+
+def _pressure_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
+    outer, inner = thread.bearing or (0.0, 0.0)
+    area = np.pi / 4 * (outer**2 - inner**2)
+    worst = _largest(ends, lambda _, state: state.bolt_forces[bolt] / area)
+    return worst.check(
+        bolt,
+        "pressure under the head",
+        thread.pressure_limit or 0.0,
+        unit=units_of(units).pressure,
+        source="F_S,max / A_p over p_G (VDI symbols)",
+    )
+
+
+def _stripping_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
+    ultimate = thread.strengths(units).ultimate
+    worst = _largest(ends, lambda _, state: state.bolt_forces[bolt])
+    return worst.check(
+        bolt,
+        "stripping",
+        stripping_force(thread, thread.engagement or 0.0, ultimate),
+        unit=units_of(units).force,
+        source="FED-STD-H28 area of the bolt's thread, shear at 0.6 R_m",
+    )
+
+
+FATIGUE = "σ_a over σ_ASV = 0.85 (150/d + 45) (VDI symbols)"
+UNRATED = "endurance is known of steels of 8.8 to 12.9"
+MINER = "Miner's sum, rainflow by ASTM E1049, σ_ASV = 0.85 (150/d + 45)"
+
+
+def _fatigue_checks(
+    bolt: str,
+    thread: Thread,
+    ends: Sequence[PreloadEnd],
+    units: str,
+    repetitions: Mapping[str, float],
+) -> Iterator[Check]:
+    """Judge load cases that are counted by Miner's sum, all others together by their amplitude."""
+    limit = endurance(thread, units)
+    if not is_rated(thread, units):
+        yield Check(
+            part=bolt, kind="bolt", quantity="fatigue", outcome="unknown", reason=UNRATED,
+        )  # fmt: skip
+        return
+    sums = [_damage(bolt, thread, end, repetitions, limit) for end in ends]
+    if any(case in repetitions for case in ends[0].cases):
+        worst = max(range(len(ends)), key=lambda row: sums[row][1])
+        case, total = sums[worst]
+        yield Check(
+            part=bolt,
+            kind="bolt",
+            quantity="fatigue, Miner's sum",
+            outcome="met" if total <= 1 else "not met",
+            utilisation=total,
+            value=total,
+            limit=1.0,
+            case=case,
+            scatter=ends[worst].name,
+            source=MINER,
+        )
+    uncounted = [case for case in ends[0].cases if case not in repetitions]
+    if uncounted:
+        yield _endurance_check(bolt, thread, ends, uncounted, units, limit)
+
+
+def _endurance_check(
+    bolt: str,
+    thread: Thread,
+    ends: Sequence[PreloadEnd],
+    cases: Sequence[str],
+    units: str,
+    limit: float,
+) -> Check:
+    """Judge the amplitude over rest and all load cases that are not counted."""
+    amplitudes = [
+        largest_amplitude(np.concatenate([_stresses(bolt, thread, end, case) for case in cases]))
+        for end in ends
+    ]
+    worst = int(np.argmax(amplitudes))
+    amplitude, end = amplitudes[worst], ends[worst]
+    each = {case: largest_amplitude(_stresses(bolt, thread, end, case)) for case in cases}
+    endures = amplitude <= limit
+    reason = ""
+    if not endures:
+        cycles = ENDURANCE_CYCLES * (limit / amplitude) ** EXPONENT
+        reason = (
+            f"σ_a = {amplitude:.3g} of {limit:.3g} {units_of(units).pressure}, borne {cycles:.1g} "
+            "times: give the load cases 'repetitions'"
+        )
+    return Check(
+        part=bolt,
+        kind="bolt",
+        quantity="fatigue",
+        outcome="met" if endures else "unknown",
+        utilisation=amplitude / limit if endures else None,
+        value=amplitude,
+        limit=limit,
+        unit=units_of(units).pressure,
+        case=max(each, key=each.__getitem__),
+        scatter=end.name,
+        reason=reason,
+        source=FATIGUE,
+    )
+
+
+def _damage(
+    bolt: str,
+    thread: Thread,
+    end: PreloadEnd,
+    repetitions: Mapping[str, float],
+    limit: float,
+) -> tuple[str, float]:
+    """Return the load case that does most, and Miner's sum of the worst fibre over all."""
+    sums = {
+        case: miner_sums(_stresses(bolt, thread, end, case), repetitions[case], limit)
+        for case in end.cases
+        if case in repetitions
+    }
+    if not sums:
+        return "", 0.0
+    total = np.sum(list(sums.values()), axis=0)
+    fibre = int(total.argmax())
+    return max(sums, key=lambda case: float(sums[case][fibre])), float(total[fibre])
+
+
+def _stresses(bolt: str, thread: Thread, end: PreloadEnd, case: str) -> Matrix:
+    """Return the stress of fibres from rest through a load case and back (n_instant + 2, n)."""
+    state, rested = end.cases[case], end.rest.bolt_moments.get(bolt)
+    moments = None if rested is None else state.bolt_moments.get(bolt)
+    rest = fibre_stresses(thread, end.rest.bolt_forces[bolt][:1], rested)
+    loaded = fibre_stresses(thread, state.bolt_forces[bolt], moments)
+    # Without moments the bending at rest stays.
+    loaded = loaded + (rest - rest.mean() if moments is None else 0.0)
+    return np.concatenate([rest, loaded, rest])

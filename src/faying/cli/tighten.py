@@ -1,0 +1,74 @@
+"""``faying tighten``: what each bolt is tightened to in turn."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from faying.cli.arguments import StudyPath
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from faying.simulation.tightening_plan import TighteningPlan
+    from faying.units import Units
+
+
+def tighten(
+    study: StudyPath,
+    passes: Annotated[
+        int, typer.Option(min=1, help="Rounds; more of them need smaller forces meanwhile.")
+    ] = 1,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Table of the plan.  [default: STUDY-plan.csv]", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Plan the tightening: what each bolt is brought to in turn, so that all end at their preloads.
+
+    The order is that of the bolts in the study.
+    """
+    from rich.console import Console
+
+    from faying.cli.progress import progress_bar
+    from faying.study.naming_tables import naming_tables
+    from faying.study.schema import read_study
+    from faying.units import units_of
+    from faying.workflow.tighten import plan_of_study, torques_per_force, write_plan
+
+    checked = read_study(study)
+    target = out or Path(f"{study.stem}-plan.csv")
+    with progress_bar(Console(stderr=True)) as bar, naming_tables(checked):
+        plan = plan_of_study(checked, passes=passes, progress=bar)
+    torques = torques_per_force(checked)
+    write_plan(plan, target, torques)
+    _show(plan, units_of(checked.units), torques)
+    typer.echo(f"Wrote {target}")
+
+
+def _show(plan: "TighteningPlan", units: "Units", torques: "Mapping[str, float]") -> None:
+    """Print the turns, and what the plan gains."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(markup=False, highlight=False)
+    table = Table(title="Tighten in this order", box=box.SIMPLE_HEAD, title_justify="left")
+    for column in ("turn", "pass", "bolt", f"to [{units.force}]", "of its preload"):
+        table.add_column(column, justify="left" if column == "bolt" else "right")
+    if torques:
+        table.add_column(f"by [{units.force}·{units.length}]", justify="right")
+    rows = zip(plan.passes, plan.turned, plan.settings, plan.shares, strict=True)
+    for turn, (of_pass, bolt, setting, share) in enumerate(rows, 1):
+        torque = [f"{setting * torques[bolt]:.5g}"] if bolt in torques else []
+        table.add_row(f"{turn}", f"{of_pass}", bolt, f"{setting:.5g}", f"{share:.1%}", *torque)
+    console.print(table)
+    before, after = plan.reached_unplanned, plan.reached
+    console.print(
+        f"All bolts end within {abs(after - 1).max():.2%} of their preloads. One round straight to "
+        f"the preloads, in this order, would leave them at {before.min():.1%} to "
+        f"{before.max():.1%}.",
+        soft_wrap=True,
+    )

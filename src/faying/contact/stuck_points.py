@@ -1,0 +1,290 @@
+"""A contact problem of few points, the closed ones among all others stuck.
+
+Where points stay closed and stick, they are springs B of the structure. With the displacements δ
+of the pairs since the joint was at rest, V what loads alone move them by, and the forces μ that
+points c exert besides what their springs would,
+
+    δ = T₀ (Σ V + G_cᵀ μ),   T₀ = (Σ + B)⁻¹ = (I + S B)⁻¹ S,                               (F10)
+
+so that points c alone are a contact problem between the pairs P that they touch, of the compliance
+(T₀⁻¹ − G_cᵀ B_c G_c)⁻¹ there: exact as long as all other points do stay as they are.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.contact.condensed import CondensedContact
+from faying.contact.contact import Contact
+from faying.contact.increment_solver import IncrementSolver
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.yielding import YieldingContact
+from faying.exceptions import ModelError
+
+CLOSE = 0.9
+"""Part of a bound from which a point that was stuck is watched."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StuckPoints:
+    """All points as they are at rest: the closed ones on springs, the others open.
+
+    Attributes
+    ----------
+    contact
+        All of them.
+    forces, slip : (3, n_point), (2, n_point)
+        At rest.
+    moved : (n_relative,) [length]
+        Of the pairs at rest.
+    springs : (components, n_point) [force/length]
+        B.
+    compliance : (n_relative, n_relative) [length/force]
+        T₀.
+    """
+
+    contact: Contact
+    forces: Matrix
+    slip: Matrix
+    moved: Vector
+    springs: Matrix
+    compliance: Matrix
+
+    @classmethod
+    def of(
+        cls, solver: IncrementSolver, forces: Matrix, slip: Matrix, moved: Vector
+    ) -> "StuckPoints":
+        """Return them for a joint at rest and the solver of its increments.
+
+        Raises
+        ------
+        ModelError
+            If some point is hard.
+        """
+        contact = solver.contact
+        if not contact.yields:
+            message = (
+                "contact is hard at some points, whose forces do not follow from displacements; "
+                "give it a penalty"
+            )
+            raise ModelError(message)
+        k, closed = contact.components, forces[0] > 0
+        yields = LawsAtPoints(contact=contact).closure(forces)[1][:k]
+        sprung = closed & (yields > 0)
+        springs = np.where(sprung, 1.0 / np.where(sprung, yields, 1.0), 0.0)
+        if isinstance(solver, YieldingContact):
+            base, glued = solver.pairs.compliance, solver.pairs.springs
+        else:
+            base, glued = solver.S, np.zeros_like(springs)
+        change = springs - glued
+        change[np.abs(change) <= 1e-9 * springs.max(initial=0.0)] = 0.0
+        touched = np.flatnonzero(change.any(axis=0))
+        compliance = np.asarray(base)
+        if len(touched):
+            pairs, rows = _restricted(contact.rows, touched, contact.n_points)
+            block = rows.T @ sp.diags_array(change[:, touched].ravel()) @ rows
+            at_pairs = compliance[:, pairs]
+            core = np.eye(len(pairs)) + block @ at_pairs[pairs]
+            compliance = compliance - at_pairs @ np.linalg.solve(core, block @ at_pairs.T)
+            compliance = (compliance + compliance.T) / 2
+        return cls(
+            contact=contact,
+            forces=forces,
+            slip=slip,
+            moved=moved,
+            springs=springs,
+            compliance=compliance,
+        )
+
+    def held_back(self, moved: Matrix) -> Matrix:
+        """Return Bᵀ-forces of the springs between the pairs under displacements (n_relative, k)."""
+        rows = self.contact.rows
+        return np.asarray(rows.T @ (self.springs.reshape(-1, 1) * (rows @ moved)))
+
+    def restrained(self, moved: Matrix) -> Matrix:
+        """Return T₀ Σ V (n_relative, k) of what loads alone move the pairs."""
+        return np.asarray(moved - self.compliance @ self.held_back(moved))
+
+    def first(self) -> Indices:
+        """Return the points that are on the bound of friction at rest, to begin with."""
+        if not self.contact.proportional:
+            return np.arange(self.contact.n_points)
+        limit = self.contact.coefficients * self.forces[0]
+        sheared = np.hypot(self.forces[1], self.forces[2])
+        return np.flatnonzero((limit > 0) & (sheared > CLOSE * limit))
+
+    def leaving(self, displaced: Matrix, watched: Indices) -> Indices:
+        """Return points that do not stay as they are, and such as come close to it.
+
+        Parameters
+        ----------
+        displaced : (n_relative, n_sample) [length]
+            δ.
+        watched
+            Points c that need not stay.
+
+        Returns
+        -------
+        ndarray (n,)
+            Empty where none of the others leaves.
+        """
+        contact, k, n = self.contact, len(self.springs), self.contact.n_points
+        moved = (contact.rows @ displaced).reshape(k, n, -1)
+        force = self.forces[:k, :, None] - self.springs[:, :, None] * moved
+        closed = self.forces[0] > 0
+        gap = contact.moved(self.moved)[0] + contact.initial_gap
+
+        def beyond(part: float) -> Mask:
+            lifted = force[0].min(axis=1) < (1 - part) * self.forces[0]
+            left = np.where(closed, lifted, gap + moved[0].min(axis=1) < (1 - part) * gap)
+            if k > 1:
+                sheared = np.hypot(force[1], force[2])
+                limit = part * contact.coefficients[:, None] * np.maximum(force[0], 0.0)
+                rubs = closed & (contact.coefficients > 0)
+                left |= rubs & (sheared > limit).any(axis=1)
+            left[watched] = False
+            return np.asarray(left)
+
+        if not beyond(1.0).any():
+            return np.empty(0, dtype=np.int64)
+        return np.flatnonzero(beyond(CLOSE))
+
+    def local(self, points: Indices) -> "LocalContact":
+        """Return the contact problem of some points (n,), rising."""
+        contact = self.contact
+        pairs, _ = _restricted(contact.rows, points, contact.n_points)
+        chosen = np.zeros(contact.n_points, dtype=bool)
+        chosen[points] = True
+        slices, start = {}, 0
+        for name, at in contact.slices.items():
+            count = int(chosen[at].sum())
+            slices[name] = slice(start, start + count)
+            start += count
+        shear = contact.shear
+        if shear is not None:
+            rubbing = np.tile(chosen[contact.rubbing], 2)
+            shear = shear[rubbing][:, pairs].tocsr()
+        part = replace(
+            contact,
+            relative_operator=contact.relative_operator[pairs],
+            interpolation=contact.interpolation[points][:, pairs].tocsr(),
+            initial_gap=contact.initial_gap[points],
+            weights=contact.weights[points],
+            slices=slices,
+            residual_compliance=None,
+            places=None,
+            shear=shear,
+            tangents=None if contact.tangents is None else contact.tangents[:, points],
+        )
+        k = len(self.springs)
+        rows = sp.csr_array(_blocks(contact.rows, points, contact.n_points)[:, pairs])
+        springs = self.springs[:, points]
+        block = (rows.T @ sp.diags_array(springs.ravel()) @ rows).tocsr()
+        held = self.compliance[np.ix_(pairs, pairs)]
+        core = np.eye(len(pairs)) - held @ block
+        free = np.linalg.solve(core, held)
+        return LocalContact(
+            points=points,
+            pairs=pairs,
+            rows=rows,
+            springs=springs,
+            block=block,
+            condensed=CondensedContact(contact=part, compliance=(free + free.T) / 2),
+            forces=self.forces[:, points],
+            slip=self.slip[:, points],
+            moved=self.moved[pairs],
+            components=k,
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LocalContact:
+    """Points that may leave their springs.
+
+    Attributes
+    ----------
+    points : (n_local,)
+    pairs : (n_touched,)
+        Which they touch.
+    rows : (components n_local, n_touched)
+        What those move at the points.
+    springs : (components, n_local) [force/length]
+    block : (n_touched, n_touched) [force/length]
+        Springs between the pairs.
+    condensed
+        Their contact problem.
+    forces, slip, moved
+        At rest, (3, n_local), (2, n_local) and (n_touched,).
+    components
+    """
+
+    points: Indices
+    pairs: Indices
+    rows: SparseMatrix
+    springs: Matrix
+    block: SparseMatrix
+    condensed: CondensedContact
+    forces: Matrix
+    slip: Matrix
+    moved: Vector
+    components: int
+
+    @property
+    def contact(self) -> Contact:
+        """Of the points alone."""
+        return self.condensed.contact
+
+    @cached_property
+    def S(self) -> Matrix:
+        """Compliance between the pairs with the other points stuck [length/force]."""
+        return np.asarray(self.condensed.compliance)
+
+    @cached_property
+    def laws(self) -> LawsAtPoints:
+        """What the points answer."""
+        return LawsAtPoints(contact=self.contact)
+
+    def released(self, restrained: Matrix) -> Matrix:
+        """Return what loads move the pairs (n_touched, k) without the springs of these points."""
+        return np.asarray(restrained + self.S @ (self.block @ restrained))
+
+    @cached_property
+    def unloaded(self) -> Vector:
+        """Where the pairs would be at rest without the forces of these points (n_touched,)."""
+        return np.asarray(self.moved - self.S @ self.at_pairs(self.forces[: self.components]))
+
+    def at_pairs(self, forces: Matrix) -> Matrix:
+        """Return forces (components, n_local, ...) between the pairs (n_touched, ...)."""
+        shape = (self.rows.shape[0], *forces.shape[2:])
+        return np.asarray(self.rows.T @ forces.reshape(shape))
+
+    def besides(self, forces: Matrix, moved: Matrix) -> Matrix:
+        """Return Gᵀ μ (n_touched, n_sample).
+
+        Parameters
+        ----------
+        forces : (components, n_local, n_sample)
+        moved : (n_touched, n_sample)
+            Of the pairs, absolute.
+        """
+        change = forces - self.forces[: self.components, :, None]
+        return np.asarray(self.at_pairs(change) + self.block @ (moved - self.moved[:, None]))
+
+
+def _blocks(rows: SparseMatrix, points: Indices, n: int) -> SparseMatrix:
+    """Return the rows of some points, component by component."""
+    k = rows.shape[0] // n
+    return rows[(n * np.arange(k)[:, None] + points).ravel()]
+
+
+def _restricted(rows: SparseMatrix, points: Indices, n: int) -> tuple[Indices, SparseMatrix]:
+    """Return the pairs that some points touch, and their rows there."""
+    part = _blocks(rows, points, n)
+    pairs = np.unique(part.indices)
+    return pairs, sp.csr_array(part[:, pairs])

@@ -1,0 +1,226 @@
+"""The gap that measured surfaces leave between two sides, as far as a mesh resolves it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+import scipy.ndimage as ndi
+from scipy.spatial import cKDTree
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import ModelError
+from faying.interface.interface import Interface
+from faying.interface.scan import Scan
+
+RESOLVED = 4.0
+"""Edges of facets that a wave takes at least: fewer show it as another one."""
+
+CELLS = 32.0
+"""Cells of the filter's grid in a wave of the cut-off.
+
+Where they lie changes a bump twice as wide by 3e-4 of its height.
+"""
+
+ALPHA = float(np.sqrt(np.log(2) / np.pi))
+"""Of the Gaussian filter of ISO 16610-21: waves of the cut-off keep half of their height."""
+
+MOST_CELLS = 50_000_000
+"""Of the filter's grid."""
+
+LARGEST_HOLE = 0.2
+"""Share of an interface without samples from which on a scan is taken for another one's."""
+
+MOST_FILLED = 0.5
+"""Distance to the nearest sample, over the cut-off, from which on a point lies in a hole."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class ScanPlacement:
+    """Where a scan lies on an interface and what is made of it.
+
+    Attributes
+    ----------
+    of
+        The side that was scanned, or ``"gap"``.
+    origin : (3,) [length]
+        Where its x = 0, y = 0 lies.
+    along : (3,)
+        Where its x points. Its y points so that heights, out of the scanned material, come third;
+        those of a gap point out of the minus side.
+    tilt
+        ``"remove"``: the plane that fits it best is taken away, and the sides touch at one point;
+        ``"keep"``: heights count as they are.
+    wavelength : [length]
+        Waves that are shorter are filtered away; ``"auto"`` is four edges of facets.
+    scale
+        Length of the model over that of the scan's values, as 1e-3 for micrometres in millimetres.
+    """
+
+    of: Literal["minus", "plus", "gap"]
+    origin: tuple[float, float, float]
+    along: tuple[float, float, float]
+    tilt: Literal["remove", "keep"] = "remove"
+    wavelength: float | Literal["auto"] = "auto"
+    scale: float = 1.0
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Topography:
+    """What scans say of the gap of an interface.
+
+    Attributes
+    ----------
+    gap : (n_point,) [length]
+    notes
+        What was made of each scan, for the reader.
+    """
+
+    gap: Vector
+    notes: tuple[str, ...]
+
+
+def topography(interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]) -> Topography:
+    """Return the gap that scans of one side, of both or of the gap leave at the contact points.
+
+    A polynomial of second degree is the form of a scan. The rest of it goes through the Gaussian
+    filter of ISO 16610-21 in both directions, on a grid and weighted by the samples there, so that
+    holes and edges count for nothing. Points in holes larger than the filter have
+    the form alone.
+
+    Returns
+    -------
+    Topography
+        To be added to the gap of the geometry. Where a tilt was removed its smallest value is zero:
+        the sides are brought together until they touch.
+
+    Raises
+    ------
+    ModelError
+        If a scan leaves a fifth of the contact points without samples, or directions do not fit.
+    """
+    total, notes = np.zeros(interface.n_points), []
+    for scan, placement in scans:
+        heights, note = _heights(interface, scan, placement)
+        total += heights if placement.of == "gap" else -heights
+        notes.append(f"topography of interface '{interface.name}', {placement.of}: {note}")
+    if any(placement.tilt == "remove" for _, placement in scans):
+        total -= total.min()
+    return Topography(gap=total, notes=tuple(notes))
+
+
+def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tuple[Vector, str]:
+    """Return filtered heights at the contact points, and what was done."""
+    if scan.is_gap != (placement.of == "gap"):
+        said = "gaps" if scan.is_gap else "heights of a side"
+        message = f"interface '{interface.name}': the scan holds {said}, and is of '{placement.of}'"
+        raise ModelError(message)
+    points = _in_its_axes(interface, placement)
+    cutoff = _cutoff(interface, placement)
+    away = cKDTree(scan.places).query(points)[0]
+    bare = away > MOST_FILLED * cutoff
+    share = float(interface.weights @ bare / interface.weights.sum())
+    if share > LARGEST_HOLE:
+        message = (
+            f"interface '{interface.name}': {share:.0%} of its area lies off the samples of the "
+            f"scan of '{placement.of}', up to {away.max():.3g} away; check origin, along and units"
+        )
+        raise ModelError(message)
+    centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
+    over = np.all(np.abs(scan.places - centre) <= size, axis=1)
+    places, values = scan.places[over], placement.scale * scan.values[over]
+    form = np.linalg.lstsq(_powers(places, centre, size), values, rcond=None)[0]
+    rest = values - _powers(places, centre, size) @ form
+    filtered = _filtered(places, rest, points, cutoff)
+    heights = _powers(points, centre, size) @ form + np.where(bare, 0.0, filtered)
+    tilted = ""
+    if placement.tilt == "remove":
+        plane = _powers(points, centre, size)[:, :3]
+        fitted = np.linalg.lstsq(
+            plane * np.sqrt(interface.weights)[:, None],
+            heights * np.sqrt(interface.weights),
+            rcond=None,
+        )[0]
+        heights = heights - plane @ fitted
+        tilted = f", a tilt of {np.linalg.norm(fitted[1:]) / size:.2g} removed"
+    filled = f", {share:.1%} of the area in holes has its form alone" if bare.any() else ""
+    holes = f" ({scan.holes} without a value)" if scan.holes else ""
+    note = (
+        f"{len(scan.values)} samples{holes}, waves below {cutoff:.3g} filtered away: "
+        f"rms {np.sqrt(np.mean(rest**2)):.3g} about its form before, "
+        f"{np.sqrt(np.mean(filtered[~bare] ** 2)):.3g} after{tilted}{filled}"
+    )
+    return heights, note
+
+
+def _in_its_axes(interface: Interface, placement: ScanPlacement) -> Matrix:
+    """Return the contact points (n_point, 2) in the axes of a scan."""
+    normal = interface.weights @ interface.normals
+    length = np.linalg.norm(normal)
+    if length < np.sqrt(0.5) * interface.weights.sum():
+        message = (
+            f"interface '{interface.name}' bends by more than a scan over a plane shows; give gaps "
+            "at its nodes by initial_gap"
+        )
+        raise ModelError(message)
+    outward = normal / length * (-1.0 if placement.of == "plus" else 1.0)
+    along = np.asarray(placement.along, dtype=float)
+    along = along - outward * (along @ outward)
+    if not np.linalg.norm(along) > 1e-3 * np.linalg.norm(placement.along):
+        message = (
+            f"interface '{interface.name}': along = {list(placement.along)} points across the "
+            "interface; give the direction in it where the scan's x points"
+        )
+        raise ModelError(message)
+    x = along / np.linalg.norm(along)
+    away = interface.points - np.asarray(placement.origin, dtype=float)
+    places: Matrix = away @ np.column_stack([x, np.cross(outward, x)])
+    return places
+
+
+def _cutoff(interface: Interface, placement: ScanPlacement) -> float:
+    if placement.wavelength != "auto":
+        return float(placement.wavelength)
+    n_face = len(np.unique(interface.face_of_point))
+    return RESOLVED * float(np.sqrt(interface.weights.sum() / n_face))
+
+
+def _powers(places: Matrix, centre: Vector, size: float) -> Matrix:
+    """Return 1, x, y, x², xy, y² of places (n, 6)."""
+    x, y = ((places - centre) / size).T
+    return np.column_stack([np.ones(len(x)), x, y, x * x, x * y, y * y])
+
+
+def _filtered(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> Vector:
+    """Return the weighted Gaussian mean of samples at points (n_point,)."""
+    cell = cutoff / CELLS
+    low = np.minimum(places.min(axis=0), points.min(axis=0)) - cell
+    shape = np.ceil((np.maximum(places.max(axis=0), points.max(axis=0)) - low) / cell).astype(int)
+    shape += 2
+    if shape.prod() > MOST_CELLS:
+        message = (
+            f"a cut-off of {cutoff:.3g} takes {shape.prod():.2g} cells; give a longer wavelength, "
+            "or leave it to the mesh"
+        )
+        raise ModelError(message)
+    whole = np.floor((places - low) / cell).astype(int)
+    part = (places - low) / cell - whole
+    spread = ALPHA * cutoff / np.sqrt(2 * np.pi) / cell
+    blurred, weight = np.zeros(shape), np.zeros(shape)
+    # Each sample is shared by the four grid points around it, so that it stays where it is.
+    for corner in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        flat = np.ravel_multi_index(tuple((whole + corner).T), tuple(shape))
+        shares = np.prod(np.where(corner, part, 1 - part), axis=1)
+        for field, amount in ((blurred, shares * values), (weight, shares)):
+            field += np.bincount(flat, amount, minlength=shape.prod()).reshape(shape)
+    blurred, weight = (
+        ndi.gaussian_filter(field, spread, mode="constant", truncate=6.0)
+        for field in (blurred, weight)
+    )
+    where = ((points - low) / cell).T
+    total, share = (
+        ndi.map_coordinates(field, where, order=3, mode="nearest") for field in (blurred, weight)
+    )
+    return np.asarray(total / np.maximum(share, np.finfo(float).tiny))

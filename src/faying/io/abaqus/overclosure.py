@@ -1,0 +1,119 @@
+"""``*SURFACE BEHAVIOR``: pressure over closure."""
+
+from typing import Literal
+
+import numpy as np
+
+from faying.contact.laws import Curve, ExponentialClosure, TableClosure
+from faying.exceptions import ModelError
+from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.keyword import Keyword
+
+Normal = float | Literal["hard"] | Curve
+"""Contact stiffness [force/length³], or pressure over closure."""
+
+_FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
+
+
+def stiffness_of(normal: Normal) -> float | Literal["auto", "hard"]:
+    """Return the penalty of an interface; a curve has none."""
+    return "auto" if isinstance(normal, Curve) else normal
+
+
+def curve_of(normal: Normal) -> Curve | None:
+    """Return the curve of an interface that has one."""
+    return normal if isinstance(normal, Curve) else None
+
+
+def read_behaviour(
+    head: Keyword, members: list[Keyword], abaqus: bool, ignored: list[str]
+) -> Normal:
+    """Return the normal behaviour of an interaction; hard where it says nothing.
+
+    Parameters
+    ----------
+    abaqus
+        Whether the deck is one that only Abaqus reads.
+
+    Raises
+    ------
+    FormatError
+        Naming the line of a behaviour that is not supported or malformed.
+    """
+    penalty: Normal = "hard"
+    for member in members:
+        if member.name == "SURFACE BEHAVIOR":
+            penalty = _surface_behavior(member, abaqus, ignored)
+        elif member.name == "GAP CONDUCTANCE":
+            ignored.append(f"*{member.name} of {head.value('NAME')}")
+    return penalty
+
+
+def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Normal:
+    keyword.allow("PRESSURE-OVERCLOSURE", *_FLAGS)
+    if keyword.has("NO SEPARATION"):
+        message = "NO SEPARATION is not supported; faying's contact opens"
+        raise keyword.error(message)
+    ignored += [
+        f"{flag} of *SURFACE BEHAVIOR: faying enforces contact in its own way"
+        for flag in _FLAGS
+        if keyword.has(flag)
+    ]
+    kind = keyword.choice("PRESSURE-OVERCLOSURE", "HARD")
+    if kind == "HARD":
+        return "hard"
+    rows = keyword.rows()
+    if kind in ("EXPONENTIAL", "TABULAR"):
+        return _curve(keyword, kind, abaqus)
+    if kind != "LINEAR":
+        message = (
+            f"PRESSURE-OVERCLOSURE={kind} is not supported; give LINEAR (a slope), TABULAR, "
+            "EXPONENTIAL or HARD"
+        )
+        raise keyword.error(message)
+    if len(rows) != 1 or not 1 <= len(rows[0]) <= 3:
+        message = "expected one data line with the slope (pressure per overclosure)"
+        raise keyword.error(message)
+    slope = real(keyword, 0, rows[0][0], "the slope")
+    if not slope > 0:
+        message = f"the slope is {slope:g}; it must be positive"
+        raise keyword.error(message, 0)
+    for column in range(1, len(rows[0])):
+        # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
+        optional_real(keyword, 0, rows[0], column, 0.0, "a number")
+        ignored.append("tension and range behind the slope of *SURFACE BEHAVIOR")
+    return slope
+
+
+_STEP, _LARGEST = 0.05, 12.0
+"""Between the rows of CalculiX's exponential, and its last, by the logarithm of pressure."""
+
+
+def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
+    """Pressure over closure by EXPONENTIAL, which programs take differently, or TABULAR.
+
+    CalculiX (User's Manual, *SURFACE BEHAVIOR): p = p0 exp(c ln(100) / c0), nothing beyond c0 of
+    clearance; by a table whose chords are 3e-4 above it. Abaqus: p0 s (e^s - 1) / (e - 1).
+    """
+    rows = [
+        [real(keyword, row, text, "a number") for text in fields]
+        for row, fields in enumerate(keyword.rows())
+    ]
+    pairs = 1 if kind == "EXPONENTIAL" else max(len(rows), 2)
+    if len(rows) != pairs or any(len(row) != 2 for row in rows):
+        message = f"{kind} needs {'one line' if pairs == 1 else 'two lines or more'} of two numbers"
+        raise keyword.error(message)
+    try:
+        if kind == "TABULAR":
+            pressures, closures = zip(*rows, strict=True)
+            return TableClosure(closures=closures, pressures=pressures)
+        law = ExponentialClosure(clearance=rows[0][0], pressure=rows[0][1])
+    except ModelError as error:
+        raise keyword.error(str(error), 0) from error
+    if abaqus:
+        return law
+    powers = np.arange(-np.log(100.0) + _STEP, _LARGEST, _STEP)
+    return TableClosure(
+        closures=(-law.clearance, *(law.clearance / np.log(100.0) * powers)),
+        pressures=(0.0, *(law.pressure * np.exp(powers))),
+    )

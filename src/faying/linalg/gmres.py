@@ -1,0 +1,59 @@
+"""GMRES for systems near one whose factors are at hand."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import solve_triangular
+
+Array = npt.NDArray[Any]
+
+
+def corrected(
+    product: Callable[[Array], Array], right: Array, enough: float, most: int
+) -> Array | None:
+    """Return v with |b − A v| ≤ enough for the product A v, None where that takes too many.
+
+    One product is taken in any case: b may be small beside what it moves.
+
+    Parameters
+    ----------
+    product
+        Near the identity, as a matrix times what factors of a similar one make of v.
+    right : (n,)
+        b; its precision is kept.
+    most
+        Products at most.
+    """
+    size = float(np.linalg.norm(right))
+    if size == 0.0:
+        return np.zeros_like(right)
+    basis = np.empty((most + 1, len(right)), dtype=right.dtype)
+    basis[0] = right / size
+    seen, shares = np.zeros((most, most)), np.zeros(most + 1)
+    shares[0] = size
+    turns: list[tuple[float, float]] = []
+    for k in range(most):
+        u = product(basis[k])
+        own = basis[: k + 1] @ u
+        u = u - own @ basis[: k + 1]
+        rest, column = float(np.linalg.norm(u)), own.tolist()
+        for i, (cosine, sine) in enumerate(turns):
+            column[i : i + 2] = (
+                cosine * column[i] + sine * column[i + 1],
+                cosine * column[i + 1] - sine * column[i],
+            )
+        length = max(float(np.hypot(column[k], rest)), np.finfo(float).tiny)
+        cosine, sine = column[k] / length, rest / length
+        column[k] = length
+        seen[: k + 1, k] = column
+        turns.append((cosine, sine))
+        shares[k : k + 2] = cosine * shares[k], -sine * shares[k]
+        if not np.isfinite(length):
+            return None
+        if abs(shares[k + 1]) <= enough:
+            weights = solve_triangular(seen[: k + 1, : k + 1], shares[: k + 1])
+            return np.asarray(weights.astype(right.dtype) @ basis[: k + 1])
+        basis[k + 1] = u / max(rest, np.finfo(right.dtype).tiny)
+    return None

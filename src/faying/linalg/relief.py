@@ -1,0 +1,128 @@
+"""Structures that can move as a whole, under forces that inertia balances ("inertia relief").
+
+A structure that nothing holds has rigid motions R, K R = 0, RᵀM R = I. Forces f set it in motion by
+R Rᵀf, and what is left of them, Tᵀf with T = I − R RᵀM, is in equilibrium. Displacements under it,
+without rigid motion, are
+
+    K⁺ f = T K̂⁻¹ Tᵀ f,   K̂ = K + E s Eᵀ,                                                     (M11)
+
+with springs s at as many degrees of freedom as there are rigid motions, chosen so that they hold
+the structure and no more. Forces in equilibrium leave them unloaded: nothing depends on s. In dense
+matrices E s Eᵀ is M R c RᵀM, which shifts the rigid motions alone, for the same reason.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import scipy.linalg as la
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix
+from faying.linalg.factorization import factorize
+from faying.linalg.interface import MatrixFactorization
+from faying.linalg.substitution import dense
+
+PREFERRED = 1e3
+"""How much more a place counts where springs are wanted: they lie there if these places hold."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Relieved:
+    """K⁺ of (M11) in place of an inverse.
+
+    Attributes
+    ----------
+    factor
+        Of K̂.
+    motions, carried : (n, n_motion)
+        R and M R.
+    """
+
+    factor: MatrixFactorization
+    motions: Matrix
+    carried: Matrix
+
+    @property
+    def backend(self) -> str:
+        """Name of the library that made the factors."""
+        return self.factor.backend
+
+    @property
+    def memory(self) -> int:
+        """Bytes the factors take."""
+        return self.factor.memory
+
+    def solve(self, right_hand_side: Matrix) -> Matrix:
+        """Return K⁺ B for B of shape (n,) or (n, k)."""
+        return self.elastic(self.factor.solve(self.balanced(right_hand_side)))
+
+    def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
+        """Return Bᵀ K⁺ B for B (n, k)."""
+        return self.factor.gram(self.balanced(dense(columns)))
+
+    def balanced(self, forces: Matrix) -> Matrix:
+        """Return Tᵀ f."""
+        return balanced(forces, self.motions, self.carried)
+
+    def elastic(self, displacements: Matrix) -> Matrix:
+        """Return T u."""
+        return balanced(displacements, self.carried, self.motions)
+
+
+def balanced(forces: Matrix, motions: Matrix, carried: Matrix) -> Matrix:
+    """Return Tᵀ f = f − M R Rᵀ f; with both exchanged T u = u − R RᵀM u."""
+    left: Matrix = forces - carried @ (motions.T @ forces)
+    return left
+
+
+def factorize_relieved(
+    A: SparseMatrix | Matrix, M: SparseMatrix | Matrix, motions: Matrix
+) -> MatrixFactorization:
+    """Factorize a stiffness, of which rigid motions (n, n_motion) with RᵀM R = I are left out.
+
+    Raises
+    ------
+    SingularMatrixError
+        If anything else moves freely.
+    """
+    if not motions.shape[1]:
+        return factorize(A)
+    carried = np.asarray(M @ motions)
+    if isinstance(A, np.ndarray):
+        held: SparseMatrix | Matrix = shifted(A, carried)
+    else:
+        held = supported(A, supports(motions))
+    return Relieved(factor=factorize(held), motions=motions, carried=carried)
+
+
+def shifted(A: Matrix, carried: Matrix) -> Matrix:
+    """Return K + M R c RᵀM, dense, c such that its trace is that of K."""
+    if not carried.shape[1]:
+        return A
+    held: Matrix = A + np.trace(A) / np.sum(carried**2) * (carried @ carried.T)
+    return held
+
+
+def supported(A: SparseMatrix, at: Indices) -> SparseMatrix:
+    """Return K̂ = K + E s Eᵀ, s the stiffness that is there."""
+    stiffness = np.zeros(A.shape[0])
+    stiffness[at] = A.diagonal()[at]
+    held: SparseMatrix = (A + sp.diags_array(stiffness)).tocsr()
+    return held
+
+
+def supports(motions: Matrix, preferred: Indices | tuple[()] = ()) -> Indices:
+    """Return the degrees of freedom (n_motion,) that hold rigid motions and no more.
+
+    Parameters
+    ----------
+    preferred
+        Where they are to be if these hold.
+    """
+    weight = np.ones(len(motions))
+    weight[np.asarray(preferred, dtype=np.int64)] = PREFERRED
+    order = la.qr((motions * weight[:, None]).T, mode="r", pivoting=True)[1]
+    chosen: Indices = np.sort(order[: motions.shape[1]])
+    return chosen

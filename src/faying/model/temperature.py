@@ -1,0 +1,167 @@
+"""Temperatures of the parts of a structure, and what the change exerts."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, Material
+from faying.model.parts import elements_named
+from faying.model.thermal import FreeStrain, expansion_forces, stretching_forces
+
+
+@dataclass(frozen=True, kw_only=True)
+class Temperature:
+    """Temperatures of the parts of a joint, each the same throughout.
+
+    Attributes
+    ----------
+    reference
+        Temperature of everything while it is assembled and tightened.
+    uniform
+        Temperature of what ``parts`` does not name; the reference if None.
+    parts
+        Bodies, element sets, property ids or bolts to their temperatures.
+    """
+
+    reference: float
+    uniform: float | None = None
+    parts: Mapping[str | int, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        told = (self.reference, self.uniform or 0.0, *self.parts.values())
+        if not np.isfinite(told).all():
+            message = f"a temperature of {told} is not finite; give numbers"
+            raise ModelError(message)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Expansion:
+    """What a change of temperature exerts on nodes, and how far it strains beams.
+
+    Attributes
+    ----------
+    forces : (n_node, 6) [force]
+    strains : (n_beam,)
+        Free strains of the beams.
+    """
+
+    forces: Matrix
+    strains: Vector
+
+
+def expansion_of(
+    assembly: Assembly, temperature: Temperature, bolts: Mapping[str, Collection[int]]
+) -> Expansion:
+    """Return what expands between the reference and the temperatures of the parts.
+
+    Free strains are α ΔT in all directions of solids, and along beams. Rigid couplings, springs and
+    bushes keep their lengths.
+
+    Parameters
+    ----------
+    bolts
+        Name of a bolt to the ids of its beams.
+
+    Raises
+    ------
+    ModelError
+        If a part is not known or has two temperatures, a material no coefficient of expansion, or
+        what expands is a shell or came as a matrix.
+
+    Notes
+    -----
+    Linear in the number of elements.
+    """
+    if assembly.matrices is not None:
+        message = (
+            "given matrices do not tell what expands in them; take the deck or mesh they are of, "
+            "or give the forces of the expansion as loads"
+        )
+        raise ModelError(message)
+    beams = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
+    shells = [block.ids for block in assembly.shells]
+    ids = np.concatenate([assembly.mesh.element_ids, beams, *shells])
+    changes = _changes(assembly, temperature, bolts, ids)
+    n_solid, n_line = assembly.mesh.n_elements, assembly.mesh.n_elements + len(beams)
+    if changes[n_line:].any():
+        number = int(ids[n_line:][np.flatnonzero(changes[n_line:])[0]])
+        message = (
+            f"shell {number} would expand, and shells do not here; name the parts that do, without "
+            "'uniform'"
+        )
+        raise ModelError(message)
+    strains = np.array(
+        [
+            change and _coefficient(beam.material) * change
+            for beam, change in zip(assembly.beams, changes[n_solid:n_line].tolist(), strict=True)
+        ]
+    )
+    solids = _of_solids(assembly, changes[:n_solid])
+    return Expansion(forces=solids + stretching_forces(assembly, strains), strains=strains)
+
+
+def _changes(
+    assembly: Assembly,
+    temperature: Temperature,
+    bolts: Mapping[str, Collection[int]],
+    ids: Vector,
+) -> Vector:
+    """Return the change of temperature (n,) of elements."""
+    rest = temperature.reference if temperature.uniform is None else temperature.uniform
+    values, named = np.full(len(ids), rest), np.zeros(len(ids), dtype=bool)
+    for name, value in temperature.parts.items():
+        if isinstance(name, str) and name in bolts:
+            chosen = np.isin(ids, list(bolts[name]))
+            if not chosen.any():
+                message = f"bolt '{name}' has no beams; name the solids that it is made of"
+                raise ModelError(message)
+        else:
+            chosen = np.isin(ids, elements_named(assembly, [name], "the parts of the temperature"))
+        twice = chosen & named & (values != value)
+        if twice.any():
+            at = int(np.flatnonzero(twice)[0])
+            message = (
+                f"element {ids[at]} of '{name}' has the temperatures {values[at]:g} and {value:g}; "
+                "let each part have one"
+            )
+            raise ModelError(message)
+        values[chosen], named[chosen] = value, True
+    return values - temperature.reference
+
+
+def _of_solids(assembly: Assembly, changes: Vector) -> Matrix:
+    """Return the forces (n_node, 6) of changes of temperature (n_solid,)."""
+    blocks, start = [], 0
+    materials: dict[int, Material] = {}
+    strains: dict[int, FreeStrain] = {}
+    for block in assembly.mesh.blocks:
+        warmer = changes[start : start + len(block.ids)]
+        start += len(block.ids)
+        kinds, which = np.unique(
+            np.column_stack([block.properties, warmer]), axis=0, return_inverse=True
+        )
+        first = len(materials)
+        blocks.append(replace(block, properties=first + which.ravel()))
+        for number, (of_property, change) in enumerate(kinds.tolist(), first):
+            materials[number] = material = assembly.materials[int(of_property)]
+            if change:
+                strains[number] = partial(np.multiply, _coefficient(material) * change)
+    divided = replace(
+        assembly, materials=materials, mesh=replace(assembly.mesh, blocks=tuple(blocks))
+    )
+    cold, warm = np.zeros(len(assembly.mesh.nodes)), np.ones(len(assembly.mesh.nodes))
+    return expansion_forces(divided, strains, cold, warm)
+
+
+def _coefficient(material: Material) -> float:
+    if material.expansion is None:
+        message = (
+            f"material '{material.name}' has no coefficient of expansion, and a part of it changes "
+            "its temperature; give alpha in [material.NAME], or Material(expansion=...)"
+        )
+        raise ModelError(message)
+    return material.expansion

@@ -1,0 +1,146 @@
+"""Tables of the page on methods: errors in each load case, loads beyond them, and cost."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from faying.display.quantities import percent
+from faying.report.methods import grade
+from faying.report.style import label
+from faying.report.table import Cell, Column, Table, described, graded
+from faying.study.backbone_errors import backbone_errors
+from faying.study.results import CaseResult, MethodResult, Results
+from faying.study.summary import timings
+from faying.units import units_of
+
+NO_UNITS = units_of("")
+"""Errors and seconds have none of the study."""
+
+
+def _share(value: float | None) -> float | None:
+    """Return a share in percent; None where there is none."""
+    return None if value is None or not np.isfinite(value) else 100 * value
+
+
+def _judged(error: float | None) -> Cell | None:
+    return None if error is None else graded(error, grade(error))
+
+
+def _ratio(result: MethodResult) -> Cell:
+    ratio = result.accuracy.max_pressure_ratio
+    return Cell(text=f"{ratio:.4g}", value=ratio, grade=grade(abs(ratio - 1.0)))
+
+
+def _estimate(result: MethodResult, name: str) -> float | None:
+    found = result.response.estimate
+    return None if found is None else getattr(found, name)
+
+
+ERRORS = (
+    Column("max error", lambda one: _judged(one.accuracy.max_relative_error), "%"),
+    Column("rms error", lambda one: _share(one.accuracy.rms_relative_error), "%", 3),
+    Column("99.9th percentile", lambda one: _share(one.accuracy.p999_relative_error), "%", 3),
+    Column("peak pressure ratio", _ratio),
+    Column("displacement error", lambda one: _share(one.accuracy.displacement_error), "%", 3),
+    Column("max error of recovered pressures", lambda one: _judged(one.recovered_error), "%"),
+    Column("estimated max error", lambda one: _judged(_estimate(one, "max_relative_error")), "%"),
+    Column("estimated, tractions", lambda one: _share(_estimate(one, "max_traction_error")), "%"),
+    Column("certified: energy error", lambda one: _share(one.certified_energy_error), "%", 3),
+    Column("certified: clamp force error", lambda one: _share(one.certified_force_error), "%", 3),
+    Column("certified: max error", lambda one: _share(one.certified_bound), "%", 3),
+    Column("certified: increment", lambda one: _share(one.response.increment_error), "%", 3),
+    Column("residual of friction", lambda one: _share(one.response.law_residual), "%", 3),
+    Column("coordinates", lambda one: one.n_modes),
+)
+"""Errors of one method in one load case, the sharpest bounds first."""
+
+
+def error_table(case: CaseResult) -> Table:
+    """Return the errors of every method and size in one load case."""
+    if case.reference.backbones:
+        return backbone_error_table(case)
+    rows = {
+        label(name, count): result
+        for name, sizes in case.methods.items()
+        for count, result in sorted(sizes.items())
+    }
+    return described("method", rows.items(), ERRORS, NO_UNITS)
+
+
+def backbone_error_table(case: CaseResult) -> Table:
+    """Return how far the backbones of every method are from those of the full model."""
+    rows = {
+        label(name, count): (found, result)
+        for name, sizes in case.methods.items()
+        for count, result in sorted(sizes.items())
+        if (found := backbone_errors(result.response, case.reference)) is not None
+    }
+    columns = (
+        Column("frequency off by at most", lambda pair: _share(pair[0].frequency), "%", 3),
+        Column("damping ratio off by at most", lambda pair: _share(pair[0].damping), "%", 3),
+        Column("coordinates", lambda pair: pair[1].n_modes),
+    )
+    return described("method", rows.items(), columns, NO_UNITS)
+
+
+def load_space_table(results: Results) -> Table:
+    """Return errors at unseen loads; no rows without a load space."""
+    record = results.validation.load_space
+    rows = {
+        label(name, count): result
+        for name, sizes in (record.methods.items() if record else ())
+        for count, result in sorted(sizes.items())
+    }
+    columns = (
+        Column("median load's max error", lambda one: _share(one.median_error), "%", 3),
+        Column("worst load's max error", lambda one: _judged(one.worst_error), "%"),
+    )
+    return described("method", rows.items(), columns, NO_UNITS)
+
+
+def choice_table(results: Results) -> Table:
+    """Return numbers of joint modes chosen automatically; no rows where none were."""
+    columns = (
+        Column("joint modes chosen", lambda one: one.count),
+        Column(
+            "asked for",
+            lambda one: f"{one.measure.replace('_', ' ')} at most {percent(one.tolerance)}",
+        ),
+        Column("outcome", lambda one: "certified" if one.met else "not reached with all there are"),
+    )
+    return described("basis", results.validation.choices.items(), columns, NO_UNITS)
+
+
+def timing_table(results: Results) -> Table:
+    """Return what the full model and each method cost."""
+    cost = timings(results)
+    full = cost["full"]
+
+    def over(key: str) -> Any:
+        return lambda one: (
+            full[key] / one[key] if one is not full and _both(full, one, key) else None
+        )
+
+    columns = (
+        Column("offline", lambda one: one.get("offline"), "s", 3),
+        Column("per static case", lambda one: one.get("per_static_case"), "s", 3),
+        Column("full model's time over it", over("per_static_case"), "", 2),
+        Column("per time step", lambda one: one.get("per_step"), "s", 3),
+        Column("full model's time per step over it", over("per_step"), "", 2),
+    )
+    return described("model", {"full model": full, **cost["methods"]}.items(), columns, NO_UNITS)
+
+
+def _both(full: Mapping[str, float], one: Mapping[str, float], key: str) -> bool:
+    return key in full and bool(one.get(key))
+
+
+def stage_table(results: Results) -> Table:
+    """Return the wall time of every stage, and of the run until its report was drawn."""
+    times = {name: float(value) for name, value in results.timings.items()}
+    if times:
+        times["all of it, without files and report"] = sum(times.values())
+    return described(
+        "stage", times.items(), (Column("wall time", lambda one: one, "s", 3),), NO_UNITS
+    )

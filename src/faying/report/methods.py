@@ -1,0 +1,298 @@
+"""Which methods can be trusted for pressure, judged by their errors on the load cases of a run."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying.display.quantities import number, percent
+from faying.reduction.methods import METHODS
+from faying.report.reference import against, reference_note
+from faying.report.style import label
+from faying.study.jumps import jump_sentence
+from faying.study.results import CaseResult, MethodResult, Results
+from faying.study.step_check import step_check
+from faying.units import units_of
+
+GOOD = 0.05
+"""Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
+FAIR = 0.10
+"""Largest one that counts as usable with care; the paper rejects method A above it."""
+STEP_MATTERS = 0.05
+"""A change of the pressure with half the time step that a reader must know of."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodVerdict:
+    """What can be said of one method on all load cases.
+
+    Attributes
+    ----------
+    method
+    joint_modes
+        Count judged: the smallest from which on all counts are good, else the best one.
+    worst
+        Largest relative pressure error over the load cases; infinite where one has no solution.
+    case
+        Load case of the worst error.
+    grade
+        ``"good"``, ``"fair"`` or ``"poor"``.
+    sentence
+    only
+        Load cases it was compared on; empty where on all of them.
+    """
+
+    method: str
+    joint_modes: int
+    worst: float
+    case: str
+    grade: str
+    sentence: str
+    only: str = ""
+
+
+def grade(error: float) -> str:
+    """Return the grade of a largest relative pressure error."""
+    if error <= GOOD:
+        return "good"
+    return "fair" if error <= FAIR else "poor"
+
+
+def verdicts(results: Results) -> list[MethodVerdict]:
+    """Judge every method, the best first."""
+    names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
+    found = [verdict for name in names if (verdict := _judged(results.cases, name)) is not None]
+    return sorted(found, key=lambda verdict: verdict.worst)
+
+
+def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | None:
+    # Pressures of backbones are those of the preloaded joint, which tell nothing of vibrations.
+    cases = {name: case for name, case in cases.items() if case.kind != "backbone"} or cases
+    counts = sorted({n for case in cases.values() for n in case.methods.get(method, {})})
+    if not counts:
+        return None
+    asked = cases
+    if any(case.remedy and case.remedy.taken.method == method for case in cases.values()):
+        asked = {name: case for name, case in cases.items() if method in case.methods}
+    if not _is_transient(method):
+        asked = {name: case for name, case in asked.items() if case.times is None}
+    only = _only(method, asked, cases)
+    worst = {count: _worst(asked, method, count) for count in counts}
+    good = [
+        count for count in counts if all(worst[more][0] <= GOOD for more in counts if more >= count)
+    ]
+    chosen = good[0] if good else min(counts, key=lambda count: worst[count][0])
+    error, case = worst[chosen]
+    return MethodVerdict(
+        method=method,
+        joint_modes=chosen,
+        worst=error,
+        case=case,
+        grade=grade(error),
+        sentence=_sentence(asked, method, chosen, error, case, only, several=len(counts) > 1),
+        only=only,
+    )
+
+
+def _only(method: str, asked: Mapping[str, CaseResult], cases: Mapping[str, CaseResult]) -> str:
+    """Name the load cases a method was compared on, where it was not on all of them."""
+    if not _is_transient(method):
+        return "static loads"
+    return "" if len(asked) == len(cases) else ", ".join(asked)
+
+
+def _is_transient(method: str) -> bool:
+    """Return whether a method is for transients too; some of the literature's are not."""
+    return method not in METHODS or METHODS[method].transient
+
+
+def _worst(cases: Mapping[str, CaseResult], method: str, count: int) -> tuple[float, str]:
+    """Return the largest error over the load cases and where; infinite without a solution."""
+    worst = (0.0, "")
+    for name, case in cases.items():
+        result = case.methods.get(method, {}).get(count)
+        error = result.accuracy.max_relative_error if result else float("inf")
+        if error >= worst[0]:
+            worst = (error, name)
+    return worst
+
+
+def _sentence(
+    cases: Mapping[str, CaseResult],
+    method: str,
+    count: int,
+    error: float,
+    case: str,
+    only: str,
+    *,
+    several: bool,
+) -> str:
+    if error == float("inf"):
+        return f"{label(method, count)}: no solution in {case}; not to be trusted."
+    ratios = [result.accuracy.max_pressure_ratio for result in _all(cases, method, count)]
+    other = against(cases.values())
+    span = f"largest pressure {_span(ratios)} × {other}'s"
+    size = f"max relative pressure error against {other} {percent(error)} ({case}), {span}"
+    size += _recovery(_all(cases, method, count))
+    these = only or "these load cases" if _is_transient(method) else "these static load cases"
+    if error <= GOOD:
+        modes = f" from {_modes(count)} on" if count and several else ""
+        return f"can be trusted for pressure on {these}{modes}: {size}."
+    best = f"at best, with {_modes(count)}, " if count and several else ""
+    if error <= FAIR:
+        return f"usable with care: {best}{size}."
+    return f"not to be trusted for pressure on {these}: {best}{size}."
+
+
+def _modes(count: int) -> str:
+    return f"{count} joint mode{'s' if count > 1 else ''}"
+
+
+def _recovery(results: list[MethodResult]) -> str:
+    """Return how good pressures are that were recovered from the motion of transients."""
+    errors = [r.recovered_error for r in results if r.recovered_error is not None]
+    if not errors:
+        return ""
+    return f"; recovered from its motion in transients, pressures are off by {percent(max(errors))}"
+
+
+def _all(cases: Mapping[str, CaseResult], method: str, count: int) -> list[MethodResult]:
+    return [
+        case.methods[method][count]
+        for case in cases.values()
+        if count in case.methods.get(method, {})
+    ]
+
+
+def _span(values: list[float]) -> str:
+    low, high = number(min(values)), number(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def headline(found: list[MethodVerdict], results: Results) -> str:
+    """Return whether the pressures of reduced models can be trusted, in a sentence or two."""
+    if not coarse_steps(results):
+        return _answer(found)
+    own = against(results.cases.values()).capitalize()
+    return f"{_answer(found)} {own}'s own pressures are not converged in time in all load cases."
+
+
+def _answer(found: list[MethodVerdict]) -> str:
+    if not found:
+        return "No reduced model was compared with the full model."
+    good = [
+        label(v.method, v.joint_modes) + (f" ({v.only} only)" if v.only else "")
+        for v in found
+        if v.grade == "good"
+    ]
+    rest = [v.method for v in found if v.grade != "good"]
+    bound = f"max relative pressure error at most {100 * GOOD:g} % on every load case"
+    if not good:
+        best = found[0]
+        return (
+            f"No method meets the mark ({bound}); the nearest is "
+            f"{label(best.method, best.joint_modes)} with {percent(best.worst)}."
+        )
+    others = f" Not: {', '.join(rest)}." if rest else ""
+    return f"Can be trusted for pressure here ({bound}): {'; '.join(good)}.{others}"
+
+
+def coarse_steps(results: Results) -> list[str]:
+    """Name the load cases whose time step is not fine enough for the pressure."""
+    return [
+        f"{name}: the time step is not fine enough for the pressure: with half of it pressures of "
+        f"the {case.reference_model} change by up to {percent(check.largest)} of the peak "
+        f"({percent(check.change.rms_relative_error)} root mean square), the peak itself by "
+        f"{percent(check.peak_change)}"
+        for name, case in results.cases.items()
+        if (check := step_check(case)) is not None and check.largest > STEP_MATTERS
+    ]
+
+
+def reservations(results: Results) -> list[str]:
+    """Return what the errors do not say, the pressing ones first."""
+    said = [*filter(None, [reference_note(results)])]
+    if results.omissions:
+        said.append(
+            f"{len(results.omissions)} part(s) of the validation could not be computed; see the "
+            "warnings."
+        )
+    time = units_of(results.units).time
+    for name, case in results.cases.items():
+        history = case.kind == "history"
+        said += filter(None, [jump_sentence(name, case.jumps, time, history=history)])
+    said.extend(_undetermined(results))
+    said.extend(_unseen(results))
+    said.extend(_fewer_modes(results))
+    said.append(
+        f"Errors compare each reduced model with {against(results.cases.values())} on the same "
+        "mesh, contact law, "
+        "quadrature and time step, for these load cases only. They say nothing of other loads, "
+        f"nor of the full model's own discretization error{_mesh_error(results)}."
+    )
+    return said
+
+
+def _mesh_error(results: Results) -> str:
+    """Return what the mesh does to pressures at worst, estimated, to end a sentence with."""
+    errors = [error for case in results.cases.values() for error in case.mesh_errors.values()]
+    if not errors:
+        return ""
+    return (
+        f", which the mesh alone is estimated to make {percent(max(one.field for one in errors))} "
+        "of the peak in the root mean square"
+    )
+
+
+def _undetermined(results: Results) -> list[str]:
+    """Return the interfaces whose hard contact leaves pressures of points open."""
+    return [
+        f"{name}: hard contact at {len(record.weights)} points of {len(record.pairs)} node pairs "
+        "determines nodal forces, not the pressures of single points, nor their averages: another "
+        "solution of the same forces may carry other ones. A stiff penalty has unique pressures."
+        for name, record in results.interfaces.items()
+        if record.penalty == np.inf and len(record.weights) > len(record.pairs)
+    ]
+
+
+def _fewer_modes(results: Results) -> list[str]:
+    """Return the methods whose training gave fewer joint modes than the study asks for."""
+    try:
+        asked = tomllib.loads(results.study_text)["reduction"]["joint_modes"]
+        most = max(count for count in asked if isinstance(count, int))
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
+        return []
+    found = {
+        method: max(sizes)
+        for case in results.cases.values()
+        for method, sizes in case.methods.items()
+        if max(sizes, default=0) > 0
+    }
+    return [
+        f"{method}: {most} joint modes were asked for, but only {_modes(count)} could be made; "
+        "more sides or levels of the training box, for method A more subareas, give more."
+        for method, count in found.items()
+        if count < most
+    ]
+
+
+def _unseen(results: Results) -> list[str]:
+    """Return the methods that are good on the load cases only."""
+    said = []
+    for verdict in verdicts(results):
+        elsewhere = _elsewhere(results, verdict)
+        if verdict.grade == "good" and elsewhere > GOOD:
+            said.append(
+                f"{label(verdict.method, verdict.joint_modes)}: good on the load cases, but "
+                f"{percent(elsewhere)} off at the worst static load found beyond them."
+            )
+    return said
+
+
+def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
+    """Return the largest error of a method of that size at loads beyond the load cases."""
+    found = results.validation
+    sizes = found.load_space.methods.get(verdict.method, {}) if found.load_space else {}
+    errors = [sizes[verdict.joint_modes].worst_error] if verdict.joint_modes in sizes else []
+    return max(errors, default=0.0)

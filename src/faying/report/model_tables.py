@@ -1,0 +1,114 @@
+"""Tables of the model itself: its size, its interfaces, and its bolts as they were tightened."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from faying.display.quantities import quantity
+from faying.interface.surface import curve_of
+from faying.report.table import Column, Table, described, table
+from faying.study.declared import kept_share
+from faying.study.results import InterfaceRecord, Results
+from faying.units import units_of
+
+
+def model_table(results: Results) -> Table:
+    """Return the facts of the model."""
+    units = units_of(results.units)
+    kinds = ", ".join(dict.fromkeys(block.kind for block in results.blocks)) or "none"
+    elements = sum(len(block.ids) for block in results.blocks)
+    rows = [
+        ("nodes", f"{len(results.nodes)}"),
+        ("solid elements", f"{elements} ({kinds})"),
+        ("bodies", f"{int(results.body.max(initial=-1)) + 1}"),
+        ("free degrees of freedom", f"{results.dofs}"),
+        *_factorization(results),
+        ("mass", quantity(results.mass, units.mass, 4)),
+        *_normal_modes(results),
+        ("units", f"{results.units}: forces in {units.force}, pressures in {units.pressure}"),
+    ]
+    return table(("model", ""), rows)
+
+
+def _factorization(results: Results) -> Iterator[tuple[str, str]]:
+    """Say which library factorized, and how much memory that took."""
+    backend = results.provenance.get("factorization")
+    if backend:
+        yield "factorization", f"{backend}, {results.factor_bytes / 1e6:.0f} MB of factors"
+
+
+def _normal_modes(results: Results) -> Iterator[tuple[str, str]]:
+    """Say whether all fixed-interface normal modes up to some frequency are there."""
+    count, units = results.normal_modes, units_of(results.units)
+    if count is None:
+        return
+    below = quantity(count.below, "Hz" if units.time == "s" else units.of("1/time"), 4)
+    found = f"{count.found} below {below}, not counted: {count.reason}"
+    if count.counted is not None:
+        found = f"{count.found} of {count.counted} below {below} found"
+    yield "fixed-interface normal modes", found
+
+
+def interface_table(results: Results) -> Table:
+    """Return geometry, contact law and preloaded state of the interfaces."""
+    columns = (
+        Column("node pairs", lambda face: len(face.pairs)),
+        Column("contact points", lambda face: len(face.weights)),
+        Column("quadrature", lambda face: face.quadrature),
+        Column("area", lambda face: float(face.weights.sum()), "length²"),
+        Column("of the declared", _declared, "%", 3),
+        Column("contact", _law),
+        Column("penalty stiffness", _stiffness, "force/length³", 3),
+        Column("friction", lambda face: face.friction or None, "", 3),
+        Column("stick stiffness", _sticking, "force/length³", 3),
+        Column("tied pairs", lambda face: int(face.stuck.sum()) or None),
+        Column(
+            "largest preload pressure",
+            lambda face: float(face.preload_pressure.max(initial=0)),
+            "force/length²",
+        ),
+        Column("without preload pressure", _open, "%", 3),
+    )
+    return described("interface", results.interfaces.items(), columns, units_of(results.units))
+
+
+def _declared(face: InterfaceRecord) -> float | None:
+    share = kept_share(float(face.weights.sum()), face.declared_area)
+    return None if share is None else 100 * share
+
+
+def _law(face: InterfaceRecord) -> str | None:
+    """Name contact that has no stiffness of its own."""
+    if face.penalty is None:
+        return str(curve_of(face.closure).name)
+    return "hard" if face.penalty == np.inf else None
+
+
+def _stiffness(face: InterfaceRecord) -> float | None:
+    return None if face.penalty is None or face.penalty == np.inf else face.penalty
+
+
+def _sticking(face: InterfaceRecord) -> float | str | None:
+    if not face.friction:
+        return None
+    return "rigid" if np.isinf(face.tangential_penalty) else face.tangential_penalty
+
+
+def _open(face: InterfaceRecord) -> float:
+    total = float(face.weights.sum())
+    return 100 * float(face.weights[face.preload_pressure <= 0].sum()) / total if total > 0 else 0.0
+
+
+def bolt_table(results: Results) -> Table:
+    """Return preloads and what the tightening reached."""
+    columns = (
+        Column("nominal preload", lambda bolt: bolt.preload, "force", 5),
+        Column(
+            "after tightening",
+            lambda bolt: float(bolt.history[-1]) if len(bolt.history) else None,
+            "force",
+            5,
+        ),
+        Column("initial force it is locked at", lambda bolt: bolt.initial_force, "force", 5),
+    )
+    return described("bolt", results.bolts.items(), columns, units_of(results.units))

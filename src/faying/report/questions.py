@@ -1,0 +1,372 @@
+"""The sections of a report: one for each question an engineer asks of a joint."""
+
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from faying.assessment.clamp_range import ClampRange
+from faying.assessment.joint_record import Assessment
+from faying.assessment.preload_scatter import Spread
+from faying.display.quantities import number, percent, place
+from faying.report.figures.backbone import abscissa, unit_of
+from faying.report.figures.entry import FigureEntry
+from faying.report.slip import most_slip, slip_sentence
+from faying.report.slip_tables import demand_table, friction_table
+from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
+from faying.study.comparison import rubbed
+from faying.study.opening import opening
+from faying.study.results import CaseResult, Results
+from faying.units import Units, units_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """What the report says to one question.
+
+    Attributes
+    ----------
+    title
+    sentence
+        The answer, where one sentence has it.
+    tables
+    notes
+        What the words in the tables mean.
+    figures
+        Of the load case that decides.
+    """
+
+    title: str
+    sentence: str = ""
+    tables: tuple[Table, ...] = ()
+    notes: str = ""
+    figures: Sequence[FigureEntry] = field(default=())
+
+
+def questions(results: Results, figures: Sequence[FigureEntry]) -> list[Section]:
+    """Return the sections that have something to say, in their order."""
+    found = results.assessment
+    sections = [
+        *(() if found is None else _of_assessment(results, found, figures)),
+        _damping(results, figures),
+        _load_cases(results, figures),
+    ]
+    return [one for one in sections if one.sentence or any(t.rows for t in one.tables)]
+
+
+def _of_assessment(
+    results: Results, found: Assessment, figures: Sequence[FigureEntry]
+) -> Iterator[Section]:
+    yield _bolts(results, found)
+    yield _opening(results, found, figures)
+    yield _slip(results, found, figures)
+    yield _pressure(results, found, figures)
+
+
+def _bolts(results: Results, found: Assessment) -> Section:
+    units = units_of(results.units)
+    columns = (
+        Column("preload", lambda bolt: bolt.preload, "force", 5),
+        Column("smallest force", lambda bolt: bolt.least, "force", 5),
+        Column("in", lambda bolt: bolt.least_case),
+        Column("largest force", lambda bolt: bolt.most, "force", 5),
+        Column("in", lambda bolt: bolt.most_case),
+        Column("load factor Φ", lambda bolt: max(bolt.load_factors.values(), default=None), "", 3),
+        Column("in", lambda bolt: largest(bolt.load_factors)),
+        Column("bending added", lambda bolt: bolt.bending and bolt.bending.added, FL),
+        Column("in", lambda bolt: bolt.bending and bolt.bending.added_case),
+        Column("stress amplitude", lambda bolt: bolt.thread and bolt.thread.amplitude, PRESSURE),
+    )
+    bolts = described("bolt", found.bolts.items(), columns, units)
+    phi = any(bolt.load_factors for bolt in found.bolts.values())
+    return Section(
+        title="Bolts",
+        tables=(bolts, _scatter(found.scatter, units)),
+        notes="Φ = ΔF_S / F_A: the share of the axial load that the bolt takes." if phi else "",
+    )
+
+
+def _scatter(spreads: Sequence[Spread], units: Units) -> Table:
+    """Return what scatter of the preloads does to static load cases."""
+    columns = (
+        Column("over scattered preloads", lambda one: one.metric.replace(".", " of ")),
+        Column("unit", lambda one: units.of(one.dimension)),
+        Column("as meant", lambda one: one.meant),
+        Column("smallest", lambda one: one.least),
+        Column("5 % below", lambda one: one.p05),
+        Column("half below", lambda one: one.median),
+        Column("95 % below", lambda one: one.p95),
+        Column("largest", lambda one: one.most),
+    )
+    return described("load case", [(one.case, one) for one in spreads], columns, units)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Area:
+    """An interface, or its part nearest to a bolt."""
+
+    clamp: ClampRange
+    opening: Mapping[str, float]
+    closed: float | None = None
+    closed_case: str | None = None
+    gap: float | None = None
+    gap_case: str | None = None
+
+
+def clamp_table(areas: Mapping[str, _Area], units: Units) -> Table:
+    """Return the clamp forces and openings of interfaces and of their parts nearest to bolts."""
+    columns = (
+        Column("clamp force of the preload", lambda area: area.clamp.preload, "force", 5),
+        Column("smallest", lambda area: area.clamp.least, "force", 5),
+        Column("in", lambda area: area.clamp.least_case),
+        Column("certified to ±", lambda area: _half(area.clamp), "force", 2),
+        Column("opens at", lambda area: _least(area.opening), "× load"),
+        Column("in", lambda area: _least_case(area.opening)),
+        Column("smallest area under pressure", lambda area: area.closed, "length²"),
+        Column("in", lambda area: area.closed_case),
+        Column("largest gap", lambda area: area.gap, "length"),
+        Column("in", lambda area: area.gap_case),
+    )
+    return described("interface", areas.items(), columns, units)
+
+
+def _opening(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -> Section:
+    areas = dict(clamped_areas(results, found))
+    opened = any(area.opening for area in areas.values())
+    widest = max(areas.values(), key=lambda area: area.gap or 0.0, default=None)
+    return Section(
+        title="Opening",
+        tables=(clamp_table(areas, units_of(results.units)),),
+        notes=(
+            f"Opens: less than {percent(found.open_below)} of the area that the preload presses is "
+            "pressed; the load grows in proportion, the bolts are locked."
+            if opened
+            else ""
+        ),
+        figures=_figures(figures, widest.gap_case, "gap") if widest and widest.gap_case else [],
+    )
+
+
+def clamped_areas(results: Results, found: Assessment) -> Iterator[tuple[str, _Area]]:
+    """Yield interfaces and, where several bolts share one, what is around each."""
+    for name, one in found.interfaces.items():
+        gaps = {
+            case.name: seen.gap
+            for case in results.cases.values()
+            if (seen := opening(results.interfaces[name], case)) is not None and seen.gap > 0
+        }
+        yield (
+            name,
+            _Area(
+                clamp=ClampRange(
+                    preload=one.preload,
+                    least=one.least_clamp,
+                    least_case=one.least_clamp_case,
+                    certified_least=one.certified,
+                    most=one.most_clamp,
+                    most_case=one.most_clamp_case,
+                    certified_most=one.certified_most,
+                    certified_width=one.certified_width,
+                ),
+                opening=one.opening,
+                closed=one.closed_area,
+                closed_case=one.closed_area_case,
+                gap=max(gaps.values(), default=None),
+                gap_case=largest(gaps),
+            ),
+        )
+        near = {b: bolt for b, bolt in found.bolts.items() if name in bolt.clamp_around}
+        if len(near) > 1:
+            for b, bolt in near.items():
+                factors = bolt.opening_around.get(name, {})
+                yield f"{name} around {b}", _Area(clamp=bolt.clamp_around[name], opening=factors)
+
+
+def _half(clamp: ClampRange) -> float | None:
+    ends = clamp.certified_least
+    return None if ends is None else float(np.ptp(ends)) / 2
+
+
+def _least(factors: Mapping[str, float]) -> Cell | float | None:
+    """Return the smallest load factor; of loads that never open it the text says so."""
+    least = min(factors.values(), default=None)
+    return Cell(text="never") if least == np.inf else least
+
+
+def _least_case(factors: Mapping[str, float]) -> str | None:
+    case = min(factors, key=factors.__getitem__, default=None)
+    return case if case is not None and np.isfinite(factors[case]) else None
+
+
+def _slip(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -> Section:
+    demands, paths, notes = demand_table(results), friction_table(results), list[str]()
+    if any(one.slip is not None and not one.slip.unknown for one in found.interfaces.values()):
+        notes.append(
+            "Friction needed: for all that acts along the interface, the bolts carrying no shear."
+        )
+    if any(case.reserve for case in results.cases.values()) and paths.rows:
+        notes.append(
+            "The load grows in proportion from the preloaded joint. Points that tightening left at "
+            "their friction bound slip under almost any load; slip begins where a twentieth of the "
+            "others does."
+        )
+    slips = {
+        name: max((most_slip(one) for one in rubbed(case.reference)), default=0.0)
+        for name, case in results.cases.items()
+    }
+    worst = largest(slips)
+    shown = worst is not None and slips[worst] > 0
+    return Section(
+        title="Slip",
+        sentence=slip_sentence(results),
+        tables=(demands, paths),
+        notes=" ".join(notes),
+        figures=_figures(figures, str(worst), "slip") if shown else [],
+    )
+
+
+def _pressure(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -> Section:
+    units = units_of(results.units)
+
+    def at(name: str) -> str:
+        size = float(np.ptp(results.interfaces[name].points, axis=0).max())
+        return place(found.interfaces[name].max_pressure_point, "", size).rstrip()
+
+    faces = found.interfaces
+    columns = (
+        Column("largest at a point", lambda name: faces[name].max_pressure, PRESSURE),
+        Column("in", lambda name: faces[name].max_pressure_case),
+        Column(f"at (x, y, z) [{units.length}]", at),
+        Column("largest average around a node", lambda n: faces[n].max_nodal_pressure, PRESSURE),
+        Column("in", lambda name: faces[name].max_nodal_pressure_case),
+    )
+    mapped = [one.section for one in figures if one.stem == "pressure"]
+    worst = max(mapped, key=lambda case: results.cases[case].reference.pressure.max(), default=None)
+    return Section(
+        title="Pressure",
+        tables=(described("interface", [(name, name) for name in faces], columns, units),),
+        figures=_figures(figures, worst, "pressure") if worst else [],
+    )
+
+
+def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
+    """Return frequency and damping over amplitude, and what cycles take."""
+    units = units_of(results.units)
+    curves = {
+        f"{case.name}, mode {mode}": one
+        for case in results.cases.values()
+        for mode, one in case.reference.backbones.items()
+    }
+    modes = (
+        Column("frequency of small vibrations", lambda one: one.small_frequency, "1/time"),
+        Column("smallest amplitude", lambda one: _measured(one, 0, units)),
+        Column("damping ratio there", lambda one: 100 * one.damping_ratio[0], "%", 3),
+        Column("largest amplitude", lambda one: _measured(one, -1, units)),
+        Column("damping ratio there", lambda one: 100 * one.damping_ratio[-1], "%", 3),
+        Column("frequency there", lambda one: one.frequency[-1], "1/time"),
+    )
+    cycles = {
+        f"{case.name}, ± {number(one.amplitude)} × load": one
+        for case in results.cases.values()
+        for one in case.reference.cycles.values()
+    }
+    loops = (
+        Column("energy per cycle", lambda one: float(one.energies[-1]), FL),
+        Column("cycles solved", lambda one: len(one.energies)),
+        Column("repeats", lambda one: "yes" if one.stationary else "still changing"),
+        Column("largest slip range", lambda one: float(one.slip_range.max(initial=0.0)), "length"),
+    )
+    cases = [one.name for one in results.cases.values() if one.kind in ("backbone", "cycle")]
+    return Section(
+        title="Damping",
+        tables=(
+            described("vibration", curves.items(), modes, units),
+            described("cycle", cycles.items(), loops, units),
+        ),
+        figures=[
+            one
+            for case in cases
+            for one in _figures(figures, case, "backbones", "backbone_slip", "loops", "fretting")
+        ],
+    )
+
+
+def _measured(one: Any, at: int, units: Units) -> str:
+    return f"{number(float(abscissa(one)[at]))} {unit_of(one, units)}"
+
+
+def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
+    units = units_of(results.units)
+    loads = applied_loads(results.study_text, units)
+    columns = (
+        Column("kind", lambda case: case.kind),
+        Column("loads", lambda case: loads.get(case.name, "see the study")),
+        Column("largest pressure", lambda case: float(case.reference.pressure.max()), PRESSURE),
+        *(
+            Column(f"least clamp force of {name}", _least_force(name), "force", 5)
+            for name in results.interfaces
+        ),
+        Column("largest bolt force", _bolt_force, "force", 5),
+        Column("opened by the load", lambda case: _opened(results, case), "%", 3),
+    )
+    moving = [one.name for one in results.cases.values() if one.times is not None]
+    vibrating = any(case.reference.backbones for case in results.cases.values())
+    return Section(
+        title="Load cases",
+        tables=(described("load case", results.cases.items(), columns, units),),
+        notes="Of vibrations: the joint at rest." if vibrating else "",
+        figures=[one for case in moving for one in _figures(figures, case, "response", "friction")],
+    )
+
+
+def _least_force(name: str) -> Any:
+    return lambda case: float(np.min(case.reference.contact_forces[name]))
+
+
+def _bolt_force(case: CaseResult) -> float | None:
+    return max((float(np.max(f)) for f in case.reference.bolt_forces.values()), default=None)
+
+
+def _opened(results: Results, case: CaseResult) -> float:
+    found = (opening(record, case) for record in results.interfaces.values())
+    return 100 * max((one.opened for one in found if one is not None), default=0.0)
+
+
+def applied_loads(study_text: str, units: Units) -> dict[str, str]:
+    """Return the loads of each load case as the study states them; empty where it cannot be read.
+
+    Results of a study that a later version wrote still make a report.
+    """
+    try:
+        cases = tomllib.loads(study_text).get("load_case", [])
+        return {case["name"]: _applied(case, units) for case in cases}
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _applied(case: dict[str, Any], units: Units) -> str:
+    """Return the loads of a case, or what it has in their place."""
+    if case["kind"] == "backbone":
+        return f"mode{'s' * (len(case['modes']) > 1)} {', '.join(map(str, case['modes']))}"
+    return ", ".join(_force(force, units) for force in case["forces"])
+
+
+def _force(force: dict[str, object], units: Units) -> str:
+    value = force.get("value")
+    kind = next((key for key in ("deck_load", "temperature") if force.get(key) is not None), "")
+    name = f"{kind.replace('_', ' ')} {force[kind]}" if kind else None
+    target = name or f"{force['boundary']} {force['component']}"
+    if not isinstance(value, int | float):
+        return f"{target} from {force.get('file')}"
+    if name is not None:
+        return f"{value:g} × {target}".replace("-", "−")
+    is_moment = str(force["component"]).startswith("M")
+    unit = f"{units.force}·{units.length}" if is_moment else units.force
+    return f"{target} = {value:g} {unit}".replace("-", "−")
+
+
+def _figures(figures: Sequence[FigureEntry], case: str, *stems: str) -> list[FigureEntry]:
+    """Return pictures of a load case."""
+    return [one for one in figures if one.section == case and one.stem in stems]

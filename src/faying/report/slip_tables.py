@@ -1,0 +1,116 @@
+"""Tables of slip: what interfaces need of friction, and what it does in each load case."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from faying.assessment.growth import PRECISION
+from faying.assessment.slip_demand import SlipDemand
+from faying.assessment.slip_reserve import SlipReserve
+from faying.display.quantities import number, percent, place
+from faying.report.slip import most_slip
+from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
+from faying.study.comparison import rubbed
+from faying.study.results import CaseResult, Results
+from faying.units import units_of
+
+
+def demand_table(results: Results) -> Table:
+    """Return the friction that interfaces and their parts nearest to bolts need, by sums."""
+    found = results.assessment
+    demands: dict[str, SlipDemand] = {}
+    for name, one in (found.interfaces if found else {}).items():
+        if one.slip is None:
+            continue
+        demands[name] = one.slip
+        near = {
+            bolt: area.slip_around[name]
+            for bolt, area in (found.bolts if found else {}).items()
+            if name in area.slip_around and not one.slip.unknown
+        }
+        demands |= {f"{name} around {bolt}": d for bolt, d in near.items() if len(near) > 1}
+    columns = (
+        Column("friction needed", _needed, "", 3),
+        Column("in", _needing),
+        Column("force along it", lambda one: _there(one, one.tangential_force), "force", 5),
+        Column("moment", lambda one: _there(one, one.moment), FL),
+        Column("clamp force", lambda one: _there(one, one.clamp_force), "force", 5),
+        Column("friction given", lambda one: one.coefficient, "", 3),
+        Column("safety S_G", lambda one: min(one.safety.values(), default=None), "", 3),
+        Column("not known", lambda one: one.unknown or None),
+    )
+    return described("interface", demands.items(), columns, units_of(results.units))
+
+
+def _needing(one: SlipDemand) -> str | None:
+    return largest(one.needed_friction)
+
+
+def _needed(one: SlipDemand) -> Cell | float | None:
+    case = _needing(one)
+    needed = None if case is None else one.needed_friction[case]
+    return Cell(text="nothing is pressed") if needed == np.inf else needed
+
+
+def _there(one: SlipDemand, values: Mapping[str, float]) -> float | None:
+    return values.get(str(_needing(one)))
+
+
+def friction_table(results: Results) -> Table:
+    """Return what friction does in each load case."""
+    rubbing = any(face.friction > 0 for face in results.interfaces.values())
+    rows = {
+        name: case for name, case in results.cases.items() if rubbing and rubbed(case.reference)
+    }
+    share = next((case.reserve.share for case in rows.values() if case.reserve), 0.5)
+    columns = (
+        Column(
+            "largest traction", lambda case: max(o.max_traction for o in _rubbed(case)), PRESSURE
+        ),
+        Column("energy taken", _energy, FL),
+        Column("slips at most", lambda case: 100 * max(map(most_slip, _rubbed(case))), "%", 3),
+        Column("first point slips at", lambda case: _factor(case.reserve, "first_slip"), "× load"),
+        Column("where", lambda case: _where(results, case)),
+        Column("slip begins at", lambda case: _factor(case.reserve, "onset"), "× load"),
+        Column(
+            f"{percent(share)} of the area slips at",
+            lambda case: _factor(case.reserve, "share_slip"),
+            "× load",
+        ),
+        Column("slides as a whole at", lambda case: _factor(case.reserve, "gross_slip"), "× load"),
+        Column("interface", lambda case: (case.reserve and case.reserve.slides) or None),
+    )
+    return described("load case", rows.items(), columns, units_of(results.units))
+
+
+def _energy(case: CaseResult) -> float | None:
+    """Return what friction took since the preload; of cycles damping tells it."""
+    return None if case.kind == "cycle" else float(_rubbed(case)[-1].dissipation.sum())
+
+
+def _rubbed(case: CaseResult) -> Any:
+    return rubbed(case.reference)
+
+
+def _factor(reserve: SlipReserve | None, name: str) -> Cell | float | None:
+    """Return a load factor, or beyond which one nothing is known."""
+    if reserve is None:
+        return None
+    factor = getattr(reserve, name)
+    if factor is None:
+        until = " (no solution beyond)" if reserve.stopped else ""
+        return Cell(text=f"above {number(reserve.largest)}{until}")
+    if factor < PRECISION:  # round-off of what tightening left at its bound
+        return Cell(text=f"< {PRECISION:g}", value=factor)
+    return float(factor)
+
+
+def _where(results: Results, case: CaseResult) -> str | None:
+    reserve = case.reserve
+    if reserve is None or reserve.interface not in results.interfaces:
+        return None
+    record = results.interfaces[reserve.interface]
+    size = float(np.ptp(record.points, axis=0).max())
+    point = place(record.points[reserve.point], units_of(results.units).length, size)
+    return f"{reserve.interface} {point}"

@@ -1,0 +1,133 @@
+"""What limits the full model's own accuracy, in the figures of the run that is reported."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from faying.display.quantities import number, percent, quantity
+from faying.interface.surface import curve_of
+from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.step_check import step_check
+from faying.study.step_choice import choice_sentence, step_choice
+from faying.units import Units, units_of
+
+SMOOTH = 0.05
+"""Excess of the largest point pressure over the largest nodal average that is not worth a word."""
+
+
+def trust(results: Results) -> dict[str, str]:
+    """Return what is to be said of quadrature and mesh, time step and contact law, by title."""
+    units = units_of(results.units)
+    resolution = [*_resolution(results, units), *_mesh(results)]
+    found = {"Mesh and quadrature": " ".join(resolution)}
+    steps = [text for name, case in results.cases.items() if (text := _step(name, case, units))]
+    if steps:
+        found["Time step"] = " ".join(steps)
+    found["Contact law"] = " ".join(_law(results, units))
+    return found
+
+
+def _resolution(results: Results, units: Units) -> Iterator[str]:
+    for name, record in results.interfaces.items():
+        facets = sum(len(faces.minus) for faces in record.faces)
+        edge = np.sqrt(float(record.weights.sum()) / max(facets, 1))
+        yield (
+            f"{name}: {len(record.weights)} contact points by the rule {record.quadrature} on "
+            f"{facets} facets, {quantity(edge, units.length)} wide on average."
+        )
+    worst = max((_peaks(results, case) for case in results.cases.values()), default=None)
+    if worst is None or worst[1] <= 0:
+        return
+    excess, average, peak, case = worst
+    yield (
+        f"The largest pressure at a point stands up to {percent(excess)} above the largest nodal "
+        f"average ({quantity(peak, units.pressure)} against {quantity(average, units.pressure)} "
+        f"in {case})."
+    )
+    yield (
+        "So much of the peak hangs on where the rule puts its points."
+        if excess > SMOOTH
+        else "Where the rule puts its points hardly shows."
+    )
+
+
+def _mesh(results: Results) -> Iterator[str]:
+    """Say what the mesh does to the pressures of each interface, in its worst load case."""
+    for name, record in results.interfaces.items():
+        found = [(case.mesh_errors[name], case) for case in _with_estimate(results, name)]
+        if not found:
+            yield f"{name}: what the mesh does to its pressures could not be estimated."
+            continue
+        field, where = max(((error.field, case.name) for error, case in found))
+        yield (
+            f"{name}: estimated from this mesh alone, its pressures are off by "
+            f"{percent(field)} of the peak in the root mean square ({where}), single points by up "
+            f"to {percent(max(error.largest for error, _ in found))}."
+        )
+        if record.quadrature == "nodal":
+            yield "Under nodal quadrature the truth was up to three times the estimate."
+    yield (
+        "This is an estimate, no bound, and none of the peak: refine the interface and compare. "
+        "A peak at a sharp edge grows with every refinement."
+    )
+
+
+def _with_estimate(results: Results, interface: str) -> list[CaseResult]:
+    return [case for case in results.cases.values() if interface in case.mesh_errors]
+
+
+def _peaks(results: Results, case: CaseResult) -> tuple[float, float, float, str]:
+    """Return excess, largest nodal average and largest pressure when it peaks, and the case."""
+    pressure = np.atleast_2d(case.reference.pressure)
+    at_peak = pressure[pressure.max(axis=1, initial=0.0).argmax()]
+    averages = [_average(record, at_peak) for record in results.interfaces.values()]
+    average, peak = max(averages, default=0.0), float(at_peak.max(initial=0.0))
+    return (peak / average - 1.0 if average > 0 else 0.0), average, peak, case.name
+
+
+def _average(record: InterfaceRecord, pressure: np.ndarray) -> float:
+    return float(record.nodal_average(pressure[slice(*record.slice)]).max(initial=0.0))
+
+
+def _step(name: str, case: CaseResult, units: Units) -> str:
+    """Return what is known of the time step of a load case; nothing of a static one."""
+    if case.times is None or len(case.times) < 2:
+        return ""
+    step = quantity(float(case.times[1] - case.times[0]), units.time)
+    choice = step_choice(case)
+    if choice is not None:
+        return choice_sentence(name, choice)
+    check = step_check(case)
+    if check is None:
+        return f"{name}: a step of {step}; it was not checked, so convergence in time is open."
+    return (
+        f"{name}: a step of {step}; with half of it pressures change by up to "
+        f"{percent(check.largest)} of the peak, {percent(check.change.rms_relative_error)} in the "
+        f"root mean square, boundary displacements by "
+        f"{percent(check.change.displacement_error)} of the largest. Reduced models take the same "
+        "step, so that their errors do not show this."
+    )
+
+
+def _law(results: Results, units: Units) -> Iterator[str]:
+    """Say what each interface gives way by: its penalty's penetration, or round-off."""
+    for name, record in results.interfaces.items():
+        own = slice(*record.slice)
+        gaps = [case.reference.gap[..., own] for case in results.cases.values()]
+        depth = max((float(-gap.min(initial=0.0)) for gap in gaps), default=0.0)
+        if record.penalty == np.inf:
+            yield f"{name}: hard contact, nothing penetrates."
+            continue
+        if record.penalty is None:
+            yield (
+                f"{name}: pressure follows closure by the curve "
+                f"'{curve_of(record.closure).name}' of the study; surfaces approach by up to "
+                f"{quantity(depth, units.length)} in these load cases."
+            )
+            continue
+        yield (
+            f"{name}: pressure is {number(record.penalty)} {units.of('force/length³')} times "
+            f"penetration, which reaches {quantity(depth, units.length)} in these load cases."
+        )
+    if results.validation.penalty is not None:
+        yield "The page on methods says what that stiffness does to the pressures."

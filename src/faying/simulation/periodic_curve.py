@@ -1,0 +1,282 @@
+"""Periodic motions over frequency: Newton's method with exact derivatives along the curve.
+
+A step goes along the tangent and ends at the next frequency asked for where the curve allows it,
+else on a plane across the tangent (pseudo-arclength; E. L. Allgower & K. Georg, Introduction to
+Numerical Continuation Methods, 2003, §6), so that turning points are passed. Steps of Newton's
+method are judged by what the same factors leave of the next one (natural monotonicity; P.
+Deuflhard, Newton Methods for Nonlinear Problems, 2011, §3.3): residuals say nothing at a resonance.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import cast, final
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import ConvergenceError
+from faying.simulation.periodic import Derivatives, Motion, PeriodicProblem
+
+ROUND_OFF, SOLVED = 1e-9, 1e-6
+"""Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
+accepted where round-off allows no less."""
+
+MOST_STEPS = 25
+"""Steps of Newton's method; 3 to 8 are usual."""
+
+LEAST_PART = 1 / 64
+"""Part of a step of Newton's method below which it is given up."""
+
+FARTHEST = 0.5
+"""Step of Newton's method over the unknowns that is taken whole."""
+
+BEND = 0.4
+"""What a point may differ from the one before, over it."""
+
+SHORTEST = 1e-4
+"""Step along the curve, over BEND, below which it is given up."""
+
+MOST_ROUNDS = 12
+"""Times that points are watched besides because they did not stay stuck."""
+
+RISE, LEAST_RISE = 0.25, 0.01
+"""Steps of the level towards a first motion, over it: the first one and the least."""
+
+FAR = 0.5
+"""How far a curve may go on its way to the next frequency and back, over that where it begins."""
+
+MOST_POINTS = 100
+"""Points of a curve between two frequencies asked for."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CurvePoint:
+    """A motion that is solved, and the way on.
+
+    Attributes
+    ----------
+    problem
+        With the points that had to be watched.
+    motion
+    derivatives
+    error
+        Next step of Newton's method over the unknowns.
+    """
+
+    problem: PeriodicProblem
+    motion: Motion
+    derivatives: Derivatives
+    error: float
+
+    @property
+    def unknowns(self) -> Vector:
+        """Real unknowns (size,)."""
+        return self.problem.packed(self.motion.harmonics)
+
+    def tangent(self) -> Vector:
+        """Return d(unknowns)/dω and 1 (size + 1,), as long as their change over their size."""
+        slopes = self.derivatives.residual
+        moved = la.solve(slopes[:, :-1], -slopes[:, -1])
+        return np.append(moved, 1.0)
+
+
+def solve_motion(
+    problem: PeriodicProblem,
+    unknowns: Vector,
+    circular: float,
+    across: Vector | None = None,
+    begun: Sequence[Matrix] | None = None,
+) -> CurvePoint:
+    """Solve for the motion at a frequency, or on the plane through a guess across a tangent.
+
+    Parameters
+    ----------
+    across : (size + 1,)
+        Normal of the plane, in unknowns and circular frequency; by default the frequency stays.
+    begun : (PERIODS N, n_touched) or None [length]
+        Where the pairs may be along the path.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton's method, an increment, or the search for points that slip does not arrive.
+    """
+    for _ in range(MOST_ROUNDS):
+        problem, motion = _watched(problem, problem.follow(unknowns, circular, begun))
+        point = _newton(problem, motion, across)
+        problem, motion = _watched(problem, point.motion)
+        if problem is point.problem:
+            return point
+        unknowns, circular = point.unknowns, point.motion.circular
+        begun = problem.begun(motion)
+    message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
+    raise ConvergenceError(message)
+
+
+def _watched(problem: PeriodicProblem, motion: Motion) -> tuple[PeriodicProblem, Motion]:
+    """Watch all points that leave their springs in a motion that needs not be periodic yet."""
+    for _ in range(MOST_ROUNDS):
+        displaced = problem.displaced(motion)
+        leaving = problem.stuck.leaving(displaced, problem.local.points)
+        if not len(leaving):
+            return problem, motion
+        problem = problem.watching(np.union1d(problem.local.points, leaving))
+        pairs = problem.local.pairs
+        begun = list((problem.stuck.moved[pairs, None] + displaced[pairs]).T)
+        unknowns = problem.packed(motion.harmonics)
+        motion = problem.follow(unknowns, motion.circular, begun)
+    message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
+    raise ConvergenceError(message)
+
+
+def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> CurvePoint:
+    x = np.append(problem.packed(motion.harmonics), motion.circular)
+    border = np.append(np.zeros(problem.size), 1.0) if across is None else across
+    for _ in range(MOST_STEPS):
+        derivatives = problem.derivatives(motion)
+        factors = la.lu_factor(np.vstack([derivatives.residual, border]), check_finite=False)
+
+        def step(at: Motion, factors: tuple[Matrix, Indices] = factors) -> Vector:
+            return np.asarray(la.lu_solve(factors, -np.append(problem.residual(at), 0.0)))
+
+        change = step(motion)
+        size = float(np.linalg.norm(x[:-1]))
+        error = float(np.linalg.norm(change[:-1])) / max(size, np.finfo(float).tiny)
+        if not np.isfinite(error):
+            break
+        point = CurvePoint(problem=problem, motion=motion, derivatives=derivatives, error=error)
+        if error <= ROUND_OFF:
+            return point
+        part = min(1.0, FARTHEST / error)
+        while part >= LEAST_PART:
+            trial = x + part * change
+            if trial[-1] > 0:
+                guess = problem.begun(motion, part * change, derivatives)
+                moved = problem.follow(trial[:-1], float(trial[-1]), guess)
+                left = np.linalg.norm(step(moved)[:-1])
+                if left <= (1 - part / 4) * np.linalg.norm(change[:-1]):
+                    break
+            part /= 2
+        if part < LEAST_PART:
+            if error <= SOLVED:
+                return point
+            break
+        x, motion = trial, moved
+    message = f"no periodic motion was found at {motion.circular / (2 * np.pi):.6g}"
+    raise ConvergenceError(message)
+
+
+def trace(problem: PeriodicProblem, first: Vector, frequencies: Vector) -> "Traced":
+    """Follow the curve from the first of some frequencies (n,) [1/time] to the last.
+
+    Parameters
+    ----------
+    first : (size,)
+        Unknowns to begin with.
+    """
+    points, missed = list[CurvePoint](), list[str]()
+    targets = 2 * np.pi * frequencies
+    number = 0
+    # Where no motion is found, the next frequency is tried from the linear one.
+    point: CurvePoint | None = None
+    while number < len(targets):
+        try:
+            if point is None:
+                point = _started(problem, first, float(targets[number]))
+                points.append(point)
+            else:
+                passed = _onward(point, float(targets[number]))
+                points += passed
+                point = passed[-1]
+        except ConvergenceError as error:
+            missed.append(f"{frequencies[number]:.6g}: {error}")
+            point = points[-1] if points else None
+        if point is not None:
+            problem = point.problem
+        number += 1
+    return Traced(points=points, missed=tuple(missed))
+
+
+def _started(problem: PeriodicProblem, unknowns: Vector, circular: float) -> CurvePoint:
+    """Solve for a first motion, by rising levels where it is too far from the linear one."""
+    try:
+        return solve_motion(problem, unknowns, circular)
+    except ConvergenceError:
+        reached, rise, point = 0.0, RISE, None
+    while reached < 1.0:
+        share = min(reached + rise, 1.0)
+        begun = unknowns * share if point is None else point.unknowns * share / reached
+        rising = problem if point is None else point.problem
+        try:
+            point = solve_motion(replace(rising, level=share * problem.level), begun, circular)
+        except ConvergenceError:
+            rise /= 2
+            if rise < LEAST_RISE:
+                raise
+            continue
+        reached, rise = share, min(2 * rise, RISE)
+    return cast("CurvePoint", point)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Traced:
+    """Points of a curve, and the frequencies at which no motion was found."""
+
+    points: list[CurvePoint]
+    missed: tuple[str, ...]
+
+
+def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
+    """Return the points from one to a circular frequency, that included."""
+    begin, points, reach = point.motion.circular, list[CurvePoint](), 1.0
+    way, span = np.sign(target - begin), abs(target - begin)
+    far = min(max(FAR * begin, 2 * span), begin)
+    direction = way * point.tangent()
+    if not np.isfinite(direction).all():
+        message = "the curve is vertical"
+        raise ConvergenceError(message)
+    while len(points) < MOST_POINTS:
+        x = np.append(point.unknowns, point.motion.circular)
+        size = float(np.linalg.norm(x[:-1]))
+        scale = np.append(np.full(len(x) - 1, 1 / size), 1 / x[-1])
+        bent = float(np.linalg.norm(direction[:-1])) / size
+        length = min(reach * BEND / max(bent, np.finfo(float).tiny), 2 * span)
+        ahead = (target - x[-1]) * direction[-1] > 0
+        lands = ahead and length * abs(direction[-1]) >= abs(target - x[-1])
+        if lands:
+            length = abs((target - x[-1]) / direction[-1])
+        guess = x + length * direction
+        across = None if lands else scale**2 * direction
+        try:
+            if not begin - far < guess[-1] < begin + far:
+                message = "the curve leads elsewhere"
+                raise ConvergenceError(message)
+            found = solve_motion(
+                point.problem,
+                guess[:-1],
+                target if lands else float(guess[-1]),
+                None if across is None else across / np.abs(across).max(),
+                point.problem.begun(point.motion, length * direction, point.derivatives),
+            )
+            off = np.linalg.norm(found.unknowns - guess[:-1]) / size
+            if off > BEND:
+                message = "the curve bends too much"
+                raise ConvergenceError(message)
+        except ConvergenceError:
+            reach = (length * bent / BEND) / 2
+            if reach < SHORTEST:
+                raise
+            continue
+        points.append(found)
+        if lands:
+            return points
+        reach = min(1.0, 2 * reach if off < BEND / 4 else reach)
+        after = found.tangent()
+        # The curve goes on the way it came: past a turning point the frequency turns back.
+        same = float((scale**2 * direction) @ after)
+        direction, point = after if same > 0 else -after, found
+    message = f"more than {MOST_POINTS} points before the next frequency"
+    raise ConvergenceError(message)

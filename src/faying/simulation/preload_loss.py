@@ -1,0 +1,70 @@
+"""What bolts lose after they were tightened: faces that flatten, and relaxation in time."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying.exceptions import ModelError
+from faying.simulation.bolted_state import BoltedState
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreloadLoss:
+    """What a bolt loses after it was tightened.
+
+    Attributes
+    ----------
+    embedding : [length]
+        What each face between head and nut flattens, the thread among them. The bolt is shorter by
+        the sum f_Z and loses f_Z / (δ_S + δ_P) where nothing else acts (T3).
+    relaxation
+        Share of its force that it loses in time, before the faces have flattened.
+    """
+
+    embedding: tuple[float, ...] = ()
+    relaxation: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not all(0 <= face < np.inf for face in self.embedding) or not 0 <= self.relaxation < 1:
+            message = (
+                f"embedding {self.embedding} must be lengths that are not negative, and relaxation "
+                f"{self.relaxation:g} a share below 1"
+            )
+            raise ModelError(message)
+
+
+def loses(
+    state: BoltedState, losses: Mapping[str, PreloadLoss]
+) -> Iterator[tuple[str, BoltedState]]:
+    """Yield what is lost, and where the joint then stands: relaxation first, then embedding.
+
+    Parameters
+    ----------
+    state
+        Tightened.
+    losses
+        By bolt; those of all bolts come together.
+
+    Raises
+    ------
+    ModelError
+        If a bolt does not exist.
+    ConvergenceError
+        If contact is not solved.
+    """
+    names = list(state.joint.bolts)
+    for name in losses:
+        if name not in names:
+            message = f"there is no bolt '{name}'; the bolts are {', '.join(names) or 'none'}"
+            raise ModelError(message)
+    every = [losses.get(name, PreloadLoss()) for name in names]
+    remaining = 1.0 - np.array([loss.relaxation for loss in every])
+    relaxing = np.flatnonzero((remaining < 1.0) & (state.forces > 0.0))
+    if len(relaxing):
+        state = state.brought(relaxing, remaining[relaxing] * state.forces[relaxing])
+        yield "relaxed", state
+    shorter = np.array([sum(loss.embedding) for loss in every])
+    if shorter.any():
+        stiffness = np.array([bolt.stiffness for bolt in state.joint.bolts.values()])
+        yield "embedded", state.locked_at(state.nuts - stiffness * shorter)

@@ -1,0 +1,253 @@
+"""Tightening plans: what each bolt is brought to in its turn, so that all end at their targets.
+
+Tightening a bolt closes the joint beside it and relaxes those before it (elastic interaction).
+What they end at is decided by their initial forces N₀ alone, which a turn of the nut sets: the plan
+finds those that give all targets together (T1), turns each nut straight to its own, and tells the
+force that this means at its turn. A bolt that would have to push meanwhile is loose. With friction
+the way matters too: the whole sequence is followed again until the targets are met.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.exceptions import ConvergenceError, ModelError
+from faying.joint.system import Joint, initial_bolt_forces
+from faying.simulation.bolted_state import BoltedState, bolted_state
+from faying.simulation.bolts_by_force import BoltsByForce
+from faying.simulation.preload import checked_bolts
+from faying.simulation.without_friction import smooth_joint
+
+MET = 1e-4
+"""Deviation of a bolt force from its target, over it, at which a plan with friction is enough."""
+
+MOST_SEQUENCES = 12
+"""Times that the sequence is followed; with friction 2 to 4 are usual."""
+
+NUDGE = 1e-3
+"""Change of a target, over it, that tells how initial forces follow."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TighteningPlan:
+    """A sequence of turns, each of one bolt, that brings all bolts to their targets.
+
+    Attributes
+    ----------
+    targets : [force]
+        Bolt to its final force, in the order of each pass.
+    bolts
+        All bolts of the joint, in the order of the columns of forces.
+    turned
+        Bolt of each turn.
+    passes : (n_turn,)
+        Pass of each turn, from 1.
+    settings : (n_turn,) [force]
+        What the bolt has when its turn is done: what wrench or tensioner is set to.
+    bolt_forces : (n_turn, n_bolt) [force]
+        Of all bolts after each turn.
+    unplanned : (n_target, n_bolt) [force]
+        The same where each bolt is brought to its target once, in the same order.
+    initial_forces : [force]
+        Bolt to the N₀ it is locked at in the end.
+    """
+
+    targets: Mapping[str, float]
+    bolts: tuple[str, ...]
+    turned: tuple[str, ...]
+    passes: Indices
+    settings: Vector
+    bolt_forces: Matrix
+    unplanned: Matrix
+    initial_forces: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "passes", frozen(self.passes, np.int64))
+        for name in ("settings", "bolt_forces", "unplanned"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def shares(self) -> Vector:
+        """Setting of each turn over the target of its bolt (n_turn,)."""
+        return np.asarray(self.settings / [self.targets[name] for name in self.turned])
+
+    @property
+    def reached(self) -> Vector:
+        """Final forces over the targets (n_target,)."""
+        return self._over_targets(self.bolt_forces)
+
+    @property
+    def reached_unplanned(self) -> Vector:
+        """The same without the plan."""
+        return self._over_targets(self.unplanned)
+
+    def _over_targets(self, forces: Matrix) -> Vector:
+        columns = [self.bolts.index(name) for name in self.targets]
+        return np.asarray(forces[-1, columns] / list(self.targets.values()))
+
+
+def tightening_plan(
+    system: Joint, forces: Mapping[str, float], *, passes: int = 1, increments: int = 10
+) -> TighteningPlan:
+    """Plan what each bolt is tightened to in turn, so that all end at their final forces.
+
+    Parameters
+    ----------
+    system
+        Not tightened yet: nuts that wait their turn are finger-tight. Bolts that are not named keep
+        the initial force they are locked at.
+    forces
+        Bolt name to final axial force [force], in the order of every pass.
+    passes
+        Rounds. With m the largest setting over its target in one round, P rounds need about
+        1 / (1 − rᴾ), r = 1 − 1/m: initial forces rise to shares (1 − rᵖ) / (1 − rᴾ) of the final
+        ones, so that every round needs the same where forces are in proportion.
+    increments
+        Steps of each turn with friction, as of :func:`faying.preload` along its path.
+
+    Raises
+    ------
+    ModelError
+        As :func:`faying.tighten`, or if there is no bolt to tighten or no pass.
+    ConvergenceError
+        If contact is not solved, or friction keeps the targets from being met.
+
+    Notes
+    -----
+    Without friction a contact problem for each turn and one for all bolts together. With friction
+    ``increments`` of them for each turn, two to four times over, and one for each bolt.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(
+    ...     element_size=5.0, hole_radius=None, bolt_positions=((-10.0, 0.0), (10.0, 0.0))
+    ... )
+    >>> plan = fy.tightening_plan(joint, {"bolt-1": 10e3, "bolt-2": 10e3})
+    >>> plan.turned, bool(abs(plan.reached - 1).max() < 1e-9)
+    (('bolt-1', 'bolt-2'), True)
+    """
+    names = checked_bolts(system, forces)
+    if not forces or passes < 1 or increments < 1:
+        message = "a plan takes one bolt to tighten, one pass and one increment at least"
+        raise ModelError(message)
+    chosen = np.array([names.index(name) for name in forces], dtype=np.int64)
+    targets = np.array(list(forces.values()))
+    walk = _Walk(system=system, bolts=chosen, increments=increments)
+    single = walk.solved(targets)
+    one_pass = walk.followed(single, np.ones(1))
+    most = float((one_pass[np.arange(len(chosen)), chosen] / targets).max())
+    rest = max(1.0 - 1.0 / most, 0.0)
+    shares = np.array([(1.0 - rest**n) / (1.0 - rest**passes) for n in range(1, passes + 1)])
+    initial, reached = walk.meeting(targets, single, shares)
+    return TighteningPlan(
+        targets=dict(forces),
+        bolts=tuple(names),
+        turned=tuple(forces) * passes,
+        passes=np.repeat(np.arange(1, passes + 1), len(chosen)),
+        settings=reached[np.arange(len(reached)), np.tile(chosen, passes)],
+        bolt_forces=reached,
+        unplanned=walk.brought(targets),
+        initial_forces=dict(zip(names, initial.tolist(), strict=True)),
+    )
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Walk:
+    """Turns of bolts, one after the other, from the joint as it is locked.
+
+    Attributes
+    ----------
+    bolts : (n_target,)
+        Numbers of the bolts that are turned, in order.
+    """
+
+    system: Joint
+    bolts: Indices
+    increments: int
+
+    @property
+    def _rubs(self) -> bool:
+        return not self.system.contact.forgets
+
+    def solved(self, targets: Vector) -> Vector:
+        """Return initial forces (n_bolt,) that give the targets together, without friction."""
+        joint = smooth_joint(self.system) if self._rubs else self.system
+        problem = BoltsByForce(joint=joint, bolts=self.bolts)
+        return problem.solve(targets, initial_bolt_forces(self.system), None, None)[1]
+
+    def meeting(self, targets: Vector, initial: Vector, shares: Vector) -> tuple[Vector, Matrix]:
+        """Return initial forces whose sequence meets the targets, and the forces on the way.
+
+        With friction a quasi-Newton method that begins with the slope without.
+
+        Raises
+        ------
+        ConvergenceError
+            If no sequence does.
+        """
+        reached = self.followed(initial, shares)
+        if not self._rubs:
+            return initial, reached
+        slope = np.column_stack(
+            [
+                (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
+                for nudge in np.diag(NUDGE * targets)
+            ]
+        )
+        for _ in range(MOST_SEQUENCES):
+            miss = targets - reached[-1, self.bolts]
+            if (np.abs(miss) <= MET * targets).all():
+                return initial, reached
+            change = slope @ miss
+            initial = initial.copy()
+            initial[self.bolts] += change
+            before, reached = reached[-1, self.bolts], self.followed(initial, shares)
+            moved = reached[-1, self.bolts] - before
+            # Broyden's change of the inverse (Math. Comp. 19 (1965) 577).
+            along = change @ slope
+            slope = slope + np.outer(change - slope @ moved, along) / (along @ moved)
+        worst = int(np.abs(miss / targets).argmax())
+        message = (
+            f"bolt '{list(self.system.bolts)[self.bolts[worst]]}' misses {targets[worst]:g} by "
+            f"{abs(miss[worst] / targets[worst]):.2%} however the sequence is changed; tighten in "
+            "more passes or with more increments"
+        )
+        raise ConvergenceError(message)
+
+    def followed(self, initial: Vector, shares: Vector) -> Matrix:
+        """Return the forces (n_turn, n_bolt) after each turn to shares of initial forces."""
+        state, rows = self._start, []
+        start = state.nuts
+        for share in shares.tolist():
+            for bolt in self.bolts.tolist():
+                begin, end = state.nuts[bolt], start[bolt] + share * (initial - start)[bolt]
+                for part in self._parts:
+                    aim = state.nuts.copy()
+                    aim[bolt] = begin + part * (end - begin)
+                    state = state.locked_at(aim)
+                rows.append(state.forces)
+        return np.array(rows)
+
+    def brought(self, targets: Vector) -> Matrix:
+        """Return the forces (n_target, n_bolt) after each bolt is brought to its target once."""
+        state, rows = self._start, []
+        for bolt, target in zip(self.bolts.tolist(), targets.tolist(), strict=True):
+            for part in self._parts:
+                state = state.brought(np.array([bolt]), np.array([part * target]))
+            rows.append(state.forces)
+        return np.array(rows)
+
+    @property
+    def _start(self) -> BoltedState:
+        return bolted_state(self.system, initial_bolt_forces(self.system))
+
+    @property
+    def _parts(self) -> Sequence[float]:
+        n = self.increments if self._rubs else 1
+        return [number / n for number in range(1, n + 1)]

@@ -1,0 +1,95 @@
+"""Plan how the bolts of a study are tightened."""
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+from faying.assessment.strength.tightening import force_of_torque
+from faying.exceptions import StudyError
+from faying.files.atomic import replacing
+from faying.linalg.threads import one_thread
+from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
+from faying.simulation.without_friction import smooth_joint
+from faying.study.load_model import build_loaded, check_interfaces, load_model
+from faying.study.path_cases import has_friction
+from faying.study.progress import ProgressBar, Stages
+from faying.study.tables import Study
+from faying.study.threads import thread_of
+
+
+@one_thread()
+def plan_of_study(
+    study: Study, *, passes: int = 1, progress: ProgressBar | None = None
+) -> TighteningPlan:
+    """Plan the tightening of a study's bolts, in the order of the study, to their preloads.
+
+    Parameters
+    ----------
+    passes
+        Rounds, as of :func:`faying.tightening_plan`.
+
+    Raises
+    ------
+    FayingError
+        If study and model do not fit together, no bolt has a preload, or no plan meets the targets.
+    """
+    stages = Stages(progress)
+    with stages.stage("assembly"):
+        loaded = load_model(study)
+        check_interfaces(study, loaded)
+        targets = {name: force for name, force in loaded.preloads.items() if force > 0}
+        if not targets:
+            message = f"{study.path.name}: no bolt has a preload to be brought to; give one"
+            raise StudyError(message)
+        model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
+    with stages.stage("compliance"):
+        _ = model.static_contact
+    with stages.stage("tightening"):
+        rubs = has_friction(model) and study.friction_during_preload
+        return tightening_plan(model if rubs else smooth_joint(model), targets, passes=passes)
+
+
+def torques_per_force(study: Study) -> dict[str, float]:
+    """Return M_A / F_M [length] of the bolts whose size and friction in thread and head are told.
+
+    Raises
+    ------
+    ModelError
+        If a thread makes no sense.
+    """
+    threads = {bolt.name: thread_of(bolt, study.units) for bolt in study.bolts}
+    return {
+        name: 1.0 / force_of_torque(thread, 1.0)
+        for name, thread in threads.items()
+        if thread is not None
+        and None not in (thread.friction, thread.head_friction, thread.head_diameter)
+    }
+
+
+def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -> None:
+    """Write a plan as csv: a row for each turn, with the forces of all bolts after it.
+
+    Parameters
+    ----------
+    torques : [length]
+        Torque per force of the bolts of which it is known; the others have none.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        after = (f"{name} after" for name in plan.bolts)
+        writer.writerow(
+            ["turn", "pass", "bolt", "tighten to", "share of preload", "torque", *after]
+        )
+        columns = (plan.passes, plan.turned, plan.settings, plan.shares, plan.bolt_forces)
+        for turn, (of_pass, bolt, setting, share, forces) in enumerate(
+            zip(*columns, strict=True), 1
+        ):
+            torque = f"{setting * torques[bolt]:.7g}" if bolt in torques else ""
+            told = (f"{value:.7g}" for value in forces)
+            row = [turn, of_pass, bolt, f"{setting:.7g}", f"{share:.7g}", torque, *told]
+            writer.writerow(row)

@@ -1,0 +1,137 @@
+"""The verdict on a joint: a row for each bolt and interface, a sentence, and what is not known."""
+
+from dataclasses import replace
+
+import pytest
+
+import faying as fy
+from faying.assessment.check import Check
+from faying.assessment.joint_checks import joint_checks
+from faying.assessment.joint_verdict import joint_verdict, share_used, verdict_rows
+from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.strength.thread import Thread
+from faying.units import units_of
+
+UNITS = units_of("mm-t-s")
+BOLT = Check(part="b", kind="bolt", quantity="yield", outcome="met", utilisation=0.5)
+DEMANDED = replace(BOLT, outcome="unknown", reason="no", required=True)
+
+
+@pytest.fixture(scope="module")
+def joint():
+    model = fy.lap_joint(element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)))
+    return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+
+
+def judged(joint, requirements=None, **options):
+    load = fy.Load({"tip.Fz": -300.0}, name="bend")
+    found = fy.assess(joint, [load], requirements, **options)
+    return found, {(one.part, one.quantity): one for one in joint_checks(found, UNITS)}
+
+
+def test_what_nobody_demands_is_judged_at_the_load_itself(joint):
+    found, checks = judged(joint)
+    interface = found.interfaces["joint"]
+    loss, opening = checks["joint", "clamp loss"], checks["joint", "opening"]
+    expected = 1 - interface.least_clamp / interface.preload
+    assert loss.utilisation == pytest.approx(max(expected, 0.0), rel=1e-12)  # the same numbers
+    assert (opening.limit, opening.value) == (1.0, interface.opening["bend"])
+    assert opening.utilisation == pytest.approx(1 / interface.opening["bend"], rel=1e-12)
+    assert not any(check.required for check in checks.values())
+    # Of several bolts the surroundings of each are told, of the interface where most is used.
+    around = checks["bolt-2", "clamp loss at joint"]
+    area = found.bolts["bolt-2"].clamp_around["joint"]
+    assert around.utilisation == pytest.approx(max(1 - area.least / area.preload, 0), rel=1e-12)
+    verdict = joint_verdict(joint_checks(found, UNITS), UNITS)
+    assert [one.part for one in verdict.parts] == ["bolt-1", "bolt-2", "joint"]
+    assert verdict.holds
+    assert [text.split(":")[0] for text in verdict.open_questions] == [
+        "yield of bolt-1, bolt-2",
+        "slip of joint",
+    ]
+
+
+def test_every_interface_is_judged_by_what_is_demanded(joint):
+    least = 1.5 * judged(joint)[0].interfaces["joint"].least_clamp
+    wanted = fy.Requirements(
+        min_clamp_force=least, max_pressure=1.0, min_opening_factor=1e3, min_slip_safety=1.0
+    )
+    found, checks = judged(joint, wanted)
+    clamp, pressure = checks["joint", "clamp force"], checks["joint", "pressure"]
+    assert (clamp.outcome, clamp.required) == ("not met", True)
+    assert clamp.utilisation == pytest.approx(least / clamp.value, rel=1e-12)
+    assert pressure.utilisation == pytest.approx(found.interfaces["joint"].max_pressure, rel=1e-12)
+    assert checks["joint", "opening"].limit == 1e3
+    assert checks["bolt-1", "opening at joint"].required
+    assert checks["joint", "slip"].outcome == "unknown"
+    verdict = joint_verdict(joint_checks(found, UNITS), UNITS)
+    assert not verdict.holds
+    assert "Not known: slip of joint: it is judged by static loads" in verdict.sentence
+    by_requirement = {one.requirement: one.met for one in found.verdicts}
+    assert by_requirement["min_clamp_force"] is by_requirement["max_pressure"] is False
+
+
+def test_a_bolt_that_yields_fails_whether_demanded_or_not(joint):
+    thread = Thread(diameter=4.0, pitch=0.7, grade="4.6")
+    found, checks = judged(joint, threads={"bolt-1": thread}, paths=False)
+    check = checks["bolt-1", "yield"]
+    assert check.outcome == "not met"
+    assert check.utilisation > 1
+    verdict = joint_verdict(joint_checks(found, UNITS), UNITS)
+    assert not verdict.holds
+    assert verdict.sentence.startswith("The joint does not hold: bolt-1, yield ")
+    assert "of 240 MPa, in bend." in verdict.sentence
+    row = verdict_rows(verdict)[0]
+    assert row[:3] == ("bolt-1", "not met", share_used(check))
+
+
+def reserve(**changes):
+    return SlipReserve(
+        **{
+            "first_slip": 0.1, "interface": "joint", "point": 0, "onset": 0.2, "share": 0.5,
+            "share_slip": 0.4, "gross_slip": None, "largest": 10.0, "stopped": False,
+        } | changes
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("changes", "outcome", "value"),
+    [
+        ({}, "met", 10.0),  # followed that far without sliding
+        ({"gross_slip": 1.5, "slides": "joint"}, "met", 1.5),
+        ({"gross_slip": 0.5, "slides": "joint"}, "not met", 0.5),
+        ({"largest": 0.5, "stopped": True}, "unknown", None),
+        ({"gross_slip": 0.5, "slides": "another"}, "unknown", None),
+    ],
+)
+def test_sliding_is_judged_by_the_load_that_was_followed(joint, changes, outcome, value):
+    found, _ = judged(joint, paths=False)
+    checks = joint_checks(found, UNITS, {"bend": reserve(**changes)})
+    (sliding,) = (one for one in checks if one.quantity == "sliding")
+    assert (sliding.outcome, sliding.value) == (outcome, value)
+    assert sliding.reason.startswith("it holds up to 0.5 times bend") == (outcome == "unknown")
+
+
+@pytest.mark.parametrize(
+    ("second", "holds", "said"),
+    [
+        (replace(BOLT, outcome="unknown", reason="no table"), True, "The joint holds."),
+        (
+            replace(BOLT, outcome="unknown", reason="no", required=True),
+            False,
+            "Not known: yield of b: no.",
+        ),
+        (replace(BOLT, outcome="not met", value=3.0, limit=2.0), False, "hold: b, yield 3.000 of"),
+    ],
+)
+def test_only_what_is_demanded_may_not_be_unknown(second, holds, said):
+    verdict = joint_verdict([BOLT, second], UNITS)
+    assert verdict.holds is holds
+    assert said in verdict.sentence
+
+
+def test_a_joint_that_was_not_judged_does_not_hold():
+    verdict = joint_verdict((), UNITS, "it met what nobody foresaw")
+    assert not verdict.holds
+    assert "not judged: it met what nobody foresaw" in verdict.sentence
+    assert joint_verdict((), UNITS).holds

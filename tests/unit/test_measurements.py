@@ -1,0 +1,82 @@
+"""Measured curves beside computed backbones: read, compared, told, refused."""
+
+import numpy as np
+import pytest
+from test_backbone_study import STUDY
+
+from faying.assessment.measured_curve import MeasuredCurve, deviations
+from faying.exceptions import StudyError
+from faying.study.schema import parse_study, read_study
+from faying.study.store import read_results
+from faying.study.summary import summarize
+from faying.workflow.run import run
+
+TABLE = """
+[[measurement]]
+name = "hammer"
+load_case = "ring"
+mode = 1
+file = "hammer.csv"
+"""
+
+
+@pytest.fixture
+def study(tmp_path):
+    def call(old="", new="", rows="amplitude,frequency,damping\n0.02,300,0.01\n0.002,310,0.005\n"):
+        (tmp_path / "hammer.csv").write_text(rows)
+        text = STUDY.replace("[2, 1]", "[1]").replace("[0.001, 0.1, 3]", "[0.001, 0.01, 2]")
+        assert old in TABLE
+        return parse_study(text + TABLE.replace(old, new), tmp_path / "ring.toml")
+
+    return call
+
+
+def curve(**columns):
+    return MeasuredCurve(name="a", case="ring", mode=1, **columns)
+
+
+def test_deviations_are_those_between_computed_amplitudes():
+    class Computed:
+        amplitude = np.array([1e-3, 1e-1])
+        frequency = np.array([100.0, 90.0])
+        damping_ratio = np.array([1e-3, 1e-1])
+
+    found = deviations(
+        curve(amplitude=np.array([1e-3, 1e-2, 1.0]), frequency=np.array([100.0, 100.0, 90.0])),
+        Computed,
+    )
+    np.testing.assert_array_equal(found.within, [True, True, False])
+    # Half way by logarithms.
+    np.testing.assert_allclose(found.frequency_error, [0.0, -0.05, np.nan], atol=1e-12)
+    np.testing.assert_allclose(found.damping_ratio, [1e-3, 1e-2, np.nan], rtol=1e-12)
+    assert np.isnan(found.damping_error).all()
+
+
+@pytest.mark.long
+def test_a_run_tells_how_far_it_is_off(study, tmp_path):
+    read = study()
+    text = STUDY.replace("[2, 1]", "[1]").replace("[0.001, 0.1, 3]", "[0.001, 0.01, 2]")
+    (tmp_path / "ring.toml").write_text(text + TABLE)
+    assert read.measurements[0].mode == 1
+    summary = run(read_study(tmp_path / "ring.toml"), tmp_path / "out").summary
+    found = summary["measurements"]["hammer"]
+    assert found["amplitude"] == [0.002, 0.02]
+    assert found["computed_frequency"][1] is None  # the backbone ends at 0.01
+    error = found["computed_frequency"][0] / 310.0 - 1
+    assert found["frequency_error"] == [pytest.approx(error, rel=1e-12), None]
+    kept = read_results(tmp_path / "out" / "results.h5")
+    assert summarize(kept)["measurements"] == summary["measurements"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rows", "match"),
+    [
+        ('"ring"', '"rign"', None, "there is no backbone 'rign'; did you mean 'ring'"),
+        ("mode = 1", "mode = 2", None, "computes modes 1; name one of them"),
+        ("", "", "amplitude,f\n1,2\n", "the first line must name either amplitude,frequency"),
+        ("", "", "amplitude,frequency\n0,2\n", "must be positive"),
+    ],
+)
+def test_what_is_wrong_is_said(study, old, new, rows, match):
+    with pytest.raises(StudyError, match=match):
+        study(old, new, **({} if rows is None else {"rows": rows}))

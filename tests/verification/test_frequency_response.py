@@ -1,0 +1,154 @@
+"""Responses by harmonics: linear limit, derivatives, folds, energy."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from test_backbone import DAMPER, MASS, SLIDER, SPRING, mass_on_a_slider
+
+import faying as fy
+from faying.assessment.frequency_response import _Setting
+from faying.contact.contact import Contact
+from faying.contact.laws import Penalty
+from faying.exceptions import ModelError
+from faying.model.boundary import Boundary
+from faying.simulation.periodic import ModalLoads, PeriodicProblem
+from small_system import SmallSystem
+
+
+@pytest.fixture(scope="module")
+def slider():
+    return mass_on_a_slider()
+
+
+@pytest.fixture(scope="module")
+def lap():
+    model = fy.lap_joint(
+        element_size=10.0,
+        hole_radius=0.0,
+        washer_radius=11.0,
+        penalty=1e6,
+        damping=fy.Rayleigh(alpha=50.0),
+    )
+    rubbing = model.with_bolt_forces({"bolt": 8e3}).with_friction(0.2)
+    return fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=15), compliance=True)
+
+
+def test_where_nothing_slips_it_is_the_linear_response(slider):
+    found = fy.frequency_response(slider, {"mass.Fx": 1 + 1j}, [2.0, 3.1, 3.2, 5.0], [1e-3])
+    curve = found.curves[0]
+    assert curve.missed == ()
+    circular = 2 * np.pi * curve.frequency
+    expected = 1e-3 * (1 + 1j) / (SPRING + SLIDER - MASS * circular**2 + 1j * DAMPER * circular)
+    # Newton's method stops where the next step is 1e-9.
+    np.testing.assert_allclose(curve.response("mass.ux"), expected, rtol=1e-8)
+    assert {2.0, 3.1, 3.2, 5.0} <= set(curve.frequency.round(12))
+    assert curve.contact is not None
+    assert (curve.contact.friction_energy == 0).all()
+    assert (curve.contact.slip_share == 0).all()
+    np.testing.assert_allclose(curve.contact.imbalance, 0, atol=1e-8)
+
+
+@pytest.mark.long
+def test_derivatives_are_those_of_the_path(lap):
+    """Through slip, opening and both periods; also by the frequency."""
+    rest = fy.solve_path(lap, [fy.Load()])
+    setting = _Setting.of(lap, {"tip.Fz": 1.0, "tip.Fy": 0.5j}, rest, np.array([600.0]))
+    modes = setting.modes(2)
+    points = np.flatnonzero(setting.stuck.forces[0] >= 0)
+    problem = PeriodicProblem(
+        stuck=setting.stuck,
+        local=setting.stuck.local(points),
+        loads=ModalLoads.of(lap, setting.stuck, setting.inputs, modes.shapes),
+        level=20.0,
+        n_harmonic=2,
+        samples=24,
+    )
+    circular, size = 2 * np.pi * 600.0, problem.size
+    random = np.random.default_rng(1)
+    x = random.standard_normal(size) * 5e-7
+    motion = problem.follow(x, circular)
+    assert sum(step.dissipation for step in motion.steps) > 0
+    slopes = problem.derivatives(motion).residual
+    change, length = random.standard_normal(size), 1e-10
+    ahead, behind = (
+        problem.residual(problem.follow(x + sign * length * change, circular)) for sign in (1, -1)
+    )
+    expected = (ahead - behind) / (2 * length)
+    # Central differences over 1e-10 of what is solved to 1e-12 of forces: 3e-6 was seen.
+    size_of = np.abs(expected).max()
+    np.testing.assert_allclose(slopes[:, :-1] @ change, expected, atol=3e-5 * size_of)
+    length = 1e-5 * circular
+    ahead, behind = (
+        problem.residual(problem.follow(x, circular + sign * length)) for sign in (1, -1)
+    )
+    expected = (ahead - behind) / (2 * length)
+    np.testing.assert_allclose(slopes[:, -1], expected, atol=1e-3 * np.abs(expected).max())
+
+
+def pressed_mass():
+    """A mass that is pressed onto a spring of 500 by 5, beside a spring of its own."""
+    contact = Contact(
+        relative_operator=np.array([[1.0]]),
+        interpolation=sp.csr_array([[1.0]]),
+        initial_gap=np.array([-5.0 * (1 / 500.0 + 1 / SPRING)]),
+        weights=np.ones(1),
+        laws={"stop": Penalty(500.0)},
+        slices={"stop": slice(0, 1)},
+    )
+    end = Boundary(name="mass", nodes=[0], components=[0], dofs=[0])
+    return SmallSystem(
+        M=np.array([[MASS]]),
+        C=np.array([[0.8]]),
+        K=np.array([[SPRING]]),
+        contact=contact,
+        boundaries={"mass": end},
+    )
+
+
+@pytest.mark.slow
+def test_a_joint_that_opens_folds_and_is_followed_past_its_turning_points():
+    found = fy.frequency_response(
+        pressed_mass(), {"mass.Fx": 1.0}, np.linspace(2.0, 3.6, 9), [0.8], harmonics=3, samples=48
+    )
+    curve = found.curves[0]
+    assert curve.missed == ()
+    assert curve.frequency[-1] == pytest.approx(3.6)
+    assert (np.diff(curve.frequency) < 0).any()
+    up, down = curve.swept_up, curve.swept_down
+    assert not up.all()
+    highest_up = np.abs(curve.response("mass.ux")[up]).max()
+    highest_down = np.abs(curve.response("mass.ux")[down]).max()
+    assert highest_down > 1.2 * highest_up
+    # What is opened is lost to no one: the balance closes on every branch, to the samples.
+    np.testing.assert_allclose(curve.contact.imbalance, 0, atol=0.02)
+    assert curve.contact.open_share.max() == 1.0
+
+
+@pytest.mark.long
+def test_a_lap_joint_balances(lap):
+    curve = fy.frequency_response(
+        lap, {"tip.Fz": 1.0}, [600.0], [30.0], harmonics=2, samples=32
+    ).curves[0]
+    # 32 samples a period: backward Euler takes 1 % more or less.
+    assert abs(curve.contact.imbalance[0]) < 0.02
+    assert curve.contact.friction_energy[0] > 0.05 * curve.contact.load_work[0]
+    assert 0 < curve.contact.slip_share[0] <= 1
+    assert curve.contact.bolt_force_range.shape == (1, 1)
+    assert curve.contact.peak_pressure[0] > 0
+    assert 0 <= curve.contact.stick_share[0] < 1
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"frequencies": [2.0, 1.0]}, "give rising positive numbers"),
+        ({"levels": [0.0]}, "give positive numbers"),
+        ({"harmonics": 0}, "give one or more"),
+        ({"harmonics": 5, "samples": 8}, "four for each harmonic"),
+        ({"tolerance": 1.0}, "between 0 and 1"),
+    ],
+)
+def test_what_is_refused(slider, change, text):
+    arguments = {"frequencies": [1.0, 2.0], "levels": [1.0], **change}
+    with pytest.raises(ModelError, match=text):
+        fy.frequency_response(slider, {"mass.Fx": 1.0}, **arguments)
