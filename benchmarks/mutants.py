@@ -36,13 +36,13 @@ import scipy.sparse.linalg  # noqa: F401
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src"
 
-_LAWS = ("tests/unit/test_contact_laws.py", "tests/verification/test_laws.py")
+_LAWS = ("tests/unit/contact/test_contact_laws.py", "tests/verification/test_laws.py")
 _CONTACT = ("tests/verification/test_contact_problem.py", *_LAWS)
 _MOTION = ("tests/verification/test_transient.py", "tests/verification/test_energy_decaying.py")
-_STEPS = ("tests/unit/test_integrator_steps.py",)
-_INCREMENTS = ("tests/unit/test_increments.py",)
-_PATHS = ("tests/unit/test_paths.py",)
-_REDUCTION = ("tests/unit/test_basis.py",)
+_STEPS = ("tests/unit/simulation/test_integrator_steps.py",)
+_INCREMENTS = ("tests/unit/contact/test_increments.py",)
+_PATHS = ("tests/unit/simulation/test_paths.py",)
+_REDUCTION = ("tests/unit/reduction/test_basis.py",)
 TARGETS: dict[str, tuple[str, ...]] = {
     "contact/active_set.py": _CONTACT,
     "contact/laws/penalty.py": _LAWS,
@@ -50,31 +50,31 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "contact/laws/unilateral.py": _LAWS,
     "contact/laws/coulomb.py": _LAWS,
     "contact/elastic.py": ("tests/verification/test_similar_contact.py",),
-    "contact/dense_points.py": ("tests/unit/test_dense_points.py",),
-    "contact/newton_steps.py": ("tests/unit/test_newton_steps.py",),
+    "contact/dense_points.py": ("tests/unit/contact/test_dense_points.py",),
+    "contact/newton_steps.py": ("tests/unit/contact/test_newton_steps.py",),
     "contact/frictional.py": _INCREMENTS,
-    "contact/fixed_bounds.py": ("tests/unit/test_fixed_bounds.py",),
+    "contact/fixed_bounds.py": ("tests/unit/contact/test_fixed_bounds.py",),
     "contact/yielding.py": _INCREMENTS,
-    "contact/glued_pairs.py": ("tests/unit/test_glued_pairs.py",),
-    "contact/laws_at_points.py": ("tests/unit/test_laws_at_points.py",),
+    "contact/glued_pairs.py": ("tests/unit/contact/test_glued_pairs.py",),
+    "contact/laws_at_points.py": ("tests/unit/contact/test_laws_at_points.py",),
     "simulation/integrators/implicit_euler.py": _STEPS,
     "simulation/integrators/generalized_alpha.py": _STEPS,
     "simulation/integrators/energy_decaying.py": _STEPS,
     "simulation/integrators/spectral_radius.py": _STEPS,
-    "simulation/step_contact.py": ("tests/unit/test_step_contact.py",),
+    "simulation/step_contact.py": ("tests/unit/simulation/test_step_contact.py",),
     "simulation/path.py": _PATHS,
     "simulation/bolts_by_force.py": (*_PATHS, "tests/verification/test_bolts.py"),
     "simulation/cycles.py": _PATHS,
     "simulation/frictional_preload.py": _PATHS,
     "simulation/without_friction.py": _PATHS,
-    "simulation/frictional_step.py": ("tests/unit/test_frictional_step.py",),
-    "simulation/energies.py": ("tests/unit/test_energies.py", *_MOTION),
+    "simulation/frictional_step.py": ("tests/unit/simulation/test_frictional_step.py",),
+    "simulation/energies.py": ("tests/unit/simulation/test_energies.py", *_MOTION),
     "reduction/craig_bampton.py": _REDUCTION,
     "reduction/normal_modes.py": _REDUCTION,
     "reduction/pod.py": ("tests/properties/test_pod.py",),
     "reduction/basis.py": _REDUCTION,
     "reduction/compliance.py": _REDUCTION,
-    "reduction/contact_reduction.py": ("tests/unit/test_methods.py",),
+    "reduction/contact_reduction.py": ("tests/unit/reduction/test_methods.py",),
 }
 """Files under test, below ``src/faying``, and the tests that must notice what is wrong in them."""
 

@@ -25,6 +25,12 @@ def test_every_folder_has_its_place():
     assert {package(path) for path in MODULES} == set(ORDER)
 
 
+def test_unit_tests_stand_under_the_name_of_a_package():
+    tests = ROOT.parents[1] / "tests" / "unit"
+    assert not list(tests.glob("test_*.py"))
+    assert {path.parent.name for path in tests.rglob("test_*.py")} <= set(ORDER)
+
+
 @pytest.mark.long
 def test_files_import_each_other_in_one_order():
     """Not even inside functions may two files, of one folder or of several, need each other."""

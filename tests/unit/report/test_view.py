@@ -21,7 +21,7 @@ from faying.study.interface_surface import nodal_average
 from faying.study.slip_record import SlipRecord
 
 RESULTS = fake_results()
-WEB = Path(__file__).parents[2] / "web"
+WEB = Path(__file__).parents[3] / "web"
 
 
 def unpacked(packed):

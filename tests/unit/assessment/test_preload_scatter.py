@@ -9,7 +9,7 @@ import pytest
 
 import faying as fy
 
-PATH = Path(__file__).parents[2] / "examples" / "preload_scatter.py"
+PATH = Path(__file__).parents[3] / "examples" / "preload_scatter.py"
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from faying.study.schema import Study, read_study
 from faying.study.tables import COMPARED
 from faying.study.timing import time_span, time_step
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 STUDIES = Path(faying.study.__file__).parent
 DEMO = (STUDIES / "demo.toml").read_text()
 DECK = (ROOT / "examples" / "nastran_deck.toml").read_text()

@@ -18,7 +18,7 @@ from faying.study.schema import read_study
 from faying.study.store import read_results
 from faying.units import units_of
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[3] / "examples"
 LOADS = """\
 FORCE,7,475,,100.,0.,3.,-4.
 FORCE,8,300,,-100.,0.,0.,1.

@@ -8,7 +8,7 @@ import pytest
 from faying import cli
 from small_study import TINY_JOINT
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "nastran_deck.toml"
 
 

@@ -39,7 +39,7 @@ print("other digits with two threads" if free != alone else "the same with two t
 def test_digits_do_not_depend_on_limits_before():
     """In a process of its own, in which MKL is not loaded when threads are first limited."""
     two = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "2")
-    source = str(Path(__file__).parents[2] / "src")
+    source = str(Path(__file__).parents[3] / "src")
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT],
         env={**os.environ, **two, "PYTHONPATH": source},
