@@ -13,7 +13,8 @@ State = TypeVar("State")
 Event = Callable[[State, State], float]
 """What is left, after an increment and before it, until something happens: zero or less if it has.
 
-Of what only happens or not it is infinite, or minus infinity.
+Of what only happens or not it is infinite, or minus infinity; a number is that of the state after
+alone.
 """
 
 PRECISION, CLOSE = 1e-3, 1e-6
@@ -89,45 +90,74 @@ def first_events(
         except ConvergenceError:
             stopped = True
             break
+        reached = {factor: here, target: after}
         for name, left in events.items():
-            if name not in factors and left(after, here) <= 0:
-                factors[name], states[name] = _cut(reach, left, (factor, target), (here, after))
+            if name not in factors and (value := left(after, here)) <= 0:
+                counts = np.isfinite(value) and left(here, here) > 0
+                cut = _cut_by_chords if counts else _cut_by_halves
+                factors[name], states[name] = cut(reach, left, reached)
         here, factor = after, target
     return Growth(factors=factors, states=states, largest=factor, stopped=stopped)
 
 
-def _cut(
-    reach: Callable[[float, State], State],
-    left: Event[State],
-    factors: tuple[float, float],
-    states: tuple[State, State],
+Reached = dict[float, State]
+"""Load factors of an increment to the states that the path went to, both ends among them."""
+
+
+def _cut_by_chords(
+    reach: Callable[[float, State], State], left: Event[State], reached: Reached[State]
 ) -> tuple[float, tuple[State, State]]:
-    """Return the factor at which something happens in an increment, the states there and before."""
-    (low, high), (before, begun) = factors, states
-    above, below = left(before, before), left(begun, before)
+    """Return the factor at which a number reaches zero in an increment, states there and before.
+
+    States that are reached are added to those of the increment: where something else happens in it
+    is between them.
+    """
+    values = {factor: left(state, state) for factor, state in sorted(reached.items())}
+    high = next(factor for factor, value in values.items() if value <= 0)
+    low = max(factor for factor in values if factor < high)
+    above, below = values[low], values[high]
+    nothing = NOTHING * values[min(values)]
     passed: bool | None = None
-    counts = 0 < above < np.inf
-    precision, most = (CLOSE, MOST_CHORDS) if counts else (PRECISION, MOST_HALVINGS)
-    nothing = NOTHING * above if counts else 0.0
-    for _ in range(most):
-        if high - low <= precision * high:
+    for _ in range(MOST_CHORDS):
+        if high - low <= CLOSE * high:
             break
-        middle = low + (above / (above - below) if counts else 0.5) * (high - low)
-        trial = reach(middle, before)
-        value = left(trial, before)
+        # Beyond an end that is as good as there, so that the other one follows.
+        margin = min(CLOSE * high, high - low) / 2
+        chord = low + above / (above - below) * (high - low)
+        middle = float(np.clip(chord, low + margin, high - margin))
+        trial = reach(middle, reached[low])
+        value, reached[middle] = left(trial, trial), trial
         happened = value <= nothing
-        if counts and happened == passed:
+        if happened == passed:
             # The other end stays again: it counts less, so that the next chord goes beyond.
             less = 1 - value / (below if happened else above)
             less = less if less > 0 else 0.5
             above, below = (above * less, below) if happened else (above, below * less)
         passed = happened
         if happened:
-            high, begun, below = middle, trial, value
+            high, below = middle, value
         else:
-            low, before, above = middle, trial, value
+            low, above = middle, value
         if abs(value) <= nothing:
             break
+    return high, (reached[high], reached[low])
+
+
+def _cut_by_halves(
+    reach: Callable[[float, State], State], left: Event[State], reached: Reached[State]
+) -> tuple[float, tuple[State, State]]:
+    """Return the factor at which something happens in an increment, states there and before."""
+    low, high = min(reached), max(reached)
+    before, begun = reached[low], reached[high]
+    for _ in range(MOST_HALVINGS):
+        if high - low <= PRECISION * high:
+            break
+        middle = (low + high) / 2
+        trial = reach(middle, before)
+        if left(trial, before) <= 0:
+            high, begun = middle, trial
+        else:
+            low, before = middle, trial
     return high, (begun, before)
 
 

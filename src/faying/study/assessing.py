@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from faying.assessment.case_metrics import bent_bolts
-from faying.assessment.certificate import certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
 from faying.assessment.joint_assessment import judged
 from faying.assessment.joint_record import Assessment, CaseState
@@ -162,11 +161,11 @@ def _intervals(
     if not static:
         return {}
     with extras.attempt("certified bounds"):
-        judge, start = certifier(joint.model), np.zeros(1)
+        start = np.zeros(1)
         inputs = np.concatenate([case_load(case).inputs(joint.model, start) for case in static])
         pressure = np.array([cases[case.name].reference.pressure for case in static])
         areas = surroundings(contact_surfaces(joint.model), joint.model.bolts)
-        found = judge.certify_inputs(inputs, pressure, areas)
+        found = joint.certifier.certify_inputs(inputs, pressure, areas)
         return {case.name: certified_clamps(found, row) for row, case in enumerate(static)}
     return {}
 

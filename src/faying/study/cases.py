@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from faying._typing import Matrix
-from faying.assessment.certificate import Certificate, Certifier, Measure, certifier
+from faying.assessment.certificate import Certificate, Certifier, Measure
 from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.transient_error import REMEDY
@@ -219,7 +219,7 @@ class CaseRunner:
     @cached_property
     def _judge(self) -> Certifier | None:
         with self.extras.attempt("certified bounds"):
-            return certifier(self.joint.model)
+            return self.joint.certifier
         return None
 
     @property

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
 from faying._typing import Matrix
+from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.choose import JointModeChoice, choose_joint_modes
 from faying.assessment.frequencies import preloaded_frequencies
 from faying.joint.model import Model
@@ -73,6 +74,11 @@ class PreparedJoint:
     rest: Solution
     period: float
     preload_path: tuple[Load, ...] = ()
+
+    @cached_property
+    def certifier(self) -> Certifier:
+        """What bounds the errors of its static load cases, factorized once for all of them."""
+        return certifier(self.model)
 
 
 def prepare_joint(
