@@ -54,9 +54,9 @@ def names_in(message: str) -> tuple[str, ...]:
 
 def tried(path: Path, ignore: tuple[str, ...]) -> tuple[str, tuple[str, ...], str]:
     """Read and build one deck."""
-    from faying.study.bare_deck import study_or_deck
-    from faying.study.load_model import load_model
-    from faying.study.understood import understood
+    from faying.study.inputs.load_model import load_model
+    from faying.study.inputs.model_preview import understood
+    from faying.study.keys.deck_study import study_or_deck
 
     try:
         study = study_or_deck(path, ignore)

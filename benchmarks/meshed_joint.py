@@ -25,9 +25,9 @@ import faying as fy
 from faying.assessment.slip import slip_states
 from faying.linalg.factorization import factorize
 from faying.simulation.static import AT_REST
-from faying.study.load_model import build_loaded, load_model
-from faying.study.loads import case_load
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.inputs.loads import case_load
+from faying.study.keys.schema import read_study
 
 Result = TypeVar("Result")
 

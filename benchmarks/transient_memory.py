@@ -10,10 +10,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from faying.study.full_transients import FullTransient, full_transients
-from faying.study.offline import prepare_joint
-from faying.study.progress import Stages
-from faying.study.schema import parse_study
+from faying.study.keys.schema import parse_study
+from faying.study.stages.full_transients import FullTransient, full_transients
+from faying.study.stages.offline import prepare_joint
+from faying.study.stages.progress import Stages
 
 STUDY = """
 [model]

@@ -28,26 +28,26 @@ from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
-from faying.study.jumps import Jump
-from faying.study.nodal_motion import NodalMotion
-from faying.study.path_record import CycleRecord, PathRecord
-from faying.study.recovered import RecoveredRecord
-from faying.study.remedy import Remedy, Tried
-from faying.study.results import (
+from faying.study.inputs.jumps import Jump
+from faying.study.results.nodal_motion import NodalMotion
+from faying.study.results.path_record import CycleRecord, PathRecord
+from faying.study.results.recovered import RecoveredRecord
+from faying.study.results.second_solution import Remedy, Tried
+from faying.study.results.slip_record import SlipRecord
+from faying.study.results.store_fields import MEANINGS
+from faying.study.results.validation_record import (
+    LoadSpaceRecord,
+    LoadSpaceResult,
+    PenaltyRecord,
+    ValidationRecord,
+)
+from faying.study.results.values import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
     MethodResult,
     Response,
     Results,
-)
-from faying.study.slip_record import SlipRecord
-from faying.study.store_fields import MEANINGS
-from faying.study.validation_record import (
-    LoadSpaceRecord,
-    LoadSpaceResult,
-    PenaltyRecord,
-    ValidationRecord,
 )
 
 GROUPS: dict[str, type] = {

@@ -57,7 +57,7 @@ def classic(joint):
 @pytest.fixture(scope="session")
 def quick_demo(tmp_path_factory):
     """Folder that ``faying demo --quick`` leaves; read only, for exports and interop."""
-    from faying.study.schema import read_study
+    from faying.study.keys.schema import read_study
     from faying.workflow.run import run
 
     out = tmp_path_factory.mktemp("quick-demo")

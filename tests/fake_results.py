@@ -14,20 +14,20 @@ from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
 from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
-from faying.study.nodal_motion import NodalMotion
-from faying.study.results import (
+from faying.study.results.nodal_motion import NodalMotion
+from faying.study.results.validation_record import (
+    LoadSpaceRecord,
+    LoadSpaceResult,
+    PenaltyRecord,
+    ValidationRecord,
+)
+from faying.study.results.values import (
     BoltRecord,
     CaseResult,
     InterfaceRecord,
     MethodResult,
     Response,
     Results,
-)
-from faying.study.validation_record import (
-    LoadSpaceRecord,
-    LoadSpaceResult,
-    PenaltyRecord,
-    ValidationRecord,
 )
 
 NX, NY = 6, 3

@@ -12,8 +12,8 @@ import numpy as np
 import faying as fy
 from faying.report.figures import plot_error, plot_model, plot_pressure
 from faying.report.style import house_style, new_figure, save
-from faying.study.results import Results
-from faying.study.store import read_results
+from faying.study.results.store import read_results
+from faying.study.results.values import Results
 from faying.units import units_of
 
 FOLDER = Path(__file__).parent

@@ -38,6 +38,9 @@ ORDER = (
 )
 """Folders and single modules; each imports from those before it only."""
 
+ROOMS = ("keys", "inputs", "results", "judgement", "stages")
+"""Folders of ``study``, each of which imports from those before it only."""
+
 MODULES = sorted(
     str(path.relative_to(ROOT)) for path in ROOT.rglob("*.py") if path.name != "__main__.py"
 )

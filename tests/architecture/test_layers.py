@@ -7,7 +7,7 @@ import inspect
 from graphlib import TopologicalSorter
 
 import pytest
-from packages import MODULES, ORDER, ROOT, dotted, imports, package
+from packages import MODULES, ORDER, ROOMS, ROOT, dotted, imports, package
 
 import faying
 
@@ -19,6 +19,13 @@ def test_imports_point_one_way(path):
     here = ORDER.index(package(path))
     used = {name.split(".")[1] for name in imports(path) if "." in name}
     assert used <= set(ORDER[: here + 1])
+
+
+@pytest.mark.parametrize("path", [path for path in MODULES if path.startswith("study/")])
+def test_rooms_of_a_study_import_one_way(path):
+    room = dotted(path).split(".")[2:3]
+    used = {name.split(".")[2] for name in imports(path) if name.startswith("faying.study.")}
+    assert used <= set(ROOMS[: ROOMS.index(room[0]) + 1] if room else ())
 
 
 def test_every_folder_has_its_place():

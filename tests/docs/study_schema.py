@@ -10,7 +10,7 @@ from typing import Any
 from pages import DOCS
 from pydantic import BaseModel
 
-from faying.study import (
+from faying.study.keys import (
     measurement_table,
     model_tables,
     output_tables,
@@ -18,7 +18,7 @@ from faying.study import (
     tables,
     topographies,
 )
-from faying.study.editor_schema import EDITOR_SCHEMA
+from faying.study.keys.editor_schema import EDITOR_SCHEMA
 
 SECTIONS: dict[str, type[BaseModel]] = {
     "top level": tables.Study,

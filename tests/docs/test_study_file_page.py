@@ -9,8 +9,8 @@ from pydantic_core import PydanticUndefined
 from study_schema import SECTIONS, page_rows
 
 from faying.joint.lap_joint import lap_joint_assembly
-from faying.study import tables
-from faying.study.lap_joint_keys import ELSEWHERE
+from faying.study.keys import tables
+from faying.study.keys.lap_joint import ELSEWHERE
 
 NOTHING = {"—", "none"}
 """How the page writes a default that is not a value."""

@@ -29,8 +29,8 @@ from faying.execution import (
     run_grouped_campaign,
     transient_campaign,
 )
-from faying.study.schema import read_study
-from faying.study.worker_tasks import pieces, prepare_pieces
+from faying.study.keys.schema import read_study
+from faying.study.stages.worker_tasks import pieces, prepare_pieces
 from faying.workflow.run import run
 
 pytestmark = [

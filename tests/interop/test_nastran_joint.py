@@ -9,8 +9,8 @@ import faying as fy
 from faying.exceptions import ModelError, StudyError
 from faying.io.nastran import write_deck
 from faying.model.elements import SOLIDS
-from faying.study.load_model import build, load_model
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build, load_model
+from faying.study.keys.schema import read_study
 
 STUDY = """
 title = "From a deck"

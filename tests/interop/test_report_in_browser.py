@@ -18,7 +18,7 @@ from fake_results import fake_results
 from faying.report.errors import error_table
 from faying.report.figures.entry import FigureEntry
 from faying.report.html import render, render_methods, write_report
-from faying.study.interface_surface import nodal_average
+from faying.study.results.interface_surface import nodal_average
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 

@@ -13,8 +13,8 @@ from faying.cli import app
 from faying.exceptions import CampaignError, ConvergenceError, StudyError
 from faying.execution import ProcessExecutor, SerialExecutor
 from faying.execution.checkpoint import Checkpoint
-from faying.study.load_set import read_loads
-from faying.study.schema import read_study
+from faying.study.inputs.load_set import read_loads
+from faying.study.keys.schema import read_study
 from faying.workflow import solve_cases, solve_workers
 from faying.workflow.reduce import reduce_study
 from faying.workflow.solve import solve_loads

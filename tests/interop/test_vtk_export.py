@@ -8,8 +8,8 @@ import pytest
 import faying as fy
 from faying.export.formats import export
 from faying.export.vtk_xml import Grid, write_vtu
-from faying.study.interface_surface import nodal_average
-from faying.study.recover import results_of
+from faying.study.results.interface_surface import nodal_average
+from faying.study.stages.recover import results_of
 
 
 @pytest.fixture(scope="module")

@@ -68,7 +68,7 @@ RUN = """
 import os, signal, sys, threading, time
 from pathlib import Path
 from threadpoolctl import threadpool_limits
-from faying.study.schema import read_study
+from faying.study.keys.schema import read_study
 from faying.workflow.run import run
 
 study, out, seconds = read_study(Path(sys.argv[1])), Path(sys.argv[2]), float(sys.argv[3])
@@ -95,7 +95,7 @@ SEQUENCE = """
 import sys
 from pathlib import Path
 from threadpoolctl import threadpool_limits
-from faying.study.schema import read_study
+from faying.study.keys.schema import read_study
 from faying.workflow.run import run
 
 paths = list(map(Path, sys.argv[1:]))

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FayingError
-from faying.study.load_model import build_loaded, load_model
-from faying.study.schema import parse_study, read_study
+from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.keys.schema import parse_study, read_study
 
 STUDY = """title = "block"
 units = "mm-t-s"

@@ -15,8 +15,8 @@ from faying.linalg.machine_memory import VARIABLE
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.reduction.basis import ModeKind
 from faying.simulation.stepping import transient_solver
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results
 from faying.workflow.run import run
 from pieces_of_one import pieces_of_one
 

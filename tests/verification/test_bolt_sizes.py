@@ -13,8 +13,8 @@ from faying.assessment.strength.tightening import (
     variation_of,
 )
 from faying.exceptions import ModelError, StudyError
-from faying.study.schema import parse_study
-from faying.study.threads import final_forces, threads_of
+from faying.study.keys.schema import parse_study
+from faying.study.keys.threads import final_forces, threads_of
 from small_study import SMALL_JOINT
 
 

@@ -19,8 +19,8 @@ from faying.reduction import normal_modes
 from faying.reduction.mode_count import check_modes, count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.report.model_tables import model_table
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results
 from faying.workflow.run import run
 
 

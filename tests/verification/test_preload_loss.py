@@ -6,9 +6,9 @@ import pytest
 import faying as fy
 from faying.exceptions import ModelError
 from faying.simulation.frictional_preload import tighten_with_friction
-from faying.study.offline import prepare_joint
-from faying.study.progress import Stages
-from faying.study.schema import read_study
+from faying.study.keys.schema import read_study
+from faying.study.stages.offline import prepare_joint
+from faying.study.stages.progress import Stages
 from small_study import TINY_JOINT
 
 ROUND_OFF = 1e-9

@@ -11,7 +11,7 @@ from faying.simulation.cycles import loop_area
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
-from faying.study.path_record import cycle_record
+from faying.study.results.path_record import cycle_record
 
 PULL = fy.Load({"tip.Fx": 1000.0})
 

@@ -14,8 +14,8 @@ from faying import cli
 from faying.io.nastran import write_deck
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.model import Model
-from faying.study.results import Results
-from faying.study.store import read_results
+from faying.study.results.store import read_results
+from faying.study.results.values import Results
 
 PENALTY = 420_000.0  # 10 E/h of 5 mm bricks, which 'auto' finds where there are elements
 

@@ -8,7 +8,7 @@ import pytest
 import faying as fy
 from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
-from faying.study.schema import read_study
+from faying.study.keys.schema import read_study
 from faying.workflow.tighten import plan_of_study, torques_per_force, write_plan
 from small_system import small_system
 

@@ -9,7 +9,7 @@ from faying.cli.arguments import usable_folder
 
 if TYPE_CHECKING:
     from faying.joint.model import Model
-    from faying.study.load_model import LoadedModel
+    from faying.study.inputs.load_model import LoadedModel
 
 
 StudyOrDeck = Annotated[
@@ -31,15 +31,15 @@ def check(
     from faying.cli.description import described
     from faying.cli.progress import progress_bar
     from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
-    from faying.study.bare_deck import is_bare, study_or_deck
-    from faying.study.declared import missing_contact
-    from faying.study.jumps import jump_sentence, load_jumps
-    from faying.study.load_model import load_model
-    from faying.study.loads import check_targets
-    from faying.study.naming_tables import naming_tables
-    from faying.study.requirement_rules import not_judged
-    from faying.study.solid_constants import bolt_doubts, doubts
-    from faying.study.understood import understood
+    from faying.study.inputs.jumps import jump_sentence, load_jumps
+    from faying.study.inputs.load_model import load_model
+    from faying.study.inputs.loads import check_targets
+    from faying.study.inputs.model_preview import understood
+    from faying.study.judgement.model_warnings import missing_contact
+    from faying.study.judgement.solid_constants import bolt_doubts, doubts
+    from faying.study.keys.deck_study import is_bare, study_or_deck
+    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.requirement_rules import not_judged
     from faying.units import units_of
 
     checked, bare = study_or_deck(study, ignore or ()), is_bare(study)

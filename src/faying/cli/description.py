@@ -24,13 +24,13 @@ from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.simulation.integrators import named_integrator
-from faying.study.backbone_cases import cycle_increments
-from faying.study.bare_deck import is_bare, quoted
-from faying.study.declared import kept_share
-from faying.study.load_model import LoadedModel
-from faying.study.tables import ForceSection, LoadCaseSection, Study
-from faying.study.threads import forced_bolts
-from faying.study.understood import Understood
+from faying.study.inputs.load_model import LoadedModel
+from faying.study.inputs.model_preview import Understood
+from faying.study.judgement.model_warnings import kept_share
+from faying.study.keys.deck_study import is_bare, quoted
+from faying.study.keys.tables import ForceSection, LoadCaseSection, Study
+from faying.study.keys.threads import forced_bolts
+from faying.study.stages.backbone_cases import cycle_increments
 
 MOST_IDS = 6
 """Elements of a bolt that are named."""

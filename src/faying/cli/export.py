@@ -35,7 +35,7 @@ def export(
     """Hand a reduced model of a run over to another program."""
     from faying.export.formats import MEANINGS, default_name, format_named, run_model
     from faying.export.formats import export as write
-    from faying.study.recover import results_of
+    from faying.study.stages.recover import results_of
 
     chosen, run = format_named(to), results_of(folder)
     rom = run_model(run, method, joint_modes)

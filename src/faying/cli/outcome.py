@@ -17,10 +17,10 @@ from faying.assessment.transient_error import (
     TRACTIONS_OBSERVED,
     remedy_hint,
 )
-from faying.study.jumps import Jump, jump_sentence
-from faying.study.remedy import remedy_from, remedy_sentence, shapes_seconds
-from faying.study.results import FULL_MODEL
-from faying.study.step_choice import StepChoice, choice_sentence
+from faying.study.inputs.jumps import Jump, jump_sentence
+from faying.study.judgement.step_choice import StepChoice, choice_sentence
+from faying.study.results.second_solution import remedy_from, remedy_sentence, shapes_seconds
+from faying.study.results.values import FULL_MODEL
 from faying.units import units_of
 
 ESTIMATED = "estimated_max_relative_error"

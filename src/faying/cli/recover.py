@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 if TYPE_CHECKING:
-    from faying.study.recovered import RecoveredRecord
-    from faying.study.results import Results
+    from faying.study.results.recovered import RecoveredRecord
+    from faying.study.results.values import Results
 
 
 def recover(
@@ -52,8 +52,8 @@ def recover(
 ) -> None:
     """Recover contact pressures from a modal or boundary-force history of another program."""
     from faying.simulation.integrators import named_integrator
-    from faying.study.recover import RecoverOptions, results_of
-    from faying.study.recover import recover as recover_history
+    from faying.study.stages.recover import RecoverOptions, results_of
+    from faying.study.stages.recover import recover as recover_history
 
     results = results_of(folder)
     options = RecoverOptions(
@@ -75,7 +75,7 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from faying.study.recover import peaks
+    from faying.study.stages.recover import peaks
     from faying.units import units_of
 
     # Brackets around units and in names are no markup.
@@ -112,8 +112,8 @@ def _written(
     """Write what was recovered, and pictures of the instant of largest pressure."""
     from faying.export.vtu import write_fields_vtu
     from faying.files.names import file_names
-    from faying.study.recover import peak_fields
-    from faying.study.store import write_recovered
+    from faying.study.results.store import write_recovered
+    from faying.study.stages.recover import peak_fields
 
     label = f"recovered_{file_names([stem])[stem]}"
     paths = [folder / f"{label}.h5"]

@@ -33,8 +33,8 @@ def reduce(
 
     from faying.cli.model_sizes import model_sizes
     from faying.cli.progress import progress_bar
-    from faying.study.naming_tables import naming_tables
-    from faying.study.schema import read_study
+    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.schema import read_study
     from faying.workflow.reduce import reduce_study
 
     checked = read_study(study)

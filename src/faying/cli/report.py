@@ -16,7 +16,7 @@ def report(
         message = f"{folder} holds no results.h5; name the folder of a finished 'faying run'"
         raise StudyError(message)
     from faying.report.html import write_report
-    from faying.study.store import read_results
+    from faying.study.results.store import read_results
 
     write_report(read_results(folder / "results.h5"), folder)
     typer.echo(f"Wrote {folder / 'report.html'}")

@@ -50,7 +50,7 @@ def compute(
 
 def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: str | None) -> None:
     since = perf_counter()  # importing what computes takes a second
-    from faying.study.schema import read_study
+    from faying.study.keys.schema import read_study
 
     study = read_study(path)
     if not study.load_cases:
@@ -61,7 +61,7 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
 
     from faying.cli.outcome import met, show_outcome, show_verdict
     from faying.cli.progress import progress_bar
-    from faying.study.naming_tables import naming_tables
+    from faying.study.keys.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
 
     with ExitStack() as stack:

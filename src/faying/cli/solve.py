@@ -75,10 +75,10 @@ def solve(
         from faying.cli.progress import progress_bar
         from faying.reduction.model_reader import load, preload_path_of, study_of
         from faying.simulation.integrators import named_integrator
-        from faying.study.load_set import read_loads
-        from faying.study.requirement_rules import requirements_of
-        from faying.study.schema import stored_requirement
-        from faying.study.threads import stored_threads
+        from faying.study.inputs.load_set import read_loads
+        from faying.study.keys.requirement_rules import requirements_of
+        from faying.study.keys.schema import stored_requirement
+        from faying.study.keys.threads import stored_threads
         from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
         if step is not None and not 0 < step < float("inf"):

@@ -33,8 +33,8 @@ def tighten(
     from rich.console import Console
 
     from faying.cli.progress import progress_bar
-    from faying.study.naming_tables import naming_tables
-    from faying.study.schema import read_study
+    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.schema import read_study
     from faying.units import units_of
     from faying.workflow.tighten import plan_of_study, torques_per_force, write_plan
 

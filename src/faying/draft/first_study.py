@@ -33,8 +33,8 @@ from faying.model.matrices import used_components
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.model.supports import nodes_of_set, with_held_nodes
-from faying.study.load_model import build
-from faying.study.schema import parse_study
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import parse_study
 
 SHARE = 0.05
 """Load that stands where none is said, over the sum of the preloads."""

@@ -14,8 +14,8 @@ from faying.model.description import JointDescription, check_surfaces
 from faying.model.mesh import Mesh
 from faying.model.separate import separated
 from faying.sources import SOURCES, SourceKeys
-from faying.study.bare_deck import STUDY, check_not_ansys
-from faying.study.solid_constants import doubts
+from faying.study.judgement.solid_constants import doubts
+from faying.study.keys.deck_study import STUDY, check_not_ansys
 
 UNITS = ("mm-t-s", "m-kg-s", "mm-kg-ms", "in-slinch-s")
 """Unit sets that are tried, the usual one first."""

@@ -15,8 +15,8 @@ from faying.draft.look import Look
 from faying.interface.facing import Facing
 from faying.interface.interface import Interface
 from faying.model.bodies import body_names
-from faying.study.bare_deck import quoted
-from faying.study.editor_schema import EDITOR_SCHEMA
+from faying.study.keys.deck_study import quoted
+from faying.study.keys.editor_schema import EDITOR_SCHEMA
 from faying.units import units_of
 
 MARK = "DECIDE:"

@@ -9,7 +9,7 @@ import numpy as np
 from faying.exceptions import StudyError
 from faying.export.arrays import numpy_variables
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 PARTS = ("exudyn_joint.py", "exudyn_contact.py")
 """What is handed over, word for word: the second takes the place of its import in the first."""

@@ -23,9 +23,9 @@ from faying.files.atomic import moved
 from faying.files.names import file_names
 from faying.reduction.model_reader import load
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.errors import nearest
-from faying.study.recover import reduced_model, results_of
-from faying.study.results import Results
+from faying.study.keys.errors import nearest
+from faying.study.results.values import Results
+from faying.study.stages.recover import reduced_model, results_of
 
 DEFAULT_METHOD = "compliance"
 

@@ -10,7 +10,7 @@ import scipy.io
 from faying.exceptions import FormatError
 from faying.export.arrays import sparse_variables, variables
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 FUNCTIONS = (
     "faying_contact.m",

@@ -19,7 +19,7 @@ from faying.io.dmig_writer import dmig_text
 from faying.io.op4_writer import write_op4
 from faying.joint.system import elongations, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 SUPERELEMENT = 100
 """Id of the superelement, and the Fortran unit of its OP4 file."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from faying.export.arrays import numpy_variables
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:

@@ -10,7 +10,7 @@ from faying.exceptions import StudyError
 from faying.export.linearized import LinearModel, linearize
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
-from faying.study.errors import nearest
+from faying.study.keys.errors import nearest
 
 Linearizable = ReducedModel | Solution | LinearModel
 

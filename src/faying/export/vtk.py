@@ -28,7 +28,13 @@ from faying.export.vtu import averaged, static_fields, surface
 from faying.files.names import file_names
 from faying.interface.surface import ContactSurface
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import CaseResult, InterfaceRecord, Response, Results, interface_record
+from faying.study.results.values import (
+    CaseResult,
+    InterfaceRecord,
+    Response,
+    Results,
+    interface_record,
+)
 from faying.units import Units, units_of
 
 MOST_MODES = 10

@@ -9,8 +9,8 @@ from faying._typing import Indices, Matrix
 from faying.export.vtk_xml import Grid, write_vtu
 from faying.files.names import file_names
 from faying.interface.surface import ContactSurface
-from faying.study.interface_surface import nodal_average, pair_facets
-from faying.study.results import CaseResult, InterfaceRecord, Response, Results
+from faying.study.results.interface_surface import nodal_average, pair_facets
+from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 from faying.units import Units, units_of
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from faying.display.quantities import number
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 ROUND_OFF = 1e-6
 """True errors below this fraction are left out: both figures are then rounding."""

@@ -13,8 +13,8 @@ from faying.assessment.transient_error import (
 )
 from faying.display.quantities import number, percent
 from faying.report.methods import GOOD
-from faying.study.remedy import remedy_sentence, shapes_seconds
-from faying.study.results import Results
+from faying.study.results.second_solution import remedy_sentence, shapes_seconds
+from faying.study.results.values import Results
 
 ROUND_OFF = 1e-6
 """True errors below this fraction are left out of ratios: both figures are then rounding."""

@@ -31,10 +31,10 @@ from faying.report.table import MARKS, Column, Table, described
 from faying.report.trust import trust
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
-from faying.study.declared import barely_held, kept_share, missing_contact
-from faying.study.mode_choice import mode_sentences
-from faying.study.results import Results
-from faying.study.run_verdict import run_verdict
+from faying.study.judgement.model_warnings import barely_held, kept_share, missing_contact
+from faying.study.judgement.verdict import run_verdict
+from faying.study.results.mode_choice import mode_sentences
+from faying.study.results.values import Results
 from faying.units import units_of
 
 LONG = 22

@@ -1,7 +1,7 @@
 """What the names of methods mean, for readers who see them for the first time."""
 
 from faying.reduction.methods import METHODS
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 
 def meanings(results: Results) -> dict[str, str]:

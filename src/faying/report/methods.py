@@ -10,9 +10,9 @@ from faying.display.quantities import number, percent
 from faying.reduction.methods import METHODS
 from faying.report.reference import against, reference_note
 from faying.report.style import label
-from faying.study.jumps import jump_sentence
-from faying.study.results import CaseResult, MethodResult, Results
-from faying.study.step_check import step_check
+from faying.study.inputs.jumps import jump_sentence
+from faying.study.judgement.step_check import step_check
+from faying.study.results.values import CaseResult, MethodResult, Results
 from faying.units import units_of
 
 GOOD = 0.05

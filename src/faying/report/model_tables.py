@@ -7,8 +7,8 @@ import numpy as np
 from faying.display.quantities import quantity
 from faying.interface.surface import curve_of
 from faying.report.table import Column, Table, described, table
-from faying.study.declared import kept_share
-from faying.study.results import InterfaceRecord, Results
+from faying.study.judgement.model_warnings import kept_share
+from faying.study.results.values import InterfaceRecord, Results
 from faying.units import units_of
 
 

@@ -16,9 +16,9 @@ from faying.report.figures.entry import FigureEntry
 from faying.report.slip import most_slip, slip_sentence
 from faying.report.slip_tables import demand_table, friction_table
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
-from faying.study.comparison import rubbed
-from faying.study.opening import opening
-from faying.study.results import CaseResult, Results
+from faying.study.judgement.comparison import rubbed
+from faying.study.judgement.opening import opening
+from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
 
 

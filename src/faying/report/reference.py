@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from faying.study.results import CaseResult, Results
+from faying.study.results.values import CaseResult, Results
 
 
 def against(cases: Iterable[CaseResult]) -> str:

@@ -8,9 +8,9 @@ from faying._typing import Indices, Vector
 from faying.assessment.slip import SLIP, STICK
 from faying.display.quantities import number, percent, quantity
 from faying.report.figures.backbone import abscissa, unit_of
-from faying.study.comparison import increments, rubbed
-from faying.study.results import CaseResult, InterfaceRecord, Results
-from faying.study.slip_record import SlipRecord
+from faying.study.judgement.comparison import increments, rubbed
+from faying.study.results.slip_record import SlipRecord
+from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
 

@@ -11,8 +11,8 @@ from faying.assessment.slip_reserve import SlipReserve
 from faying.display.quantities import number, percent, place
 from faying.report.slip import most_slip
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
-from faying.study.comparison import rubbed
-from faying.study.results import CaseResult, Results
+from faying.study.judgement.comparison import rubbed
+from faying.study.results.values import CaseResult, Results
 from faying.units import units_of
 
 

@@ -15,19 +15,19 @@ from faying.reduction.methods import METHODS
 from faying.reduction.model_reader import PRELOAD_PATH
 from faying.reduction.projection import completed
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.checkpoint import open_checkpoint
-from faying.study.errors import one_of
-from faying.study.mode_choice import mode_sentences
-from faying.study.normal_modes import normal_modes_of
-from faying.study.offline import (
+from faying.study.keys.errors import one_of
+from faying.study.keys.tables import Study
+from faying.study.results.mode_choice import mode_sentences
+from faying.study.stages.checkpoint import open_checkpoint
+from faying.study.stages.normal_modes import normal_modes_of
+from faying.study.stages.offline import (
     PreparedJoint,
     build_bases,
     choose_counts,
     prepare_joint,
     reduced_models,
 )
-from faying.study.progress import ProgressBar, Stages
-from faying.study.tables import Study
+from faying.study.stages.progress import ProgressBar, Stages
 from faying.units import units_of
 
 EXACT = "compliance"

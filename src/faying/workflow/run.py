@@ -12,25 +12,25 @@ from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
 from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
-from faying.study.assessing import assess_run
-from faying.study.cases import CaseRunner
-from faying.study.checkpoint import Checkpoint, open_checkpoint
-from faying.study.extras import Extras
-from faying.study.full_transients import case_groups
-from faying.study.inertia import InertiaWhenNeeded
-from faying.study.kept_models import Kept, Models, kept_models, with_kept
-from faying.study.normal_modes import normal_modes_of
-from faying.study.offline import build_bases, choose_counts, prepare_joint, reduced_models
-from faying.study.progress import ProgressBar, Stages
-from faying.study.record import record
-from faying.study.reference import reference_of
-from faying.study.requirement_rules import requirements_of
-from faying.study.results import CaseResult, Results
-from faying.study.store import write_results
-from faying.study.summary import summarize
-from faying.study.tables import Study
-from faying.study.validation import validate
-from faying.study.worker_tasks import compute_pieces
+from faying.study.judgement.summary import summarize
+from faying.study.keys.requirement_rules import requirements_of
+from faying.study.keys.tables import Study
+from faying.study.results.store import write_results
+from faying.study.results.values import CaseResult, Results
+from faying.study.stages.cases import CaseRunner
+from faying.study.stages.checkpoint import Checkpoint, open_checkpoint
+from faying.study.stages.full_transients import case_groups
+from faying.study.stages.inertia import InertiaWhenNeeded
+from faying.study.stages.kept_models import Kept, Models, kept_models, with_kept
+from faying.study.stages.normal_modes import normal_modes_of
+from faying.study.stages.offline import build_bases, choose_counts, prepare_joint, reduced_models
+from faying.study.stages.optional import Extras
+from faying.study.stages.progress import ProgressBar, Stages
+from faying.study.stages.record import record
+from faying.study.stages.reference import reference_of
+from faying.study.stages.requirements import assess_run
+from faying.study.stages.validation import validate
+from faying.study.stages.worker_tasks import compute_pieces
 from faying.workflow.outcome import Outcome
 from faying.workflow.reduce import EXACT
 

@@ -25,14 +25,14 @@ from faying.files.names import file_names
 from faying.linalg.threads import one_thread
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import History, Load
-from faying.study.checkpoint import open_checkpoint
-from faying.study.errors import nearest
-from faying.study.extras import Extras
-from faying.study.load_set import LoadSet
-from faying.study.metric_table import TableFormat, check_table_format, write_metrics
-from faying.study.progress import ProgressBar, Stages
-from faying.study.solved import SolvedFields, write_solved
-from faying.study.summary import plain
+from faying.study.inputs.load_set import LoadSet
+from faying.study.judgement.summary import plain
+from faying.study.keys.errors import nearest
+from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
+from faying.study.results.solved_fields import SolvedFields, write_solved
+from faying.study.stages.checkpoint import open_checkpoint
+from faying.study.stages.optional import Extras
+from faying.study.stages.progress import ProgressBar, Stages
 from faying.units import Units, units_of
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver

@@ -23,11 +23,11 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
 from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_pieces import transient_pieces
-from faying.study.extras import Extras
-from faying.study.load_set import LoadSet, TimedLoad
-from faying.study.path_cases import rest_state
-from faying.study.progress import Stages
-from faying.study.tables import DEFAULT_INCREMENTS
+from faying.study.inputs.load_set import LoadSet, TimedLoad
+from faying.study.keys.tables import DEFAULT_INCREMENTS
+from faying.study.stages.optional import Extras
+from faying.study.stages.path_cases import rest_state
+from faying.study.stages.progress import Stages
 from faying.workflow.solved_pieces import Pieces, piece_of
 
 PIECE_NUMBERS = 2**18

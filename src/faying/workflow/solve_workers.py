@@ -13,9 +13,9 @@ from faying.exceptions import StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
-from faying.study.extras import Extras
-from faying.study.load_set import LoadSet, TimedLoad
-from faying.study.progress import Stages
+from faying.study.inputs.load_set import LoadSet, TimedLoad
+from faying.study.stages.optional import Extras
+from faying.study.stages.progress import Stages
 from faying.workflow.solve_cases import CaseSolver, end_key, n_steps
 
 Piece = range | TimedLoad

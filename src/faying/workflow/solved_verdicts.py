@@ -26,7 +26,7 @@ from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
-from faying.study.load_set import LoadSet
+from faying.study.inputs.load_set import LoadSet
 from faying.workflow.solved_pieces import Pieces
 from faying.workflow.solved_strength import solved_strength
 

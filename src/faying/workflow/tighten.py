@@ -10,11 +10,11 @@ from faying.files.atomic import replacing
 from faying.linalg.threads import one_thread
 from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
 from faying.simulation.without_friction import smooth_joint
-from faying.study.load_model import build_loaded, check_interfaces, load_model
-from faying.study.path_cases import has_friction
-from faying.study.progress import ProgressBar, Stages
-from faying.study.tables import Study
-from faying.study.threads import thread_of
+from faying.study.inputs.load_model import build_loaded, check_interfaces, load_model
+from faying.study.keys.tables import Study
+from faying.study.keys.threads import thread_of
+from faying.study.stages.path_cases import has_friction
+from faying.study.stages.progress import ProgressBar, Stages
 
 
 @one_thread()

@@ -25,9 +25,9 @@ from faying.export.vtu import write_interface_vtu
 from faying.files.lock import held
 from faying.files.names import file_names
 from faying.report.html import render
-from faying.study.schema import read_study
-from faying.study.store import read_results, write_results
-from faying.study.summary import summarize
+from faying.study.judgement.summary import summarize
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results, write_results
 from faying.workflow.run import run
 
 STUDY = """\

@@ -16,8 +16,8 @@ from faying.exceptions import FayingError, StudyError
 from faying.interface.facing import facing_bodies
 from faying.model.assembly import Assembly, Material
 from faying.model.mesh import CellBlock, Mesh
-from faying.study.load_model import build
-from faying.study.schema import parse_study
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import parse_study
 from small_abaqus_deck import DECK
 
 STEEL = Material(name="default", youngs_modulus=210e3, poissons_ratio=0.3, density=7.85e-9)

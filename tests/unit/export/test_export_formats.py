@@ -15,7 +15,7 @@ from faying.exceptions import FormatError, StudyError
 from faying.export import vtk
 from faying.export.formats import CONTACT, FORMATS, LINEAR, MEANINGS, default_name, export
 from faying.reduction.projection import completed, nodal_shapes
-from faying.study.recover import results_of
+from faying.study.stages.recover import results_of
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS, block_element
 from faying.model.elements.stiffness import stiffness_blocks
 from faying.model.matrices import assemble_matrices
-from faying.study.load_model import load_model
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import load_model
+from faying.study.keys.schema import read_study
 from small_abaqus_deck import DECK, PARTS, SHANK, WOOD
 
 

@@ -7,7 +7,7 @@ from faying.exceptions import FayingError, FormatError
 from faying.io.abaqus import read_joint
 from faying.io.left_out import IGNORABLE
 from faying.io.nastran import read_joint as read_nastran_joint
-from faying.study.schema import parse_study
+from faying.study.keys.schema import parse_study
 from small_abaqus_deck import DECK
 
 PLASTIC = DECK.replace("*DENSITY\n", "*PLASTIC\n300., 0.\n*DENSITY\n", 1)

@@ -14,10 +14,10 @@ from faying.export.formats import format_named
 from faying.io import abaqus, nastran
 from faying.io.deck_lines import naming
 from faying.model.assembly import Material
-from faying.study.history import read_history
-from faying.study.load_model import build, build_loaded, load_model
-from faying.study.schema import parse_study, read_study
-from faying.study.solid_constants import bolt_doubts, doubts
+from faying.study.inputs.load_model import build, build_loaded, load_model
+from faying.study.judgement.solid_constants import bolt_doubts, doubts
+from faying.study.keys.history import read_history
+from faying.study.keys.schema import parse_study, read_study
 from faying.workflow.run import run
 from small_abaqus_deck import DECK as ABAQUS
 

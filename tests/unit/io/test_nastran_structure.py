@@ -16,8 +16,8 @@ from faying.model.matrices import (
     rigid_body_motions,
     used_components,
 )
-from faying.study.load_model import load_model
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import load_model
+from faying.study.keys.schema import read_study
 
 NODES = "".join(
     f"GRID,{i},,{x}.,{y}.,{z}.\n"

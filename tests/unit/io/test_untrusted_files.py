@@ -22,7 +22,7 @@ from faying.io.matrix_files import read_matrix
 from faying.io.matrix_tables import read_node_table
 from faying.io.mesh_files import read_mesh_file
 from faying.io.nastran.source import read_source
-from faying.study.schema import read_study
+from faying.study.keys.schema import read_study
 
 
 def refused(read, *arguments):

@@ -5,8 +5,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 from faying.linalg.mkl import load_mkl
 from faying.linalg.threads import SMALL, one_thread, threads_for
-from faying.study.load_set import read_loads
-from faying.study.schema import read_study
+from faying.study.inputs.load_set import read_loads
+from faying.study.keys.schema import read_study
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import solve_loads

@@ -12,8 +12,8 @@ from faying.exceptions import ModelError
 from faying.io.abaqus import read_joint
 from faying.model.bodies import bodies
 from faying.model.supports import nodes_of_set
-from faying.study.load_model import build, load_model
-from faying.study.schema import parse_study
+from faying.study.inputs.load_model import build, load_model
+from faying.study.keys.schema import parse_study
 
 
 @pytest.fixture

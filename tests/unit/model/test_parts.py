@@ -7,8 +7,8 @@ from faying.exceptions import ModelError, StudyError
 from faying.io.abaqus import read_joint
 from faying.joint.build import build_model
 from faying.model.parts import part_of
-from faying.study.load_model import load_model
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import load_model
+from faying.study.keys.schema import read_study
 from small_abaqus_deck import DECK
 
 # Two more bricks beside those of the deck, bonded by a rigid coupling to nothing of them.

@@ -211,7 +211,7 @@ def test_model_without_shapes_says_so(before, tmp_path):
 
 @pytest.mark.long
 def test_model_of_a_run_is_saved_too(quick_demo, tmp_path):
-    from faying.study.recover import results_of
+    from faying.study.stages.recover import results_of
 
     rom = results_of(quick_demo).reduced["jim-b+compliance"][20]
     rom.save(tmp_path / "joint.h5")

@@ -38,7 +38,7 @@ from faying.report.figures.response import response_figure
 from faying.report.figures.surface_map import outline, subdivision
 from faying.report.figures.time_step import time_step_figure
 from faying.report.style import colour, house_style, new_figure
-from faying.study.step_check import step_check
+from faying.study.judgement.step_check import step_check
 from faying.units import units_of
 
 RESULTS = fake_results()

@@ -22,7 +22,7 @@ from faying.report.methods import headline, reservations, verdicts
 from faying.report.questions import applied_loads, clamp_table, clamped_areas, questions
 from faying.report.table import Column, described
 from faying.report.trust import trust
-from faying.study.validation_record import ValidationRecord
+from faying.study.results.validation_record import ValidationRecord
 from faying.units import units_of
 from table_cells import cells
 

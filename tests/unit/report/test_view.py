@@ -17,8 +17,8 @@ from faying.report.view.outer_surface import outer_surface
 from faying.report.view.packing import STEPS, packed_integers, packed_numbers
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
-from faying.study.interface_surface import nodal_average
-from faying.study.slip_record import SlipRecord
+from faying.study.results.interface_surface import nodal_average
+from faying.study.results.slip_record import SlipRecord
 
 RESULTS = fake_results()
 WEB = Path(__file__).parents[3] / "web"

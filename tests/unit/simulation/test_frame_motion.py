@@ -11,9 +11,9 @@ from faying.exceptions import FormatError, ModelError, StudyError
 from faying.model.matrices import mass_properties, rigid_body_motions
 from faying.reduction.projection import for_moving_supports
 from faying.simulation.frame_motion import FrameMotion, affine_fields
-from faying.study.imported_history import FRAME, read_imported_history
-from faying.study.recover import RecoverOptions, recover
-from faying.study.results import Results
+from faying.study.results.values import Results
+from faying.study.stages.imported_history import FRAME, read_imported_history
+from faying.study.stages.recover import RecoverOptions, recover
 
 RNG = np.random.default_rng(7)
 

@@ -3,8 +3,8 @@
 import pytest
 
 from faying.exceptions import FormatError
-from faying.study.load_model import build, load_model
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build, load_model
+from faying.study.keys.schema import read_study
 from small_abaqus_deck import DECK
 
 STUDY = """\

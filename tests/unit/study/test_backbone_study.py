@@ -23,10 +23,10 @@ from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.report.methods import verdicts
 from faying.report.questions import applied_loads
 from faying.report.slip import slip_sentence
-from faying.study.load_model import build
-from faying.study.schema import parse_study, read_study
-from faying.study.store import read_results
-from faying.study.summary import summarize
+from faying.study.inputs.load_model import build
+from faying.study.judgement.summary import summarize
+from faying.study.keys.schema import parse_study, read_study
+from faying.study.results.store import read_results
 from faying.units import units_of
 from faying.workflow.run import run
 

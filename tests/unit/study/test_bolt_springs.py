@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError, StudyError
-from faying.study.load_model import build, load_model
-from faying.study.offline import prepare_joint
-from faying.study.progress import Stages
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build, load_model
+from faying.study.keys.schema import read_study
+from faying.study.stages.offline import prepare_joint
+from faying.study.stages.progress import Stages
 from faying.workflow.run import run
 
 SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]

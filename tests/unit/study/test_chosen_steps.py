@@ -8,8 +8,8 @@ from typer.testing import CliRunner
 
 from faying.cli import app
 from faying.exceptions import StudyError
-from faying.study.schema import parse_study
-from faying.study.store import read_results
+from faying.study.keys.schema import parse_study
+from faying.study.results.store import read_results
 from faying.workflow.run import run
 from small_study import TINY_JOINT
 

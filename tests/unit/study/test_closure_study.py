@@ -12,10 +12,10 @@ from faying.exceptions import FormatError, ModelError, StudyError
 from faying.interface.closure_table import read_closure_table
 from faying.interface.surface import contact_surface, recorded_law
 from faying.joint.lap_joint import STEEL
-from faying.study.load_model import build_loaded, load_model
-from faying.study.recover import reduced_model
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results
+from faying.study.stages.recover import reduced_model
 from faying.workflow.run import run
 
 STUDY = """

@@ -6,8 +6,8 @@ import faying as fy
 from faying.exceptions import FormatError, StudyError
 from faying.files.csv_rows import csv_rows
 from faying.interface.gap_field import read_gap_table
-from faying.study.imported_history import read_imported_history
-from faying.study.load_factors import read_load_factors
+from faying.study.keys.load_factors import read_load_factors
+from faying.study.stages.imported_history import read_imported_history
 
 ENDLESS = "n" * 200_000
 """More than a cell may have; longer by far than any number or name."""

@@ -12,10 +12,10 @@ from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize
 from faying.report.questions import applied_loads
-from faying.study.load_model import build, load_model
-from faying.study.recover import RecoverOptions, recover
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.inputs.load_model import build, load_model
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results
+from faying.study.stages.recover import RecoverOptions, recover
 from faying.units import units_of
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

@@ -23,14 +23,14 @@ from faying.report.slip_tables import demand_table, friction_table
 from faying.report.style import new_figure
 from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
-from faying.study.load_factors import read_load_factors
-from faying.study.load_model import build
-from faying.study.loads import case_load
-from faying.study.path_cases import rest_state
-from faying.study.path_record import packed_record
-from faying.study.run_verdict import run_verdict
-from faying.study.schema import parse_study, read_study
-from faying.study.store import read_results
+from faying.study.inputs.load_model import build
+from faying.study.inputs.loads import case_load
+from faying.study.judgement.verdict import run_verdict
+from faying.study.keys.load_factors import read_load_factors
+from faying.study.keys.schema import parse_study, read_study
+from faying.study.results.path_record import packed_record
+from faying.study.results.store import read_results
+from faying.study.stages.path_cases import rest_state
 from faying.units import units_of
 from faying.workflow.run import run
 from table_cells import cells
@@ -294,7 +294,7 @@ def test_cycles_keep_their_last_loop_and_fretting(results):
 @pytest.mark.long
 def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_path, monkeypatch):
     """Within the cycles of the full model: their smaller amplitude is there, the larger is not."""
-    from faying.study import path_cases
+    from faying.study.stages import path_cases
 
     calls, cycled, reserved = [], [], []
     follow, cycle = path_cases.follow_path, path_cases.solve_cycles

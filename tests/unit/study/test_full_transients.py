@@ -8,12 +8,12 @@ import pytest
 import faying as fy
 from faying.linalg.machine_memory import VARIABLE
 from faying.linalg.memory import NotEnoughMemoryError
-from faying.study.full_transients import PIECE, FullTransient, full_transients
-from faying.study.loads import case_load
-from faying.study.offline import prepare_joint
-from faying.study.progress import Stages
-from faying.study.responses import packed, respond
-from faying.study.schema import parse_study
+from faying.study.inputs.loads import case_load
+from faying.study.keys.schema import parse_study
+from faying.study.results.responses import packed, respond
+from faying.study.stages.full_transients import PIECE, FullTransient, full_transients
+from faying.study.stages.offline import prepare_joint
+from faying.study.stages.progress import Stages
 from small_study import SMALL_JOINT
 
 STEP = 1e-5

@@ -8,9 +8,9 @@ from typer.testing import CliRunner
 from faying.cli import app
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.report.methods import headline, verdicts
-from faying.study import inertia
-from faying.study.schema import parse_study
-from faying.study.store import read_results
+from faying.study.keys.schema import parse_study
+from faying.study.results.store import read_results
+from faying.study.stages import inertia
 from faying.workflow.run import run
 from small_study import TINY_JOINT
 

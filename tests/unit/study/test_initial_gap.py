@@ -6,10 +6,10 @@ import pytest
 import faying as fy
 from faying.exceptions import FayingError, StudyError
 from faying.interface.gap_field import with_gap_offset
-from faying.study.load_model import build
-from faying.study.offline import prepare_joint
-from faying.study.progress import Stages
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import read_study
+from faying.study.stages.offline import prepare_joint
+from faying.study.stages.progress import Stages
 
 SMALL = """
 [model]

@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 from faying.cli import app
 from faying.exceptions import StudyError
-from faying.study.jumps import load_jumps
-from faying.study.loads import case_load
-from faying.study.schema import parse_study
-from faying.study.store import read_results
+from faying.study.inputs.jumps import load_jumps
+from faying.study.inputs.loads import case_load
+from faying.study.keys.schema import parse_study
+from faying.study.results.store import read_results
 from small_study import SMALL_JOINT
 
 PERIOD = 1.0

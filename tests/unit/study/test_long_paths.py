@@ -8,9 +8,9 @@ import pytest
 import faying as fy
 from faying.execution.checkpoint import Checkpoint
 from faying.simulation.start import last_of
-from faying.study import long_paths
-from faying.study.long_paths import follow_path
-from faying.study.pieces import Pieces
+from faying.study.stages import long_paths
+from faying.study.stages.checkpointed_steps import Pieces
+from faying.study.stages.long_paths import follow_path
 
 LOADS = [fy.Load({"tip.Fx": 600.0 * np.sin(0.4 * one)}) for one in range(1, 12)]
 FIELDS = ("contact_forces", "shear_forces", "shear_slip", "gap", "states", "dissipation")

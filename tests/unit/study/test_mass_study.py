@@ -4,8 +4,8 @@ import pytest
 
 from faying.exceptions import StudyError
 from faying.model.matrices import mass_properties
-from faying.study.load_model import build
-from faying.study.schema import parse_study
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import parse_study
 
 STUDY = """
 [model]

@@ -6,9 +6,9 @@ from test_backbone_study import STUDY
 
 from faying.assessment.measured_curve import MeasuredCurve, deviations
 from faying.exceptions import StudyError
-from faying.study.schema import parse_study, read_study
-from faying.study.store import read_results
-from faying.study.summary import summarize
+from faying.study.judgement.summary import summarize
+from faying.study.keys.schema import parse_study, read_study
+from faying.study.results.store import read_results
 from faying.workflow.run import run
 
 TABLE = """

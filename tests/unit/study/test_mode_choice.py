@@ -15,11 +15,11 @@ from faying.exceptions import ModelError, StudyError
 from faying.linalg.singular import InertiaError
 from faying.reduction.basis import ModeKind
 from faying.reduction.normal_modes import fixed_interface_normal_modes
-from faying.study import normal_modes
-from faying.study.mode_choice import mode_sentences
-from faying.study.packed_members import packed_members, unpacked_members
-from faying.study.schema import parse_study
-from faying.study.store import read_results
+from faying.study.keys.schema import parse_study
+from faying.study.results.mode_choice import mode_sentences
+from faying.study.results.store import read_results
+from faying.study.stages import normal_modes
+from faying.study.stages.packed_members import packed_members, unpacked_members
 from faying.units import units_of
 from faying.workflow.run import run
 from small_study import TINY_JOINT

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.study.nodal_motion import MISSED, MOST_SHAPES, few_shapes, nodal_motion, shown_states
+from faying.study.results.nodal_motion import (
+    MISSED,
+    MOST_SHAPES,
+    few_shapes,
+    nodal_motion,
+    shown_states,
+)
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +80,7 @@ def test_states_shown_are_even_and_have_the_peak():
 
 
 def test_motion_is_kept_of_the_reference_alone(joint, swing):
-    from faying.study.responses import packed, respond, unpacked
+    from faying.study.results.responses import packed, respond, unpacked
 
     response = respond(swing, joint, 0.0, moves=True)
     again = unpacked(packed(response)).motion

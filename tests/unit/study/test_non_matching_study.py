@@ -8,10 +8,10 @@ import pytest
 from faying.exceptions import FayingError
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import covered
-from faying.study.interface_surface import pair_facets
-from faying.study.load_model import build
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import read_study
+from faying.study.results.interface_surface import pair_facets
+from faying.study.results.store import read_results
 from faying.workflow.run import run
 
 STUDY = """

@@ -9,7 +9,7 @@ import faying as fy
 from faying.exceptions import ModelError, StudyError
 from faying.interface.gap_field import with_gap_offset
 from faying.linalg.memory import NotEnoughMemoryError
-from faying.study.schema import parse_study
+from faying.study.keys.schema import parse_study
 
 STUDY = """
 [model]

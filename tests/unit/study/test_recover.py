@@ -20,10 +20,10 @@ from faying.assessment.recovery import (
 )
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.reduction.recovery import recovery_operator
-from faying.study.offline import prepare_joint
-from faying.study.progress import Stages
-from faying.study.recover import RecoverOptions, recover, reduced_model, results_of
-from faying.study.schema import read_study
+from faying.study.keys.schema import read_study
+from faying.study.stages.offline import prepare_joint
+from faying.study.stages.progress import Stages
+from faying.study.stages.recover import RecoverOptions, recover, reduced_model, results_of
 from faying.workflow.run import run
 
 STUDY = """

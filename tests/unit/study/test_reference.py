@@ -6,11 +6,11 @@ import pytest
 
 from faying.report.html import write_report
 from faying.report.reference import reference_note
-from faying.study import reference
-from faying.study.load_model import build_loaded, load_model
-from faying.study.schema import parse_study
-from faying.study.store import read_results
-from faying.study.worker_tasks import pieces
+from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.keys.schema import parse_study
+from faying.study.results.store import read_results
+from faying.study.stages import reference
+from faying.study.stages.worker_tasks import pieces
 from faying.workflow.run import run
 from small_study import SMALL_JOINT
 

@@ -11,10 +11,10 @@ from faying.cli import app
 from faying.exceptions import ConvergenceError, StudyError
 from faying.report.html import write_report
 from faying.report.slip_tables import demand_table
-from faying.study import assessing
-from faying.study.run_verdict import run_verdict
-from faying.study.schema import parse_study
-from faying.study.store import read_results
+from faying.study.judgement.verdict import run_verdict
+from faying.study.keys.schema import parse_study
+from faying.study.results.store import read_results
+from faying.study.stages import requirements as assessing
 from faying.workflow.run import run
 from small_study import SMALL_JOINT
 from table_cells import cells

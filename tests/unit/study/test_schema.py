@@ -8,13 +8,13 @@ import scipy.sparse as sp
 
 import faying.study
 from faying.exceptions import ModelError, StudyError
-from faying.study.history import read_history
-from faying.study.load_model import build, load_model
-from faying.study.loads import case_load, training_box
-from faying.study.positions import line_numbers
-from faying.study.schema import Study, read_study
-from faying.study.tables import COMPARED
-from faying.study.timing import time_span, time_step
+from faying.study.inputs.load_model import build, load_model
+from faying.study.inputs.loads import case_load, training_box
+from faying.study.inputs.timing import time_span, time_step
+from faying.study.keys.history import read_history
+from faying.study.keys.positions import line_numbers
+from faying.study.keys.schema import Study, read_study
+from faying.study.keys.tables import COMPARED
 
 ROOT = Path(__file__).parents[3]
 STUDIES = Path(faying.study.__file__).parent

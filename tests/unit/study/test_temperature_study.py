@@ -5,9 +5,9 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FayingError
-from faying.study.load_model import build
-from faying.study.loads import case_load
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build
+from faying.study.inputs.loads import case_load
+from faying.study.keys.schema import read_study
 
 STUDY = """
 [model]

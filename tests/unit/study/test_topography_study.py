@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError, StudyError
-from faying.study.load_model import build
-from faying.study.schema import parse_study
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import parse_study
 
 STUDY = """
 [model]

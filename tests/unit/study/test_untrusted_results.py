@@ -10,8 +10,8 @@ from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.files import hdf5_watch
 from faying.reduction.portable_joint import PortableJoint
-from faying.study.imported_history import read_imported_history
-from faying.study.store import read_results, write_results
+from faying.study.results.store import read_results, write_results
+from faying.study.stages.imported_history import read_imported_history
 
 RESULTS = fake_results()
 

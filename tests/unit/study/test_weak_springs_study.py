@@ -7,8 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 from faying.cli import app
-from faying.study.load_model import build
-from faying.study.schema import read_study
+from faying.study.inputs.load_model import build
+from faying.study.keys.schema import read_study
 
 PLATES = """
 [model]

@@ -14,10 +14,13 @@ from faying.joint import structure
 from faying.simulation.solution_parts import arrays_of
 from faying.simulation.transient import solve_transient
 from faying.sources import lap_joint
-from faying.study import (
+from faying.study.inputs.loads import case_load
+from faying.study.judgement import comparison
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results
+from faying.study.stages import (
     case_solution,
     cases,
-    comparison,
     full_transients,
     offline,
     progress,
@@ -26,11 +29,8 @@ from faying.study import (
     validation,
     worker_tasks,
 )
-from faying.study.checkpoint import open_checkpoint
-from faying.study.kept_preload import check_same_joint
-from faying.study.loads import case_load
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.stages.checkpoint import open_checkpoint
+from faying.study.stages.kept_preload import check_same_joint
 from faying.workflow import run as runs
 from faying.workflow.run import run
 

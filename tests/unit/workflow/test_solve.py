@@ -20,11 +20,11 @@ from faying.cli import app
 from faying.exceptions import ConvergenceError, FormatError, StudyError
 from faying.execution.checkpoint import Checkpoint
 from faying.files import contents
-from faying.study.load_set import read_loads
-from faying.study.load_table import read_load_table
-from faying.study.requirement_rules import requirements_of
-from faying.study.schema import read_load_cases, read_study
-from faying.study.store import read_results
+from faying.study.inputs.load_set import read_loads
+from faying.study.inputs.load_table import read_load_table
+from faying.study.keys.requirement_rules import requirements_of
+from faying.study.keys.schema import read_load_cases, read_study
+from faying.study.results.store import read_results
 from faying.workflow import solve_cases
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run

@@ -13,9 +13,9 @@ from faying.cli import app
 from faying.exceptions import FormatError, StudyError
 from faying.execution.processes import ProcessExecutor
 from faying.reduction.model_reader import PRELOAD_PATH, preload_path_of
-from faying.study.load_set import read_loads
-from faying.study.schema import read_study
-from faying.study.store import read_results
+from faying.study.inputs.load_set import read_loads
+from faying.study.keys.schema import read_study
+from faying.study.results.store import read_results
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads

@@ -23,7 +23,7 @@ from faying.export.fmu.variable import Variable
 from faying.export.fmu.variables import Defaults, scalars, with_arrays
 from faying.export.linearized import linearize
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results import Results
+from faying.study.results.values import Results
 
 SOURCES = Path(__file__).parent / "sources"
 SHARED = (

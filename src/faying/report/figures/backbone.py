@@ -11,8 +11,8 @@ from faying.display.quantities import quantity
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
-from faying.study.measurements import sentence
-from faying.study.results import CaseResult, Results
+from faying.study.keys.measurements import sentence
+from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
 
 NEXT_TO_NONE = 1e-6

@@ -24,7 +24,7 @@ from faying.report.figures.slip import slip_figure
 from faying.report.figures.tightening import tightening_figure
 from faying.report.figures.time_step import time_step_figure
 from faying.report.style import house_style, save
-from faying.study.results import CaseResult, Results
+from faying.study.results.values import CaseResult, Results
 
 Draw = Callable[[], Drawn | None]
 

@@ -7,7 +7,7 @@ from faying.display.style import plain
 from faying.report.figures.entry import Drawn
 from faying.report.reference import against
 from faying.report.style import colour, marker, new_figure
-from faying.study.results import CaseResult, Results
+from faying.study.results.values import CaseResult, Results
 
 FLOOR = 1e-6
 """Bottom of the picture, as a fraction: better is better than anyone needs."""

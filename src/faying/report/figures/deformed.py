@@ -9,7 +9,7 @@ from faying.display.style import heading
 from faying.joint.picture import name_axes, plot_bodies, title_above
 from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
-from faying.study.results import CaseResult, Results
+from faying.study.results.values import CaseResult, Results
 from faying.units import units_of
 
 SHARE = 0.12

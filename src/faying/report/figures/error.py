@@ -19,7 +19,7 @@ from faying.report.figures.surface_map import (
     scale,
 )
 from faying.report.style import ERROR_MAP, label, new_figure
-from faying.study.results import CaseResult, InterfaceRecord, MethodResult, Results
+from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.units import Units, units_of
 
 JOINT_MODES = 20

@@ -19,8 +19,8 @@ from faying.report.figures.surface_map import (
     scale,
 )
 from faying.report.style import GAP_MAP, OPEN_COLOUR, new_figure
-from faying.study.opening import Opening, opening
-from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.judgement.opening import Opening, opening
+from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
 STATES = {

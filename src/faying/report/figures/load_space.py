@@ -9,8 +9,8 @@ from faying.display.style import plain
 from faying.report.figures.convergence import FLOOR
 from faying.report.figures.entry import Drawn
 from faying.report.style import colour, marker, new_figure
-from faying.study.results import Results
-from faying.study.validation_record import LoadSpaceRecord, LoadSpaceResult
+from faying.study.results.validation_record import LoadSpaceRecord, LoadSpaceResult
+from faying.study.results.values import Results
 
 
 def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes:

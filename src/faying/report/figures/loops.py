@@ -9,8 +9,8 @@ from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
 from faying.report.style import new_figure
-from faying.study.path_record import CycleRecord
-from faying.study.results import CaseResult, Results
+from faying.study.results.path_record import CycleRecord
+from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
 
 FRETTING_MAP = "magma_r"

@@ -8,7 +8,7 @@ from faying.joint.picture import add_lines, name_axes, plot_bodies, plot_bolt_ax
 from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import outline
 from faying.report.style import new_figure
-from faying.study.results import Results
+from faying.study.results.values import Results
 from faying.units import units_of
 
 

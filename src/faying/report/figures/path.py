@@ -9,8 +9,8 @@ from faying.display.quantities import quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.style import colour, new_figure
-from faying.study.results import CaseResult, Results
-from faying.study.slip_record import SlipRecord
+from faying.study.results.slip_record import SlipRecord
+from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
 
 

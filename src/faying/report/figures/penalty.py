@@ -9,7 +9,7 @@ from faying.display.quantities import quantity
 from faying.display.style import plain
 from faying.report.figures.entry import Drawn
 from faying.report.style import colour, new_figure
-from faying.study.results import Results
+from faying.study.results.values import Results
 from faying.units import Units, units_of
 
 LINES = ("-", "--", ":", "-.")

@@ -6,7 +6,7 @@ from faying.display.plane import Plane as Plane
 from faying.display.plane import plane_of
 from faying.display.unrolled import Unrolled as Unrolled
 from faying.display.unrolled import unrolled
-from faying.study.results import InterfaceRecord
+from faying.study.results.values import InterfaceRecord
 
 Map = Plane | Unrolled
 """Where an interface is drawn."""

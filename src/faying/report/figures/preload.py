@@ -16,7 +16,7 @@ from faying.report.figures.pressure import (
 )
 from faying.report.figures.surface_map import draw_edges, panel_size, prepare
 from faying.report.style import colour, new_figure
-from faying.study.results import InterfaceRecord, Results
+from faying.study.results.values import InterfaceRecord, Results
 from faying.units import Units, units_of
 
 

@@ -17,7 +17,7 @@ from faying.report.figures.surface_map import (
     scale,
 )
 from faying.report.style import new_figure
-from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
 POINTS = (

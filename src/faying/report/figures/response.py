@@ -12,7 +12,7 @@ from faying.display.quantities import percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.style import REFERENCE, colour, label, new_figure
-from faying.study.results import CaseResult, MethodResult, Response, Results
+from faying.study.results.values import CaseResult, MethodResult, Response, Results
 from faying.units import Units, units_of
 
 COUNTS = (5, 20)

@@ -14,7 +14,7 @@ from faying.report.figures.pressure import plot_pressure
 from faying.report.figures.surface_map import Scale, draw_points, panel_size, prepare
 from faying.report.slip import shown_slip, slipping
 from faying.report.style import OPEN_COLOUR, new_figure
-from faying.study.results import CaseResult, InterfaceRecord, Results
+from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
 STATES = {"open": OPEN_COLOUR, "sticks": "#7FA6C9", "slips": "#D95F02"}

@@ -19,8 +19,8 @@ from faying.interface.facets import shape_functions
 from faying.model.outline import RINGS, outline_of
 from faying.report.figures.plane import Map, Unrolled
 from faying.report.style import OPEN_COLOUR
-from faying.study.interface_surface import pair_facets
-from faying.study.results import InterfaceRecord
+from faying.study.results.interface_surface import pair_facets
+from faying.study.results.values import InterfaceRecord
 from faying.units import Units
 
 RASTER = 700

@@ -9,7 +9,7 @@ from faying.display.style import plain
 from faying.reduction.methods import METHODS
 from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
-from faying.study.results import Results
+from faying.study.results.values import Results
 from faying.units import units_of
 
 NAMED = 14

@@ -7,8 +7,8 @@ from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.figures.response import peak_pressure
 from faying.report.style import REFERENCE, colour, new_figure
-from faying.study.results import CaseResult, Results
-from faying.study.step_check import step_check
+from faying.study.judgement.step_check import step_check
+from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.report.style import label
 from faying.report.view.frames import Frames
-from faying.study.comparison import increments
-from faying.study.interface_surface import nodal_average
-from faying.study.results import CaseResult, Response, Results
+from faying.study.judgement.comparison import increments
+from faying.study.results.interface_surface import nodal_average
+from faying.study.results.values import CaseResult, Response, Results
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

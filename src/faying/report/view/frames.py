@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices
-from faying.study.comparison import increments
-from faying.study.nodal_motion import shown_states
-from faying.study.results import CaseResult
+from faying.study.judgement.comparison import increments
+from faying.study.results.nodal_motion import shown_states
+from faying.study.results.values import CaseResult
 from faying.units import Units
 
 

@@ -21,10 +21,10 @@ from faying.report.view.fields import averages, fields, models
 from faying.report.view.frames import Frames, frames
 from faying.report.view.outer_surface import OuterSurface, outer_surface, triangles_of
 from faying.report.view.packing import packed_integers, packed_numbers
-from faying.study.comparison import increments
-from faying.study.interface_surface import pair_facets
-from faying.study.results import CaseResult, InterfaceRecord, Response, Results
-from faying.study.run_verdict import run_verdict
+from faying.study.judgement.comparison import increments
+from faying.study.judgement.verdict import run_verdict
+from faying.study.results.interface_surface import pair_facets
+from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 from faying.units import units_of
 
 ROOM = 4_000_000

@@ -1,0 +1,212 @@
+"""The bolts of a study: what they are made of, and the force each is brought to or locked at."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from faying.exceptions import StudyError
+from faying.model.assembly import Assembly, NodalLoads
+from faying.model.description import JointDescription
+from faying.model.specs import BoltSpec
+from faying.simulation.preload_loss import PreloadLoss
+from faying.study.keys.loadings import loadings
+from faying.study.keys.model_tables import BoltSection
+from faying.study.keys.tables import Study
+from faying.study.keys.threads import final_forces, forced_bolts, thread_of
+
+FORCES = (
+    "preload", "initial_force", "torque", "utilisation", "size", "head", "grade", "strength",
+    "thread_friction", "head_friction", "tightening_factor", "gamma", "hole",
+    "head_pressure_limit", "engagement", "thread",
+    "embedding", "relaxation",
+)  # fmt: skip
+"""Keys of a bolt that say how it is tightened and judged, not where it is."""
+
+_BALANCED = 1e-6
+"""Sum of opposite forces over the larger of them that is rounding of a deck's digits."""
+
+
+def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
+    """Return the keys of each bolt but its forces, with nodes of a deck turned into elements.
+
+    Raises
+    ------
+    StudyError
+        If no beam and no single spring of the deck joins the nodes.
+    """
+    entries = []
+    for number, bolt in enumerate(study.bolts):
+        entry = {key: getattr(bolt, key) for key in bolt.model_fields_set if key not in FORCES}
+        if bolt.nodes is not None and assembly.matrices is None:
+            del entry["nodes"]
+            entry["elements"] = _elements_between(study, number, bolt, assembly)
+        if bolt.axis is not None and bolt.size is not None:
+            entry = {**_measures(study, bolt), **entry}
+        entries.append(entry)
+    return entries
+
+
+def _measures(study: Study, bolt: BoltSection) -> dict[str, float]:
+    """Return the diameter of a bolt of a size, and the radius of the face under its head."""
+    thread = thread_of(bolt, study.units)
+    if thread is None:
+        return {}
+    face = {} if thread.bearing is None else {"washer_radius": thread.bearing[0] / 2}
+    return {"diameter": thread.diameter, **face}
+
+
+def _elements_between(
+    study: Study, number: int, bolt: BoltSection, assembly: Assembly
+) -> tuple[int, ...]:
+    """Beams of the deck, or else its one axial spring, with both ends among the nodes of a bolt."""
+    nodes = set(assembly.mesh.node_index(np.array(bolt.nodes or ())).tolist())
+    found = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
+    springs = tuple(
+        spring.id
+        for spring in assembly.springs
+        if len(spring.ends) == 2
+        and nodes.issuperset(node for node, _ in spring.ends)
+        and all(component < 3 for _, component in spring.ends)
+    )
+    if found or len(springs) == 1:
+        return found or springs
+    place = study.source.place(("bolt", number, "nodes"))
+    if springs:
+        shown = ", ".join(map(str, springs))
+        message = f"{place}: springs {shown} join these nodes; give the axial one as 'elements'"
+        raise StudyError(message)
+    message = (
+        f"{place}: no beam and no axial spring of the deck joins two of these nodes; give the "
+        "nodes its beams run through, or 'elements'"
+    )
+    raise StudyError(message)
+
+
+def check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
+    """Refuse two bolts that tighten the same element, as the deck's and the study's own may.
+
+    Raises
+    ------
+    StudyError
+        Naming both.
+    """
+    owner: dict[int, str] = {}
+    for bolt in bolts:
+        for element in bolt.elements or ():
+            other = owner.setdefault(element, bolt.name)
+            if other != bolt.name:
+                message = (
+                    f"{study.path.name}: bolts '{other}' and '{bolt.name}' both tighten element "
+                    f"{element}; to change the preload of a deck's bolt, use its name"
+                )
+                raise StudyError(message)
+
+
+def check_no_second_preload(
+    study: Study,
+    assembly: Assembly,
+    bolts: tuple[BoltSpec, ...],
+    tightened: Mapping[str, float],
+) -> None:
+    """Refuse loads of the deck that pull the ends of a bolt together, for that is a preload too.
+
+    Parameters
+    ----------
+    tightened : [force]
+        Name of a bolt to its final or initial force.
+
+    Raises
+    ------
+    StudyError
+        Naming the load, the bolt and both forces.
+    """
+    wished = {load.deck_load for _, load in loadings(study)}
+    applied = [name for name in assembly.loads if name in wished]
+    for bolt in bolts:
+        force = tightened.get(bolt.name, 0.0)
+        nodes = _nodes_of(assembly, bolt) if force else []
+        for name in applied:
+            pull = _pull(assembly.loads[name], nodes)
+            if pull:
+                message = (
+                    f"{study.path.name}: deck load '{name}' pulls at both ends of bolt "
+                    f"'{bolt.name}' with {pull:g}, which is the deck's own preload of it, and the "
+                    f"bolt is tightened to {force:g} beside it: both would act. Take the pair of "
+                    "forces out of the deck, or give the bolt preload = 0"
+                )
+                raise StudyError(message)
+
+
+def _nodes_of(assembly: Assembly, bolt: BoltSpec) -> list[int]:
+    """Node indices of all beams and springs a bolt of the deck is made of."""
+    own = set(bolt.elements or ())
+    beams = [node for beam in assembly.beams if beam.id in own for node in beam.nodes]
+    springs = [node for one in assembly.springs if one.id in own for node, _ in one.ends]
+    return sorted({*beams, *springs})
+
+
+def _pull(load: NodalLoads, nodes: list[int]) -> float:
+    """Return the force at one of two nodes that are pulled in opposite directions; else zero."""
+    forces = load.forces[np.isin(load.nodes, nodes), :3]
+    sizes = np.linalg.norm(forces, axis=1)
+    largest = float(sizes.max(initial=0.0))
+    balanced = np.linalg.norm(forces.sum(axis=0)) <= _BALANCED * largest
+    return largest if balanced and np.count_nonzero(sizes) > 1 else 0.0
+
+
+def initial_forces(study: Study, described: JointDescription) -> dict[str, float]:
+    """Return the initial forces that the study, or else the source, locks bolts at, by name."""
+    tightened = final_forces(study)
+    given = {n: force for n, force in described.initial_forces.items() if n not in tightened}
+    wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
+    return given | wished
+
+
+def losses(study: Study) -> dict[str, PreloadLoss]:
+    """Return what bolts lose after they are tightened, of those that lose something."""
+    return {
+        bolt.name: PreloadLoss(embedding=bolt.embedding, relaxation=bolt.relaxation)
+        for bolt in study.bolts
+        if any(bolt.embedding) or bolt.relaxation
+    }
+
+
+def unlocked(
+    study: Study, described: JointDescription, bolts: Sequence[BoltSpec]
+) -> list[BoltSpec]:
+    """Return the bolts that the source never locks, but for those whose force the study gives."""
+    forced = forced_bolts(study)
+    return [bolt for bolt in bolts if bolt.name in described.unlocked - forced]
+
+
+def preloads(
+    study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
+) -> dict[str, float]:
+    """Return the final force of every bolt that is not locked at an initial one.
+
+    Raises
+    ------
+    StudyError
+        If a bolt has none, or one that presses.
+    """
+    wished = final_forces(study)
+    locked = initial_forces(study, described)
+    given = {**described.preloads, **wished}
+    for bolt in bolts:
+        if bolt.name in locked:
+            given.pop(bolt.name, None)
+            continue
+        if bolt.name not in given:
+            message = (
+                f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
+                f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
+            )
+            raise StudyError(message)
+        if not given[bolt.name] >= 0:
+            message = (
+                f"{study.path.name}: bolt '{bolt.name}' has the preload {given[bolt.name]:g}, "
+                "which presses it; give a positive final force in the deck or by [[bolt]]"
+            )
+            raise StudyError(message)
+    return given

@@ -1,0 +1,369 @@
+"""From a study to what :func:`faying.joint.build.build_model` takes, and to the model."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+
+from faying.exceptions import StudyError, naming
+from faying.interface.gap_field import read_gap_field, with_gap_offset
+from faying.interface.gap_rule import with_gap_rule
+from faying.interface.interface import Interface
+from faying.joint.build import build_model
+from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
+from faying.joint.model import Model
+from faying.joint.temperature import with_temperature
+from faying.joint.weak_springs import with_weak_springs
+from faying.model.assembly import Assembly, Material
+from faying.model.deck_bolt import with_unlocked_bolts
+from faying.model.description import JointDescription, check_surfaces
+from faying.model.gap_rule import GapRule
+from faying.model.material import overridden
+from faying.model.parts import part_of
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.model.temperature import Temperature
+from faying.sources import SOURCES, SourceKeys
+from faying.study.inputs.bolts import (
+    bolt_entries,
+    check_distinct_bolts,
+    check_no_second_preload,
+    initial_forces,
+    preloads,
+    unlocked,
+)
+from faying.study.inputs.loads import check_loads
+from faying.study.inputs.masses import with_study_masses
+from faying.study.inputs.sets import with_study_sets
+from faying.study.inputs.supports import with_study_supports
+from faying.study.keys.consistency import boundary_problems, deck_load_problems
+from faying.study.keys.errors import Problem, nearest, reject
+from faying.study.keys.lap_joint import lap_joint_keywords
+from faying.study.keys.loadings import loadings
+from faying.study.keys.section import Section
+from faying.study.keys.tables import Study
+from faying.study.keys.temperatures import temperature_name_problems, temperatures_of
+from faying.study.keys.topographies import TopographySection, with_topographies
+
+Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadedModel:
+    """Everything a study says about the model, with its source read.
+
+    Attributes
+    ----------
+    preloads : [force]
+        Bolt name to its final force.
+    initial_forces : [force]
+        Bolt name to the initial force it is locked at, of those that have no final one.
+    gap_offsets : [length]
+        Interface name to what is added to its gap: a number, or a file.
+    topographies
+        Interface name to the scans of its surfaces.
+    gap_rules
+        Interface name to what the source makes of the gap of its mesh.
+    deck_loads
+        Loads of the source that the study applies.
+    temperatures
+        Of the parts, by the name of the load that they are.
+    selected_load
+        The load that the source itself applies, in the subcase or step that counts.
+    has_joined_faces
+        Whether faces that touch may be joined already, by ties or where bolts are cut.
+    weak_springs : [force/length]
+        Stiffness of the springs of bodies that contact alone would hold; None without any.
+    """
+
+    assembly: Assembly
+    interfaces: tuple[InterfaceSpec, ...]
+    bolts: tuple[BoltSpec, ...]
+    boundaries: tuple[BoundarySpec, ...]
+    damping: Rayleigh
+    units: str
+    preloads: Mapping[str, float]
+    initial_forces: Mapping[str, float] = field(default_factory=dict)
+    gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
+    topographies: Mapping[str, tuple[TopographySection, ...]] = field(default_factory=dict)
+    gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
+    deck_loads: tuple[str, ...] = ()
+    temperatures: Mapping[str, Temperature] = field(default_factory=dict)
+    selected_load: str | None = None
+    has_joined_faces: bool = False
+    weak_springs: float | Literal["auto"] | None = None
+
+
+def load_model(study: Study) -> LoadedModel:
+    """Read or generate the structure a study names and put the study's own wishes on top.
+
+    Raises
+    ------
+    StudyError
+        If the study names something the source does not have.
+    FormatError, ModelError
+        If the source cannot be read or does not make a model.
+    """
+    described = _described(study)
+    assembly = with_study_supports(with_study_sets(described.assembly, study), study)
+    assembly = with_study_masses(assembly, study)
+    bolts = _merged(study, "bolt", described.bolts, bolt_entries(study, assembly))
+    check_distinct_bolts(study, bolts)
+    boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
+    interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
+    known = [spec.name for spec in boundaries]
+    problems = [*boundary_problems(study, known), *deck_load_problems(study, assembly)]
+    reject(study.source, [*problems, *temperature_name_problems(study, assembly)])
+    forces = preloads(study, described, bolts)
+    deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
+    locked = initial_forces(study, described)
+    check_no_second_preload(study, assembly, bolts, {**forces, **locked})
+    free = unlocked(study, described, bolts)
+    return LoadedModel(
+        assembly=with_unlocked_bolts(assembly, free),
+        interfaces=interfaces,
+        bolts=bolts,
+        boundaries=boundaries,
+        damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
+        units=study.units,
+        preloads=forces,
+        initial_forces=locked,
+        gap_offsets=_gap_offsets(study, described),
+        topographies={one.name: one.topography for one in study.interfaces if one.topography},
+        gap_rules=_gap_rules(study, described),
+        deck_loads=tuple(dict.fromkeys(deck_loads)),
+        temperatures=temperatures_of(study, assembly),
+        selected_load=described.selected_load,
+        has_joined_faces=described.has_joined_faces,
+        weak_springs=study.model.weak_springs,
+    )
+
+
+def build_loaded(loaded: LoadedModel) -> Model:
+    """Build the model from what was loaded, initial gaps and loads of the deck included.
+
+    Raises
+    ------
+    ModelError
+        As :func:`faying.joint.build.build_model`, if a gap field does not cover its interface, or
+        if a load of the deck cannot be applied.
+    """
+    model = build_model(
+        loaded.assembly,
+        interfaces=loaded.interfaces,
+        bolts=loaded.bolts,
+        boundaries=loaded.boundaries,
+        damping=loaded.damping,
+        units=loaded.units,
+    )
+    if loaded.weak_springs is not None:
+        model = with_weak_springs(model, loaded.weak_springs)
+    mesh = model.assembly.mesh
+    model = model.with_interfaces(
+        {
+            name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
+            for name, rule in loaded.gap_rules.items()
+        }
+    )
+    model = model.with_interfaces(
+        {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
+    ).with_deck_loads(*loaded.deck_loads)
+    model = with_topographies(model, loaded.topographies)
+    for name, temperature in loaded.temperatures.items():
+        with naming(f"temperature '{name}'"):
+            model = with_temperature(model, name, temperature)
+    return model
+
+
+def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
+    """Return an interface of the model with an offset added to its gap."""
+    interface = model.interfaces[name]
+    if isinstance(offset, Path):
+        values = read_gap_field(offset, interface, model.assembly.mesh.node_ids)
+        return with_gap_offset(interface, values)
+    return with_gap_offset(interface, np.asarray(offset))
+
+
+def check_interfaces(study: Study, loaded: LoadedModel) -> None:
+    """Refuse to compute a model in which nothing touches.
+
+    Raises
+    ------
+    StudyError
+    """
+    if not loaded.interfaces:
+        message = (
+            f"{study.path.name}: neither the study nor its source has a contact interface; add "
+            '[[interface]] with a name, minus = "auto" and plus = "auto"'
+        )
+        raise StudyError(message)
+
+
+def build(study: Study) -> Model:
+    """Build the model of a study; check that it is held and its loads find their components.
+
+    Raises
+    ------
+    FayingError
+        As :func:`load_model`, :func:`build_loaded`,
+        :func:`faying.study.inputs.loads.check_loads` and
+        :func:`faying.joint.diagnosis.check_held`.
+    """
+    loaded = load_model(study)
+    check_interfaces(study, loaded)
+    model = build_loaded(loaded)
+    check_loads(study, model)
+    check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
+    return model
+
+
+def _described(study: Study) -> JointDescription:
+    """Read what the source says, with the study's materials and formulation of bricks."""
+    source, model = SOURCES[study.model.source], study.model
+    described = source.read(
+        SourceKeys(
+            file=model.file or Path(),
+            files=dict(model.files or {}),
+            subcase=model.subcase,
+            ignore=model.ignore,
+            element=model.element,
+            separate=model.separate,
+            lap_joint=lap_joint_keywords(study) if model.lap_joint else {},
+            materials=study.materials,
+        )
+    )
+    if source.is_deck:
+        check_surfaces(described, model.file or Path())
+    described = part_of(described, model.parts, model.without)
+    return _as_wished(described, study) if source.is_deck else described
+
+
+def _as_wished(described: JointDescription, study: Study) -> JointDescription:
+    """Replace materials and the formulation of bricks by what the study says."""
+    assembly = _with_materials(described.assembly, study)
+    if "element" in study.model.model_fields_set:
+        blocks = tuple(
+            replace(block, formulation="") if block.kind == "hex8" else block
+            for block in assembly.mesh.blocks
+        )
+        assembly = replace(
+            assembly, element=study.model.element, mesh=replace(assembly.mesh, blocks=blocks)
+        )
+    return replace(described, assembly=assembly)
+
+
+def _with_materials(assembly: Assembly, study: Study) -> Assembly:
+    """Replace material constants of solids and beams, by material name or property id."""
+    solids = {str(number): material for number, material in assembly.materials.items()}
+    names = {material.name for material in solids.values()}
+    names |= {beam.material.name for beam in assembly.beams}
+    for name in study.materials:
+        if name not in names and name not in solids:
+            known = sorted(filter(None, names)) or list(solids)
+            place = study.source.table(("material", name))
+            message = f"{place}: the deck has no material '{name}'; {nearest(name, known)}"
+            raise StudyError(message)
+        if any(name in section.materials for section in assembly.shell_sections.values()):
+            place = study.source.table(("material", name))
+            message = (
+                f"{place}: shells are made of material '{name}' too, whose sections keep the "
+                "constants of the deck; change it there"
+            )
+            raise StudyError(message)
+
+    def chosen(material: Material, number: int) -> Material:
+        section = study.materials.get(str(number), study.materials.get(material.name))
+        return overridden(material, section) if section else material
+
+    materials = {number: chosen(old, number) for number, old in assembly.materials.items()}
+    beams = tuple(
+        replace(beam, material=chosen(beam.material, beam.property)) for beam in assembly.beams
+    )
+    return replace(assembly, materials=materials, beams=beams)
+
+
+def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
+    """Return the keys each entry of a study gives."""
+    return [{key: getattr(one, key) for key in one.model_fields_set} for one in sections]
+
+
+def _interface_entries(study: Study) -> list[dict[str, Any]]:
+    """Return the keys of each interface but its gap, which its points must exist for."""
+    entries = _entries(study.interfaces)
+    for entry in entries:
+        entry.pop("initial_gap", None)
+        entry.pop("topography", None)
+    return entries
+
+
+def _merged(
+    study: Study, table: str, defaults: tuple[Spec, ...], entries: list[dict[str, Any]]
+) -> tuple[Spec, ...]:
+    """Override the specs of a source by the entries of the same name, and append new ones."""
+    specs = {spec.name: spec for spec in defaults}
+    new = {"interface": InterfaceSpec, "bolt": BoltSpec, "boundary": BoundarySpec}[table]
+    problems: list[Problem] = []
+    for number, entry in enumerate(entries):
+        name = entry["name"]
+        if name in specs:
+            problems += _refused_overrides(study, table, number, entry)
+            specs[name] = replace(specs[name], **_without_replaced(table, entry))
+        elif (defaults or table == "bolt") and not PLACES[table].intersection(entry):
+            text = f"the model has no {table} '{name}'; {nearest(name, specs)}"
+            location = (table, number, "name")
+            problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
+        else:
+            specs[name] = new(**entry)
+    reject(study.source, problems)
+    return tuple(specs.values())
+
+
+PLACES = {
+    "interface": {"minus", "plus"},
+    "bolt": {"elements", "nodes", "axis"},
+    "boundary": {"set", "node"},
+}
+"""Keys that say where something is; an entry without them speaks of what the source has."""
+
+
+def _without_replaced(table: str, entry: dict[str, Any]) -> dict[str, Any]:
+    """Clear the place of a boundary, or the law of an interface, that the study replaces."""
+    if table == "boundary" and PLACES[table].intersection(entry):
+        return {"set": None, "node": None, **entry}
+    if table == "interface" and {"penalty", "closure"}.intersection(entry):
+        return {"penalty": "auto", "closure": None, **entry}
+    return entry
+
+
+def _refused_overrides(
+    study: Study, table: str, number: int, entry: dict[str, Any]
+) -> Iterator[Problem]:
+    """Keys of a bolt that the source has already turned into elements."""
+    for key in entry if table == "bolt" else ():
+        if key != "name":
+            location = (table, number, key)
+            text = (
+                "the source has this bolt already, and it takes only a preload here; "
+                + SOURCES[study.model.source].remedy
+            )
+            yield Problem(location, f"{study.source.place(location)}: {text}")
+
+
+def _gap_rules(study: Study, described: JointDescription) -> dict[str, GapRule]:
+    """Return the rules of the source; a gap that the study gives counts instead of its value."""
+    wished = {one.name for one in study.interfaces if one.initial_gap is not None}
+    return {
+        name: rule
+        for name, rule in described.gap_rules.items()
+        if rule.value is None or name not in wished
+    }
+
+
+def _gap_offsets(study: Study, described: JointDescription) -> dict[str, float | Path]:
+    wished = {
+        interface.name: interface.initial_gap
+        for interface in study.interfaces
+        if interface.initial_gap is not None
+    }
+    return {**described.initial_gaps, **wished}

@@ -1,0 +1,246 @@
+"""Loads for a reduced model: static cases as one matrix, and transients one by one."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import StudyError
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
+from faying.simulation.load import History, Load
+from faying.study.inputs.load_table import (
+    FACTOR,
+    OLD_FACTOR,
+    LoadTable,
+    read_load_table,
+    renamed_factors,
+    table_inputs,
+)
+from faying.study.inputs.loads import case_load
+from faying.study.inputs.timing import time_span, time_step
+from faying.study.keys.ranges import LARGEST, SMALLEST
+from faying.study.keys.requirement_tables import RequirementSection
+from faying.study.keys.schema import read_load_cases
+from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
+
+TABLES = (".csv", ".parquet")
+"""Endings of files that are tables of loads."""
+
+
+EVEN = 1e-3
+"""Differences of intervals, over their mean, that come from the digits of a table."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TimedLoad:
+    """A load over time.
+
+    Attributes
+    ----------
+    load
+    step, duration : [time]
+    integrator
+    """
+
+    load: Load
+    step: float
+    duration: float
+    integrator: Integrator
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadSet:
+    """What a reduced model is to be solved for.
+
+    Attributes
+    ----------
+    names
+        Of the static cases.
+    inputs : (n_case, n_input) [force]
+        Of the static cases.
+    transients
+        Loads over time.
+    requirement
+        What the file of the loads demands of the joint; None if it says nothing.
+    remarks
+        What is to be said of the file.
+    """
+
+    names: tuple[str, ...]
+    inputs: Matrix
+    transients: tuple[TimedLoad, ...]
+    requirement: RequirementSection | None = None
+    remarks: tuple[str, ...] = ()
+
+
+def read_loads(
+    path: Path,
+    rom: ReducedModel,
+    *,
+    step: float | None = None,
+    integrator: Integrator | None = None,
+) -> LoadSet:
+    """Read loads for a reduced model.
+
+    Parameters
+    ----------
+    path
+        A TOML file with load cases; a csv or Parquet table with a row per static case, or per
+        instant where it has a column ``time``; or a folder of tables over time.
+    step : [time]
+        Of tables over time; by default their interval, of uneven ones the smallest, or a little
+        less so that whole steps end with the table.
+    integrator
+        Of tables over time; :class:`ImplicitEuler` unless given.
+
+    Raises
+    ------
+    StudyError, ModelError
+        If they cannot be read or do not fit the model.
+    """
+    if path.is_dir():
+        files = sorted(one for one in path.iterdir() if one.suffix in TABLES)
+        if not files:
+            message = f"{path} has no tables ({', '.join(TABLES)}); name a file or another folder"
+            raise StudyError(message)
+        twice = [one for one, other in pairwise(files) if one.stem == other.stem]
+        if twice:
+            message = (
+                f"{path} has two tables of the name '{twice[0].stem}', which is that of their "
+                "results; rename or remove one"
+            )
+            raise StudyError(message)
+        tables = [read_load_table(one) for one in files]
+        static = next((one for one in tables if one.times is None), None)
+        if static is not None:
+            message = (
+                f"{static.path.name} has no column 'time'; a folder holds loads over time, name a "
+                "table of static cases itself"
+            )
+            raise StudyError(message)
+        return _of_histories(rom, tables, step, integrator)
+    if path.suffix in TABLES:
+        table = read_load_table(path)
+        if table.times is not None:
+            return _of_histories(rom, [table], step, integrator)
+        names = tuple(table.row_name(row) for row in range(table.n_row))
+        table, said = renamed_factors(table, rom)
+        inputs, remarks = table_inputs(table, rom), (said,) if said else ()
+        return LoadSet(names=names, inputs=inputs, transients=(), remarks=remarks)
+    cases, requirement = read_load_cases(path)
+    return replace(_of_cases(cases, rom), requirement=requirement)
+
+
+def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
+    other = [case for case in cases if not (case.kind == "static" or case.transient)]
+    if other:
+        message = (
+            f"load case '{other[0].name}' is a {other[0].kind}, which only a run of a study "
+            "follows; leave it out, or follow it in Python with faying.solve_path"
+        )
+        raise StudyError(message)
+    chosen = [case.name for case in cases if case.tolerance is not None]
+    if chosen:
+        message = (
+            f"load case '{chosen[0]}' leaves its time steps to a run of a study; give a number for "
+            "'step' and no 'tolerance'"
+        )
+        raise StudyError(message)
+    finer = [case.name for case in cases if case.kind == "static" and case.increments is not None]
+    if finer and len(rom.contact.rubbing):
+        message = (
+            f"load case '{finer[0]}' says its increments, which only a run of a study follows; "
+            f"leave 'increments' out, and static cases take {DEFAULT_INCREMENTS} here"
+        )
+        raise StudyError(message)
+    static = [case_load(case) for case in cases if case.kind == "static"]
+    start = np.zeros(1)
+    rows = [load.inputs(rom, start) for load in static]
+    width = len(rom.port_compliance.input_rows)
+    return LoadSet(
+        names=tuple(load.name for load in static),
+        inputs=np.concatenate(rows) if rows else np.zeros((0, width)),
+        transients=_checked(
+            rom,
+            (
+                TimedLoad(
+                    load=case_load(case),
+                    step=time_step(case, _period(case, rom)),
+                    duration=time_span(case, _period(case, rom)),
+                    integrator=named_integrator(case.integrator, case.rho_infinity),
+                )
+                for case in cases
+                if case.kind != "static"
+            ),
+        ),
+    )
+
+
+def _of_histories(
+    rom: ReducedModel,
+    tables: Iterable[LoadTable],
+    step: float | None,
+    integrator: Integrator | None,
+) -> LoadSet:
+    loads: list[TimedLoad] = []
+    for table in tables:
+        table_inputs(renamed_factors(table, rom)[0], rom)  # refuses unknown columns, all at once
+        factors = {FACTOR, OLD_FACTOR}
+        locked = [name for name in table.columns if name.partition(".")[0] in factors]
+        if locked:
+            message = (
+                f"{table.path.name}: column '{locked[0]}' cannot change over time, for bolts are "
+                "locked; remove it"
+            )
+            raise StudyError(message)
+        times = np.asarray(table.times)
+        forces = {name: History(times, values) for name, values in table.columns.items()}
+        loads.append(
+            TimedLoad(
+                load=Load(forces, name=table.path.stem),
+                step=_table_step(times) if step is None else step,
+                duration=float(times[-1]),
+                integrator=integrator or ImplicitEuler(),
+            )
+        )
+    nothing = np.zeros((0, len(rom.port_compliance.input_rows)))
+    return LoadSet(names=(), inputs=nothing, transients=_checked(rom, loads))
+
+
+def _table_step(times: Vector) -> float:
+    """Return the length of equal steps to the end of a table, as long as its intervals."""
+    intervals, end = np.diff(times), float(times[-1])
+    shortest, mean = float(intervals.min()), float(intervals.mean())
+    if np.ptp(intervals) <= EVEN * mean:
+        return end / max(round(end / mean), 1)
+    return end / float(np.ceil(end / shortest * (1 - EVEN)))
+
+
+def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:
+    """Refuse loads and time steps that the model cannot follow before anything is computed."""
+    several = tuple(loads)
+    for one in several:
+        one.load.inputs(rom, np.zeros(1))
+        if not (one.step >= SMALLEST and max(one.step, one.duration) <= LARGEST):
+            message = (
+                f"{one.load.name}: the time step is {one.step:g} and the duration "
+                f"{one.duration:g}; expected both from {SMALLEST:g} to {LARGEST:g}"
+            )
+            raise StudyError(message)
+    return several
+
+
+def _period(case: LoadCaseSection, rom: ReducedModel) -> float:
+    """Return the longest period of the full model, which a study may measure time by."""
+    timed = case.steps_per_period is not None or case.periods is not None
+    if timed and rom.period is None:
+        message = (
+            f"load case '{case.name}' measures time by the longest period, which this model does "
+            "not know; give 'step' and 'duration', or make the model with faying reduce"
+        )
+        raise StudyError(message)
+    return rom.period or 1.0

@@ -1,0 +1,123 @@
+"""From the tables of a study to the loads it computes."""
+
+import numpy as np
+
+from faying.exceptions import ModelError
+from faying.joint.model import Model
+from faying.reduction.methods import METHODS
+from faying.reduction.normal_modes import NO_MASS
+from faying.reduction.snapshots import LoadBox
+from faying.simulation.load import History, Load
+from faying.study.keys.friction_rules import check_friction
+from faying.study.keys.history import read_history
+from faying.study.keys.requirement_rules import check_requirements
+from faying.study.keys.tables import (
+    ForceSection,
+    LoadCaseSection,
+    Study,
+    TrainingSection,
+)
+
+
+def case_load(case: LoadCaseSection) -> Load:
+    """Return the load of a case; histories are read from their files.
+
+    Raises
+    ------
+    StudyError
+        If a history file has changed since the study was read and cannot be used any more.
+    """
+    forces = {force.target: _amount(force) for force in case.forces}
+    if case.rise_time is not None:
+        forces = {name: _rising(value, case.rise_time) for name, value in forces.items()}
+    return Load(forces, name=case.name)
+
+
+RISE_SAMPLES = 200
+"""Of a rise: between them it is linear, and off half a cosine by 3e-5 of the load."""
+
+
+def _rising(value: float | History, rise_time: float) -> float | History:
+    """Let a constant load rise by half a cosine, and stay."""
+    if isinstance(value, History):
+        return value
+    part = np.linspace(0.0, 1.0, RISE_SAMPLES + 1)
+    return History(rise_time * part, value * (0.5 - 0.5 * np.cos(np.pi * part)))
+
+
+def training_box(training: TrainingSection) -> LoadBox:
+    """Return the box of training loads.
+
+    Raises
+    ------
+    ModelError
+        If the study has none.
+    """
+    return LoadBox(
+        ranges={side.target: (side.min, side.max) for side in training.box},
+        levels=training.levels,
+        preload_factors=training.preload_factors,
+    )
+
+
+def check_loads(study: Study, model: Model) -> None:
+    """Refuse what :func:`check_targets` does, and motions or modes without mass.
+
+    Raises
+    ------
+    StudyError, ModelError
+        As :func:`check_targets`; or the message says what needs the mass.
+    """
+    if missing := missing_mass(study, model):
+        raise ModelError(missing)
+    check_targets(study, model)
+
+
+def missing_mass(study: Study, model: Model) -> str:
+    """Say what needs the mass that a model has not; nothing where there is some, or no need."""
+    needed_by = _moving(study)
+    if not needed_by or model.structure.has_mass:
+        return ""
+    return (
+        f"{NO_MASS}, and {needed_by}; give rho where the materials are, or by [material.NAME] in "
+        "the study"
+    )
+
+
+def check_targets(study: Study, model: Model) -> None:
+    """Refuse loads on components a boundary does not have, and what friction does not go with.
+
+    Raises
+    ------
+    StudyError
+        As :func:`faying.study.keys.friction_rules.check_friction`, and of requirements on
+        interfaces that are not there.
+    ModelError
+        The message names the boundary and its components.
+    """
+    check_friction(study, model)
+    check_requirements(study, model)
+    start = np.zeros(1)
+    training = Load({side.target: 0.0 for side in study.reduction.training.box}, name="training")
+    for load in (*map(case_load, study.load_cases), training):
+        load.inputs(model, start)
+
+
+def _moving(study: Study) -> str:
+    """Say what of a study computes a motion or modes; nothing where all of it is static."""
+    for case in study.load_cases:
+        if case.transient or case.kind == "backbone":
+            return f"load case '{case.name}' is a {'transient' if case.transient else 'backbone'}"
+    training = study.reduction.training
+    if training.dynamics and is_trained(study):
+        return "its methods train on step responses (dynamics = false trains on static loads only)"
+    return ""
+
+
+def is_trained(study: Study) -> bool:
+    """Say whether a method of the study learns from training runs."""
+    return any(METHODS[name].trained for name in study.reduction.methods)
+
+
+def _amount(force: ForceSection) -> float | History:
+    return read_history(force.file) if force.file else force.value or 0.0

@@ -1,0 +1,113 @@
+"""[model.sets] and selections: from the names of a study to sets of the mesh."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying._typing import Indices, frozen
+from faying.exceptions import StudyError
+from faying.model.assembly import Assembly
+from faying.model.mesh import Mesh
+from faying.study.keys.errors import nearest
+from faying.study.keys.model_tables import NamedSet
+from faying.study.keys.tables import Study
+
+
+def with_study_sets(assembly: Assembly, study: Study) -> Assembly:
+    """Return the assembly with the study's own names among the sets of its mesh.
+
+    Raises
+    ------
+    StudyError
+        If an id, a property or a set of the deck does not exist.
+    """
+    for name, named in study.model.sets.items():
+        for use in SETTERS:
+            if getattr(named, use) is not None:
+                assembly = SETTERS[use](assembly, study, name, named)
+    return assembly
+
+
+def _from_deck(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    mesh, deck = assembly.mesh, named.deck or ""
+    if deck in assembly.face_sets:
+        faces = {**assembly.face_sets, name: assembly.face_sets[deck]}
+        assembly = replace(assembly, face_sets=faces)
+    if deck in mesh.node_sets:
+        mesh = mesh.with_node_set(name, mesh.node_sets[deck])
+    if deck in mesh.element_sets:
+        mesh = _with_elements(mesh, study, name, mesh.element_sets[deck])
+    known = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets]
+    if deck not in known:
+        _refuse(study, name, f"the deck has no set '{deck}'; {nearest(deck, known)}")
+    return replace(assembly, mesh=mesh)
+
+
+def _from_properties(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    mesh, wanted = assembly.mesh, named.properties or ()
+    properties = mesh.element_properties
+    for missing in sorted(set(wanted) - set(properties.tolist())):
+        known = ", ".join(map(str, np.unique(properties).tolist()))
+        _refuse(study, name, f"no solid has property {missing}; properties are {known or 'none'}")
+    chosen = mesh.element_ids[np.isin(properties, wanted)]
+    return replace(assembly, mesh=_with_elements(mesh, study, name, chosen))
+
+
+def _from_nodes(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    wanted, mesh = named.nodes or (), assembly.mesh
+    _check_ids(study, name, "node", wanted, mesh.node_ids)
+    return replace(assembly, mesh=mesh.with_node_set(name, mesh.node_index(np.array(wanted))))
+
+
+def _from_elements(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    wanted, mesh = np.array(named.elements or (), dtype=np.int64), assembly.mesh
+    _check_ids(study, name, "solid element", wanted.tolist(), mesh.element_ids)
+    return replace(assembly, mesh=_with_elements(mesh, study, name, wanted))
+
+
+def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
+    """Take ids for those of nodes or of elements by who uses the name."""
+    by_interface = any(name in (i.minus, i.plus) for i in study.interfaces)
+    if by_interface and _used_by_boundary(study, name):
+        text = "an interface and a boundary use it; write { nodes = [..] } or { elements = [..] }"
+        _refuse(study, name, text)
+    if by_interface:
+        return _from_elements(assembly, study, name, NamedSet(elements=named.ids))
+    return _from_nodes(assembly, study, name, NamedSet(nodes=named.ids))
+
+
+def _check_ids(study: Study, name: str, what: str, wanted: Sequence[int], known: Indices) -> None:
+    missing = np.setdiff1d(wanted, known)
+    if missing.size:
+        shown = ", ".join(map(str, missing[:5].tolist()))
+        _refuse(study, name, f"the model has no {what} with id {shown}; correct the list")
+
+
+def _with_elements(mesh: Mesh, study: Study, name: str, elements: Indices) -> Mesh:
+    """Add an element set, and the set of its nodes where a boundary uses the name."""
+    sets = {**mesh.element_sets, name: frozen(elements, np.int64)}
+    mesh = replace(mesh, element_sets=sets)
+    # Not always: an interface would prefer the node set, which may hold facets of neighbours.
+    if name in mesh.node_sets or not _used_by_boundary(study, name):
+        return mesh
+    return mesh.with_node_set(name, mesh.element_nodes(elements))
+
+
+def _used_by_boundary(study: Study, name: str) -> bool:
+    return any(boundary.set == name for boundary in study.boundaries)
+
+
+def _refuse(study: Study, name: str, text: str) -> None:
+    message = f"{study.source.place(('model', 'sets', name))}: {text}"
+    raise StudyError(message)
+
+
+Setter = Callable[[Assembly, Study, str, NamedSet], Assembly]
+SETTERS: dict[str, Setter] = {
+    "deck": _from_deck,
+    "properties": _from_properties,
+    "nodes": _from_nodes,
+    "elements": _from_elements,
+    "ids": _from_ids,
+}

@@ -1,0 +1,77 @@
+"""The margins of bolts that a study demands, by the standard it names."""
+
+from collections.abc import Mapping, Sequence
+
+from faying.assessment.check import Check
+from faying.assessment.joint_record import Assessment
+from faying.assessment.strength.nasa_std_5020b import DesignFactors, margin_checks
+from faying.assessment.strength.safeties import Safeties, with_safeties
+from faying.assessment.strength.thread import Thread
+from faying.joint.model import Model
+from faying.joint.tangential import tangential_rows
+from faying.reduction.projection import contact_surfaces
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import Load
+from faying.study.keys.requirement_tables import MarginsSection
+from faying.study.keys.tables import Study
+from faying.study.keys.threads import preload_ranges
+
+NASA, VDI = "nasa-std-5020b", "vdi-symbols"
+
+
+def design_factors(section: MarginsSection) -> DesignFactors:
+    """Return the factors of a study."""
+    return DesignFactors(
+        fitting=section.FF,
+        ultimate=section.FS_u,
+        yields=section.FS_y,
+        separation=section.FS_sep,
+        slip=section.FS_slip,
+        shear_plane=section.shear_plane,
+        separation_critical=section.separation_critical,
+    )
+
+
+def demanded_checks(
+    study: Study,
+    system: Model | ReducedModel,
+    threads: Mapping[str, Thread],
+    loads: Sequence[Load],
+    coefficients: Mapping[str, float],
+    found: Assessment,
+) -> tuple[Check, ...]:
+    """Return the checks of bolts with what the standard of a study adds to them.
+
+    Parameters
+    ----------
+    loads
+        Static load cases.
+    coefficients
+        Interface to the coefficient slip is judged with.
+    found
+        With the checks of the strength of bolts.
+
+    Raises
+    ------
+    ModelError, ConvergenceError
+        As :func:`faying.assessment.strength.nasa_std_5020b.margin_checks`.
+    """
+    wanted = study.requirement.margins
+    if wanted is None:
+        return found.checks
+    if wanted.standard == VDI:
+        safeties = Safeties(yields=wanted.S_F, fatigue=wanted.S_D, pressure=wanted.S_p)
+        return tuple(with_safeties(found.checks, safeties))
+    margins = margin_checks(
+        system,
+        contact_surfaces(system) if isinstance(system, Model) else system.interfaces,
+        tangential_rows(system) if isinstance(system, Model) else system.tangential,
+        threads,
+        loads,
+        {name: bolt.preload for name, bolt in found.bolts.items()},
+        preload_ranges(study),
+        design_factors(wanted),
+        coefficients,
+        study.units,
+    )
+    return (*found.checks, *margins)

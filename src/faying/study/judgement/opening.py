@@ -1,0 +1,63 @@
+"""What a load opens of the surfaces that the preload presses on each other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Mask, Matrix, Vector, frozen
+from faying.study.results.values import CaseResult, InterfaceRecord
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Opening:
+    """One interface in one load case of the full model.
+
+    Area outside the pressure cones of the bolts carries nothing before the load either; what opens
+    is told from it by the pressure after tightening.
+
+    Attributes
+    ----------
+    opened, closed
+        Area that was pressed after tightening and is open under the load, and the reverse, each
+        over the area that was pressed; largest over time. Zero where nothing was pressed.
+    gap : [length]
+        Largest gap, over points and instants; zero where all is closed.
+    point : (3,) [length]
+        Where.
+    instant
+        Index of the instant of the largest gap; None of static cases.
+    """
+
+    opened: float
+    closed: float
+    gap: float
+    point: Vector
+    instant: int | None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "point", frozen(self.point))
+
+
+def opening(record: InterfaceRecord, case: CaseResult) -> Opening | None:
+    """Compare a load case with the preloaded state; None for an interface without points."""
+    if not len(record.points):
+        return None
+    own = slice(*record.slice)
+    pressure = np.atleast_2d(case.reference.pressure[..., own])
+    gap = np.atleast_2d(case.reference.gap[..., own])
+    before, now = record.preload_pressure > 0, pressure > 0
+    instant, point = np.unravel_index(int(gap.argmax()), gap.shape)
+    return Opening(
+        opened=_share(record, before & ~now, before),
+        closed=_share(record, ~before & now, before),
+        gap=max(float(gap[instant, point]), 0.0),
+        point=record.points[point],
+        instant=None if case.times is None else int(instant),
+    )
+
+
+def _share(record: InterfaceRecord, changed: Mask, before: Mask) -> float:
+    """Return the largest area that changed (n_instant, n_point), over that pressed before."""
+    pressed = float(record.weights[before].sum())
+    areas: Matrix = changed @ record.weights
+    return float(areas.max()) / pressed if pressed > 0 else 0.0

@@ -1,0 +1,106 @@
+"""Whether constants, preloads and pressures can be those of solids in the unit set of a study."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from faying.model.assembly import Material
+from faying.model.specs import BoltSpec
+from faying.study.inputs.load_model import LoadedModel
+from faying.study.keys.tables import Study
+from faying.study.keys.threads import threads_of
+from faying.study.results.values import CaseResult
+from faying.units import LENGTHS, MASSES, pascals, units_of
+
+MODULI = (1e4, 2e12)
+"""Young's moduli [Pa] from gels to beyond diamond (1.2e12)."""
+DENSITIES = (1.0, 3e4)
+"""Densities [kg/m³] from the lightest foams to beyond osmium (2.26e4)."""
+LIGHTEST = 1e6
+"""Young's modulus over the density squared [Pa m⁶/kg²] above that of every solid: foams lose
+stiffness with the square of their density (Gibson and Ashby, Cellular Solids, 1997, ch. 5), balsa
+and honeycombs along their cells have the most, up to 6e5; diamond 1e5, steel 3e3."""
+TIGHTENED = (1e6, 3e9)
+"""Stress [Pa] of tightened bolts: a tenth of what nylon bears, and more than any steel does."""
+COHESION = 0.1
+"""Pressure over Young's modulus above which no crystal holds together: its theoretical strength
+(J. Frenkel, Z. Phys. 37 (1926) 572: G/2π in shear, E/16; up to E/10 in tension)."""
+
+
+def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
+    """Yield what cannot be right about material constants; nothing in units that are not known.
+
+    A study in mm-t-s with Pa and kg/m³ runs without complaint and is wrong by powers of ten.
+
+    Examples
+    --------
+    >>> steel = Material(name="steel", youngs_modulus=2.1e11, poissons_ratio=0.3, density=7.85e-9)
+    >>> list(doubts({1: steel}, "mm-t-s"))
+    ["material 'steel': E = 2.1e+11 is 2.1e+17 Pa in mm-t-s, as of no solid; check it and 'units'"]
+    """
+    pascal = pascals(units)
+    if pascal is None:
+        return
+    length, mass, _ = units.split("-")
+    density = MASSES[mass] / LENGTHS[length] ** 3
+    told = set()
+    for material in materials.values():
+        for name, value, factor, unit, (least, most) in (
+            ("E", material.youngs_modulus, pascal, "Pa", MODULI),
+            ("rho", material.density, density, "kg/m³", DENSITIES),
+        ):
+            if value and not least <= value * factor <= most:
+                told.add(
+                    f"material '{material.name}': {name} = {value:g} is {value * factor:g} {unit} "
+                    f"in {units}, as of no solid; check it and 'units'"
+                )
+        stiff, heavy = material.youngs_modulus * pascal, material.density * density
+        single = MODULI[0] <= stiff <= MODULI[1] and heavy >= DENSITIES[0]
+        if single and stiff > LIGHTEST * heavy**2:
+            told.add(
+                f"material '{material.name}': E is {stiff / 1e9:.3g} GPa and rho {heavy:.3g} kg/m³ "
+                f"in {units}, and no solid that light is that stiff; check them and 'units'"
+            )
+    yield from sorted(told)
+
+
+def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
+    """Yield what cannot be right about preloads, of bolts whose section is known."""
+    pascal = pascals(loaded.units)
+    threads = threads_of(study)
+    least, most = TIGHTENED
+    for spec in loaded.bolts if pascal else ():
+        force = loaded.preloads.get(spec.name, loaded.initial_forces.get(spec.name, 0.0))
+        thread = threads.get(spec.name)
+        area = _section(loaded, spec) if thread is None else np.pi / 4 * thread.diameter**2
+        stress = 0.0 if not area else force / area * (pascal or 1.0)
+        if stress and not least <= stress <= most:
+            yield (
+                f"bolt '{spec.name}': a preload of {force:g} {units_of(loaded.units).force} on "
+                f"{area:.4g} {units_of(loaded.units).of('length²')} is {stress / 1e6:.3g} MPa, as "
+                "of no tightened bolt; check it and 'units'"
+            )
+
+
+def _section(loaded: LoadedModel, spec: BoltSpec) -> float | None:
+    """Return the sectional area of a bolt; None where it is not known."""
+    if spec.diameter is not None:
+        return float(np.pi / 4 * spec.diameter**2)
+    beams = [one for one in loaded.assembly.beams if one.id in (spec.elements or ())]
+    return beams[0].section.area if beams else None
+
+
+def pressure_doubts(
+    cases: Mapping[str, CaseResult], materials: Mapping[int, Material], units: str
+) -> Iterator[str]:
+    """Yield the load case whose contact pressure no solid bears, the largest of them."""
+    stiffest = max((one.youngs_modulus for one in materials.values()), default=0.0)
+    peaks = {name: float(one.reference.pressure.max(initial=0.0)) for name, one in cases.items()}
+    name = max(peaks, key=peaks.__getitem__, default="")
+    if stiffest and peaks.get(name, 0.0) > COHESION * stiffest:
+        unit = units_of(units).pressure
+        yield (
+            f"load case '{name}': the largest pressure is {peaks[name]:.3g} {unit}, "
+            f"{peaks[name] / stiffest:.0%} of the largest Young's modulus; no solid holds "
+            "together under it, check preloads, loads and 'units'"
+        )

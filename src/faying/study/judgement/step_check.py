@@ -1,0 +1,113 @@
+"""Whether the time step of a load case resolves its pressures: the same model at half of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector, frozen
+from faying.assessment.accuracy import Accuracy, measure
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.study.judgement.comparison import SlipErrors, slip_errors
+from faying.study.results.values import CaseResult, Response
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StepCheck:
+    """How a transient of the full model changes with half the time step.
+
+    Fields are compared: pressures at every contact point and every instant that both runs have.
+
+    Attributes
+    ----------
+    step : [time]
+        Of the study.
+    peak, half_peak : [force/length²]
+        Largest pressure over points and instants with the study's step and with half of it.
+    times : (n_common,) [time]
+        Instants of both runs.
+    moved : (n_common,) [force/length²]
+        Largest change of pressure over the contact points at each of them.
+    change
+        Of pressures and boundary translations, over the largest of the study's step.
+    slip
+        Of tractions and of the energy that friction took, over the same; None without friction.
+    """
+
+    step: float
+    peak: float
+    half_peak: float
+    times: Vector
+    moved: Vector
+    change: Accuracy
+    slip: SlipErrors | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("times", "moved"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def peak_change(self) -> float:
+        """Change of the largest pressure as a fraction of the one at the study's step."""
+        return self.half_peak / self.peak - 1.0
+
+    @property
+    def largest(self) -> float:
+        """Largest change of pressure at a point and instant as a fraction of the peak."""
+        return self.change.max_relative_error
+
+    @property
+    def instant(self) -> float:
+        """When a pressure changes most [time]."""
+        return float(self.times[np.argmax(self.moved)])
+
+
+def step_check(case: CaseResult) -> StepCheck | None:
+    """Return the time-step check of a transient case; None where it was not run."""
+    half, times = case.half_step, case.times
+    if half is None or times is None or len(times) < 2:
+        return None
+    refined = half.pressure[::2]
+    count = min(len(times), len(refined))  # half a step more or less at the end
+    reference = case.reference.pressure[:count]
+    if not reference.max(initial=0.0) > 0:
+        return None
+    return StepCheck(
+        step=float(times[1] - times[0]),
+        peak=float(case.reference.pressure.max()),
+        half_peak=float(half.pressure.max()),
+        times=times[:count],
+        moved=np.abs(refined[:count] - reference).max(axis=-1),
+        change=measure(refined[:count], reference, _displacements(case, half.displacements, count)),
+        slip=_slip_changes(half, case.reference, count),
+    )
+
+
+def _slip_changes(half: Response, reference: Response, count: int) -> SlipErrors | None:
+    """Compare tractions and energies of both runs up to their last common instant."""
+    fine, coarse = half.friction, reference.friction
+    if fine is None or coarse is None:
+        return None
+    fine = replace(
+        fine,
+        traction=fine.traction[::2][:count],
+        dissipation=fine.dissipation[: 2 * count - 1],
+    )
+    coarse = replace(
+        coarse, traction=coarse.traction[:count], dissipation=coarse.dissipation[:count]
+    )
+    return slip_errors(replace(half, friction=fine), replace(reference, friction=coarse))
+
+
+def _displacements(
+    case: CaseResult, refined: Mapping[str, Matrix], count: int
+) -> list[tuple[Matrix, Matrix, Indices]]:
+    """Return the boundary displacements of both runs at their common instants."""
+    return [
+        (
+            refined[name][::2][:count],
+            case.reference.displacements[name][:count],
+            np.array([DISPLACEMENT_NAMES.index(component) for component in components]),
+        )
+        for name, components in case.components.items()
+    ]

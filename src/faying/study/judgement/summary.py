@@ -1,0 +1,375 @@
+"""The figures of a run in one JSON document, keys as in ``docs/results.md``."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from faying import __version__
+from faying.assessment.backbone import Backbone
+from faying.assessment.joint_verdict import summarized
+from faying.reduction.methods import METHODS
+from faying.study.judgement.backbone_errors import backbone_errors
+from faying.study.judgement.comparison import increments, rubbed
+from faying.study.judgement.model_warnings import barely_held, missing_contacts
+from faying.study.judgement.opening import opening
+from faying.study.judgement.step_check import step_check
+from faying.study.judgement.step_choice import step_choice
+from faying.study.judgement.verdict import required, run_verdict
+from faying.study.keys.measurements import compared
+from faying.study.results.mode_choice import chosen_count, mode_sentences
+from faying.study.results.path_record import CycleRecord
+from faying.study.results.validation_record import ValidationRecord
+from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Response, Results
+from faying.units import units_of
+
+TRAINING = ["static training", "step training"]
+"""Stages in which methods learn."""
+
+
+def summarize(results: Results) -> dict[str, Any]:
+    """Return the contents of ``summary.json``.
+
+    Of transient cases, figures of the reference are the largest over time, ``iterations`` their
+    mean over the steps.
+    """
+    return {
+        "faying": __version__,
+        "title": results.title,
+        "units": results.units,
+        "converged": not results.warnings,
+        "not_converged": list(results.warnings),
+        "warnings": [
+            *results.doubts,
+            *missing_contacts(results),
+            *barely_held(results),
+            *results.omissions,
+        ],
+        "model": {
+            "nodes": len(results.nodes),
+            "elements": sum(len(block.ids) for block in results.blocks),
+            "dofs": results.dofs,
+            "mass": results.mass,
+            "factorization": results.provenance.get("factorization", ""),
+            "factor_bytes": results.factor_bytes,
+        },
+        "normal_modes": None if results.normal_modes is None else asdict(results.normal_modes),
+        "normal_mode_choice": _chosen_modes(results),
+        "interfaces": {name: _interface(face) for name, face in results.interfaces.items()},
+        "bolts": {
+            name: {"preload": bolt.preload, "initial_force": bolt.initial_force}
+            for name, bolt in results.bolts.items()
+        },
+        "reference": {"kind": results.reference, "reason": results.reference_reason},
+        "load_cases": {name: _case(results, case) for name, case in results.cases.items()},
+        "measurements": {
+            curve.name: compared(curve, results.cases[curve.case].reference.backbones)
+            for curve in results.measurements
+            if curve.case in results.cases
+        },
+        "assessment": None if results.assessment is None else plain(asdict(results.assessment)),
+        "requirements": required(results.study_text),
+        "verdict": plain(summarized(run_verdict(results))),
+        "validation": _validation(results.validation),
+        "timings": timings(results),
+    }
+
+
+def plain(value: Any) -> Any:
+    """Return values as JSON has them; what is infinite or was never reached is null."""
+    if isinstance(value, Mapping):
+        return {name: plain(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return [plain(one) for one in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    return value
+
+
+def _chosen_modes(results: Results) -> dict[str, Any] | None:
+    """Return what normal modes were chosen for the load cases, and why; None where a study says."""
+    choices = results.mode_choices
+    if not choices:
+        return None
+    said = mode_sentences(choices, units_of(results.units))
+    return {
+        "count": chosen_count(choices),
+        "load_cases": {
+            name: {**plain(asdict(choice)), "error": plain(choice.error), "reason": reason}
+            for (name, choice), reason in zip(choices.items(), said, strict=True)
+        },
+    }
+
+
+def _validation(found: ValidationRecord) -> dict[str, Any]:
+    summary: dict[str, Any] = {}
+    if found.load_space is not None:
+        summary["unseen_loads"] = {
+            name: {str(count): asdict(errors) for count, errors in sizes.items()}
+            for name, sizes in found.load_space.methods.items()
+        }
+    if found.penalty is not None:
+        summary["penalty"] = {
+            "recommended": found.penalty.recommended,
+            "reached": found.penalty.reached,
+            "advice": found.penalty.advice,
+        }
+    if found.choices:
+        summary["joint_modes"] = {
+            name: {"count": choice.count, "met": choice.met, "tolerance": choice.tolerance}
+            for name, choice in found.choices.items()
+        }
+    return summary
+
+
+def timings(results: Results) -> dict[str, Any]:
+    """Return wall seconds of the whole run, by stage, and per method."""
+    seconds = results.timings
+    table: dict[str, Any] = {"run": sum(seconds.values()), "stages": dict(seconds)}
+    table |= {
+        stage: seconds[stage]
+        for stage in (
+            "assembly",
+            "factorization",
+            "compliance",
+            "preload",
+            "normal_modes",
+            "mode_count",
+        )
+        if stage in seconds
+    }
+    full = [(case, case.reference) for case in results.cases.values() if case.is_full]
+    table["full"] = _per_solution(full)
+    names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
+    methods: dict[str, Any] = {}
+    for name in names:
+        solved = [
+            (case, result.response)
+            for case in results.cases.values()
+            for result in case.methods.get(name, {}).values()
+        ]
+        methods[name] = {"offline": _offline(name, seconds), **_per_solution(solved)}
+    # A mapping of its own, because "compliance" is both a stage and a method.
+    return {**table, "methods": methods}
+
+
+def _offline(name: str, seconds: Mapping[str, float]) -> float:
+    """Work a method needs beyond the factorization, shared parts counted for each."""
+    method = METHODS[name]
+    stages = ["normal_modes", f"project {name}"]
+    stages += [method.joint_modes.name] if method.joint_modes else []
+    stages += TRAINING if method.trained else []
+    stages += ["compliance"] if method.compliance else []
+    return sum(seconds.get(stage, 0.0) for stage in stages)
+
+
+def _per_solution(solved: list[tuple[CaseResult, Response]]) -> dict[str, float]:
+    """Median wall time of a static case and of a time step."""
+    static = [response.seconds for case, response in solved if case.kind == "static"]
+    steps = [
+        response.seconds / max(len(case.times) - 1, 1)
+        for case, response in solved
+        if case.times is not None
+    ]
+    times: dict[str, float] = {}
+    if static:
+        times["per_static_case"] = float(np.median(static))
+    if steps:
+        times["per_step"] = float(np.median(steps))
+    return times
+
+
+def _interface(face: InterfaceRecord) -> dict[str, Any]:
+    hard = face.penalty == float("inf")
+    return {
+        "pairs": len(face.pairs),
+        "points": len(face.weights),
+        "area": float(face.weights.sum()),
+        "declared_area": face.declared_area,
+        "penalty": "hard" if hard else face.penalty,
+        "closure": json.loads(face.closure) if face.closure else None,
+        "friction": face.friction,
+        "quadrature": face.quadrature,
+        "stuck_pairs": int(face.stuck.sum()),
+        "preload_open_fraction": float(face.weights[face.preload_pressure <= 0].sum())
+        / float(face.weights.sum()),
+    }
+
+
+def _case(results: Results, case: CaseResult) -> dict[str, Any]:
+    summary: dict[str, Any] = {
+        "kind": case.kind,
+        "reference": {
+            "model": case.reference_model,
+            **_reference(case.reference),
+            **_estimated(case.reference),
+            "opening": _openings(results, case),
+            "mesh_error": {name: asdict(error) for name, error in case.mesh_errors.items()},
+        },
+        "methods": {
+            name: {str(count): _method(result, case) for count, result in sizes.items()}
+            for name, sizes in case.methods.items()
+        },
+    }
+    if case.times is not None:
+        summary["tolerance"] = case.tolerance
+        summary["jumps"] = [asdict(jump) for jump in case.jumps]
+        choice = step_choice(case)
+        summary["steps"] = None if choice is None else {**asdict(choice), "met": choice.met}
+        summary["remedy"] = None if case.remedy is None else asdict(case.remedy)
+    summary |= _slip(case)
+    check = step_check(case)
+    if case.times is not None:
+        summary["step_check"] = _step_check(summary["steps"] is not None, check is not None)
+    if check is not None:
+        summary["half_step_max_pressure"] = check.half_peak
+        summary["half_step"] = {
+            "max_relative_change": check.change.max_relative_error,
+            "rms_relative_change": check.change.rms_relative_error,
+            "p999_relative_change": check.change.p999_relative_error,
+            "displacement_change": check.change.displacement_error,
+        }
+        if check.slip is not None:
+            summary["half_step"]["max_traction_change"] = check.slip.traction
+            summary["half_step"]["dissipation_change"] = check.slip.dissipation
+    return summary
+
+
+def _step_check(divided: bool, halved: bool) -> str | None:
+    """Name what tells whether time steps are fine enough; None where nothing does."""
+    if divided:
+        return "divided steps"
+    return "half step" if halved else None
+
+
+def _slip(case: CaseResult) -> dict[str, Any]:
+    """Return what friction does in a load case; nothing where there is none."""
+    found = rubbed(case.reference)
+    if case.reference.backbones:
+        return {
+            "backbones": {mode: _backbone(one) for mode, one in case.reference.backbones.items()}
+        }
+    if not found:
+        return {}
+    largest, cycles = found[-1], list(case.reference.cycles.values())
+    at = -1 if case.kind == "static" else largest.most_slip
+    summary: dict[str, Any] = {
+        "max_traction": max(one.max_traction for one in found),
+        "stick_fraction": float(largest.stick_share[at]),
+        "slip_fraction": float(largest.slip_share[at]),
+        "dissipated_energy": float(largest.dissipation.sum()),
+        "macroslip": any(bool(one.macroslip.any()) for one in found),
+        "first_slip_factor": None if case.reserve is None else case.reserve.first_slip,
+        "slip_onset_factor": None if case.reserve is None else case.reserve.onset,
+    }
+    if case.reserve is not None:
+        summary["slip_reserve"] = asdict(case.reserve)
+    if cycles:
+        summary["cycles"] = {name: _cycle(one) for name, one in case.reference.cycles.items()}
+    return summary
+
+
+def _backbone(one: Backbone) -> dict[str, Any]:
+    by_rule = {
+        name: values.tolist()
+        for name in ("masing_frequency", "masing_damping", "masing_deviation")
+        if (values := getattr(one, name)) is not None
+    }
+    return {
+        "small_frequency": one.small_frequency,
+        "measured_at": one.measured_at,
+        "amplitude": one.amplitude.tolist(),
+        "energy": one.energy.tolist(),
+        "frequency": one.frequency.tolist(),
+        "damping_ratio": one.damping_ratio.tolist(),
+        "linear_damping": one.linear_damping.tolist(),
+        "energy_per_cycle": one.energy_per_cycle.tolist(),
+        "stick_fraction": one.stick_share.tolist(),
+        "macroslip": one.macroslip.tolist(),
+        "stationary": one.stationary.tolist(),
+        "remarks": list(one.remarks),
+        **by_rule,
+    }
+
+
+def _cycle(one: CycleRecord) -> dict[str, Any]:
+    return {
+        "energy_per_cycle": float(one.energies[-1]),
+        "loop_area": one.loop_area,
+        "cycles": len(one.energies),
+        "stationary": one.stationary,
+        "max_slip_range": float(one.slip_range.max(initial=0.0)),
+        "max_fretting": float(one.fretting.max(initial=0.0)),
+    }
+
+
+def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
+    """Return what the load opens of each interface that the preload presses."""
+    found = {name: opening(record, case) for name, record in results.interfaces.items()}
+    return {
+        name: {
+            "opened_fraction": one.opened,
+            "closed_fraction": one.closed,
+            "max_gap": one.gap,
+            "max_gap_point": one.point.tolist(),
+        }
+        for name, one in found.items()
+        if one is not None
+    }
+
+
+def _reference(response: Response) -> dict[str, Any]:
+    total = sum(np.asarray(force) for force in response.contact_forces.values())
+    pressures = [response.pressure, *(one.pressure for one in increments(response))]
+    weak = {body: plain(float(np.max(share))) for body, share in response.weak_shares.items()}
+    return {
+        **({"weak_share": weak} if weak else {}),
+        "max_pressure": max(float(one.max(initial=0.0)) for one in pressures),
+        "contact_force": float(np.max(total)),
+        "open_fraction": float(max(np.max(part) for part in response.open_fraction.values())),
+        "max_penetration": float(np.maximum(-response.gap, 0.0).max(initial=0.0)),
+        "iterations": float(np.mean(response.iterations)),
+        "bolt_force": {name: float(np.max(force)) for name, force in response.bolt_forces.items()},
+    }
+
+
+def _estimated(response: Response) -> dict[str, float]:
+    """Return the errors of a reduced transient that were estimated without a full solution."""
+    found = response.estimate
+    if found is None:
+        return {}
+    figures = {
+        "estimated_max_relative_error": found.max_relative_error,
+        "estimated_rms_relative_error": found.rms_relative_error,
+    }
+    if found.max_traction_error is not None:
+        figures["estimated_max_traction_error"] = found.max_traction_error
+    return figures
+
+
+def _method(result: MethodResult, case: CaseResult) -> dict[str, float]:
+    accuracy = {name: one for name, one in asdict(result.accuracy).items() if one is not None}
+    figures = {**accuracy, **_estimated(result.response)}
+    if result.recovered_error is not None:
+        figures["recovered_max_relative_error"] = result.recovered_error
+    optional = {
+        "certified_energy_error": result.certified_energy_error,
+        "certified_force_error": result.certified_force_error,
+        "certified_bound": result.certified_bound,
+        "certified_increment_error": result.response.increment_error,
+        "law_residual": result.response.law_residual,
+        "dissipation_error": result.dissipation_error,
+    }
+    backbones = backbone_errors(result.response, case.reference)
+    if backbones is not None:
+        figures |= {"frequency_error": backbones.frequency, "damping_error": backbones.damping}
+    figures |= {
+        name: bound for name, bound in optional.items() if bound is not None and np.isfinite(bound)
+    }
+    return figures

@@ -1,0 +1,57 @@
+"""The verdict on the joint of a run, with the instants that decide."""
+
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+
+from faying.assessment.check import Check
+from faying.assessment.joint_checks import joint_checks
+from faying.assessment.joint_verdict import JointVerdict, joint_verdict
+from faying.study.results.values import CaseResult, Results
+from faying.units import units_of
+
+
+def run_verdict(results: Results) -> JointVerdict:
+    """Return the verdict on the joint over the load cases of a run."""
+    units, found = units_of(results.units), results.assessment
+    if found is None:
+        reasons = [text for text in results.omissions if text.startswith("joint assessment")]
+        missing = "; ".join(reasons) or "see the warnings"
+        return joint_verdict((), units, missing if required(results.study_text) else "")
+    rubbing = {name for name, record in results.interfaces.items() if record.friction > 0}
+    reserves = {
+        name: case.reserve
+        for name, case in results.cases.items()
+        if rubbing and case.reserve is not None
+    }
+    checks = joint_checks(found, units, reserves)
+    return joint_verdict((_timed(check, results) for check in checks), units)
+
+
+def required(study_text: str) -> list[str]:
+    """Return the requirements that a study names."""
+    try:
+        return list(tomllib.loads(study_text).get("requirement", {}))
+    except tomllib.TOMLDecodeError:
+        return []
+
+
+def _timed(check: Check, results: Results) -> Check:
+    """Return a check with the instant of its load case that decides, of cases over time."""
+    case = results.cases.get(check.case)
+    if case is None or case.times is None or check.instant is not None:
+        return check
+    at = _instant(check, case, results)
+    return check if at is None else replace(check, instant=float(case.times[at]))
+
+
+def _instant(check: Check, case: CaseResult, results: Results) -> int | None:
+    if check.kind == "bolt" or check.part not in results.interfaces:
+        return None
+    if check.quantity.startswith("clamp"):
+        return int(np.argmin(case.reference.contact_forces[check.part]))
+    if check.quantity.startswith("pressure"):
+        pressure = case.reference.pressure[:, slice(*results.interfaces[check.part].slice)]
+        return int(pressure.max(axis=1).argmax())
+    return None

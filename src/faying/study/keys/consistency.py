@@ -1,0 +1,348 @@
+"""What the values of a study file must be together. One rule, one function."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+
+from faying.exceptions import FormatError, StudyError
+from faying.interface.gap_field import read_gap_table
+from faying.model.assembly import Assembly
+from faying.reduction.methods import METHODS
+from faying.simulation.integrators import DAMPED
+from faying.sources import SOURCES, Source
+from faying.study.keys.bolt_rules import bolt_problems, margin_problems
+from faying.study.keys.errors import Problem, nearest, quoted
+from faying.study.keys.friction_rules import (
+    increment_problems,
+    scatter_problems,
+    second_laws,
+    spare_tangential_penalties,
+)
+from faying.study.keys.history import read_history
+from faying.study.keys.lap_joint import lap_joint_problems
+from faying.study.keys.loadings import loadings
+from faying.study.keys.measurements import measurement_problems
+from faying.study.keys.positions import Location
+from faying.study.keys.ranges import MOST_LOADS, MOST_STEPS
+from faying.study.keys.tables import LoadCaseSection, Loading, Study, Timed
+from faying.study.keys.temperatures import temperature_problems
+
+
+def inconsistencies(study: Study) -> list[Problem]:
+    """List everything in a study that does not fit together."""
+    return [problem for rule in RULES for problem in rule(study)]
+
+
+def boundary_problems(study: Study, known: Iterable[str]) -> Iterator[Problem]:
+    """Find loads on boundaries that do not exist."""
+    names = list(known)
+    for location, load in loadings(study):
+        name = load.boundary
+        if name is not None and name not in names:
+            text = f"no boundary '{name}'; {nearest(name, names)}"
+            yield _problem(study, (*location, "boundary"), text)
+
+
+def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
+    """Find loads of the deck that it does not have."""
+    known = assembly.loads
+    for location, load in loadings(study):
+        name = load.deck_load
+        if name is not None and name not in known:
+            left_out = [note for note in assembly.ignored if note.startswith(f"load set {name} (")]
+            reason = f"left out: {left_out[0]}" if left_out else nearest(name, known)
+            deck = study.model.file.name if study.model.file else "the model"
+            text = f"{deck} has no load '{name}'; {reason}"
+            yield _problem(study, (*location, "deck_load"), text)
+
+
+def _load_targets(study: Study) -> Iterator[Problem]:
+    for location, load in loadings(study):
+        given = [key for key in ("boundary", "component") if getattr(load, key) is not None]
+        whole = [key for key in ("deck_load", "temperature") if getattr(load, key) is not None]
+        if len(whole) > 1 or (whole and given):
+            more = quoted([*whole[1:], *given])
+            text = f"found '{whole[0]}' and {more}; a load is one or the other, remove one"
+            yield _in_table(study, location, text)
+        elif not whole and len(given) < 2:
+            missing = "component" if given == ["boundary"] else "boundary"
+            text = f"missing key '{missing}'; add it, or 'deck_load' for a load of the deck"
+            yield _in_table(study, location, text)
+
+
+def _problem(study: Study, location: Location, text: str) -> Problem:
+    return Problem(location, f"{study.source.place(location)}: {text}")
+
+
+def _source(study: Study) -> Source:
+    return SOURCES[study.model.source]
+
+
+def _in_table(study: Study, location: Location, text: str) -> Problem:
+    return Problem(location, f"{study.source.table(location)}: {text}")
+
+
+def _unique_names(study: Study) -> Iterator[Problem]:
+    families = {
+        "interface": [interface.name for interface in study.interfaces],
+        "bolt": [bolt.name for bolt in study.bolts],
+        "boundary": [boundary.name for boundary in study.boundaries],
+        "load_case": [case.name for case in study.load_cases],
+    }
+    for table, names in families.items():
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                first = names.index(name) + 1
+                text = f"'{name}' is already the name of number {first}; names must differ"
+                yield _problem(study, (table, i, "name"), text)
+
+
+def _model_files(study: Study) -> Iterator[Problem]:
+    source = _source(study)
+    if study.model.subcase is not None and not source.is_deck:
+        text = f"source '{source.name}' has no subcases; remove it"
+        yield _problem(study, ("model", "subcase"), text)
+    if study.model.ignore and not source.is_deck:
+        text = f"source '{source.name}' is no deck that could hold more than is read; remove it"
+        yield _problem(study, ("model", "ignore"), text)
+    for key in ("parts", "without"):
+        if getattr(study.model, key) and not (source.is_deck or source.is_mesh):
+            text = f"source '{source.name}' has no parts to choose from; remove it"
+            yield _problem(study, ("model", key), text)
+    for key in dict.fromkeys(one.key for one in SOURCES.values()):
+        given = key in study.model.model_fields_set
+        if key == source.key and not given and source.needs_key:
+            text = f"source '{source.name}' needs '{key}'; add it"
+            yield _in_table(study, ("model",), text)
+        if key != source.key and given:
+            text = f"does not belong to source '{source.name}'; remove it or change the source"
+            yield _problem(study, ("model", key), text)
+
+
+def _sets(study: Study) -> Iterator[Problem]:
+    for name, named in study.model.sets.items():
+        if len(named.model_fields_set) != 1:
+            keys = quoted(type(named).model_fields)
+            yield _problem(study, ("model", "sets", name), f"give exactly one of {keys}")
+
+
+def _interfaces(study: Study) -> Iterator[Problem]:
+    for i, interface in enumerate(study.interfaces):
+        if (interface.minus == "auto") != (interface.plus == "auto"):
+            text = 'only one of minus and plus is "auto"; name both sides, or neither'
+            yield _in_table(study, ("interface", i), text)
+        if isinstance(interface.initial_gap, Path):
+            try:
+                read_gap_table(interface.initial_gap)
+            except FormatError as error:
+                yield _problem(study, ("interface", i, "initial_gap"), str(error))
+
+
+def _boundaries(study: Study) -> Iterator[Problem]:
+    for i, boundary in enumerate(study.boundaries):
+        both = boundary.set is not None and boundary.node is not None
+        neither = boundary.set is None and boundary.node is None
+        if both or (neither and not _source(study).has_boundaries):
+            text = f"boundary '{boundary.name}' needs either 'set' or 'node'"
+            yield _in_table(study, ("boundary", i), f"{text}; {'remove' if both else 'add'} one")
+    if study.boundaries and not _source(study).has_boundaries:
+        yield from boundary_problems(study, [boundary.name for boundary in study.boundaries])
+
+
+def _coupled(study: Study) -> Iterator[Problem]:
+    for i, boundary in enumerate(study.boundaries):
+        if boundary.coupling is not None and boundary.set is None:
+            text = "a coupling needs 'set', the nodes that follow; add it"
+            yield _in_table(study, ("boundary", i), text)
+        if boundary.at is not None and boundary.coupling is None:
+            text = '\'at\' places the node of a coupling; add coupling = "rbe2" or "rbe3"'
+            yield _in_table(study, ("boundary", i), text)
+
+
+def _supports(study: Study) -> Iterator[Problem]:
+    supports = [("support", i, one.set, one.node) for i, one in enumerate(study.supports)]
+    masses = [("mass", i, one.set, one.node) for i, one in enumerate(study.masses)]
+    for table, i, named, node in (*supports, *masses):
+        if (named is None) == (node is None):
+            text = f"a {table} needs either 'set' or 'node'; give one of them"
+            yield _in_table(study, (table, i), text)
+
+
+def _mesh_materials(study: Study) -> Iterator[Problem]:
+    """Check that the materials of a mesh are whole, for it brings none."""
+    if study.model.separate and not _source(study).is_mesh:
+        text = 'only source "mesh" has groups to separate; remove it'
+        yield _problem(study, ("model", "separate"), text)
+    if not _source(study).is_mesh:
+        return
+    for name, material in study.materials.items():
+        missing = [key for key in ("E", "nu", "rho") if getattr(material, key) is None]
+        if missing:
+            text = f"a mesh brings no material, so {quoted(missing)} must be given; add it"
+            yield _in_table(study, ("material", name), text)
+
+
+def _reduction(study: Study) -> Iterator[Problem]:
+    reduction, training = study.reduction, study.reduction.training
+    modes = reduction.joint_modes
+    if reduction.normal_modes is None and not any(case.transient for case in study.load_cases):
+        text = (
+            "'auto' chooses for load cases over time, and the study has none; give a number, or "
+            'add a [[load_case]] of kind = "step" or "history"'
+        )
+        yield _problem(study, ("reduction", "normal_modes"), text)
+    without_basis = [name for name in reduction.methods if METHODS[name].forces is not None]
+    if not modes and without_basis:
+        text = f"'auto' does not choose for method '{without_basis[0]}'; give a list of numbers"
+        yield _problem(study, ("reduction", "joint_modes"), text)
+    if not modes and not training.box:
+        text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
+        yield _problem(study, ("reduction", "joint_modes"), text)
+    if any(later <= earlier for earlier, later in pairwise(modes)):
+        found = ", ".join(map(str, modes))
+        text = f"found {found}; the numbers of modes must increase, sort them"
+        yield _problem(study, ("reduction", "joint_modes"), text)
+    if len(set(reduction.methods)) < len(reduction.methods):
+        text = "a method is named twice; name each once"
+        yield _problem(study, ("reduction", "methods"), text)
+    learning = [name for name in reduction.methods if METHODS[name].trained]
+    if not training.box and learning:
+        text = (
+            f"method '{learning[0]}' learns from training loads and there are none; add "
+            "[reduction.training] with box = [{ boundary, component, min, max }], or name methods "
+            'that need none, as in methods = ["craig-bampton", "compliance"]'
+        )
+        yield _in_table(study, ("reduction",), text)
+    yield from _repeated(study, ("reduction", "training", "box"), training.box)
+    yield from _number_of_loads(study)
+    for i, side in enumerate(training.box):
+        if not side.min < side.max:
+            location = ("reduction", "training", "box", i, "min")
+            text = f"min {side.min:g} is not below max {side.max:g}; exchange or change them"
+            yield _problem(study, location, text)
+    yield from _not_both(study, ("reduction", "training"), training)
+
+
+def _number_of_loads(study: Study) -> Iterator[Problem]:
+    training, sides = study.reduction.training, len(study.reduction.training.box)
+    combined = training.levels**sides * len(training.preload_factors)
+    steps = 3**sides - 1 if training.dynamics else 0
+    for count, what in ((combined, "levels"), (steps, "dynamics")):
+        if count > MOST_LOADS:
+            text = (
+                f"the combinations of {sides} sides are {count:.4g} loads, and {MOST_LOADS} are "
+                "the most that are kept; lower 'levels', shorten the box, or set dynamics = false"
+            )
+            yield _problem(study, ("reduction", "training", what), text)
+
+
+def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
+    for one, other in (("step", "steps_per_period"), ("duration", "periods")):
+        if getattr(timed, one) is not None and getattr(timed, other) is not None:
+            text = f"'{one}' and '{other}' say the same twice; remove one"
+            yield _in_table(study, location, text)
+    pairs = ((timed.duration, 1 / (timed.step or 1e30)), (timed.periods, timed.steps_per_period))
+    for length, rate in pairs:
+        count = (length or 0.0) * (rate or 0)
+        if count > MOST_STEPS:
+            text = f"found {count:.4g} time steps, expected at most {MOST_STEPS}; enlarge the step"
+            yield _in_table(study, location, text)
+
+
+def _load_cases(study: Study) -> Iterator[Problem]:
+    for i, case in enumerate(study.load_cases):
+        location: Location = ("load_case", i)
+        yield from _not_both(study, location, case)
+        yield from _timing(study, location, case)
+        yield from _forces(study, location, case)
+        yield from increment_problems(study, location, case)
+        if case.rho_infinity is not None and case.integrator not in DAMPED:
+            having = " and ".join(f'"{name}"' for name in DAMPED)
+            text = f"only integrator = {having} have it; remove it or add the integrator"
+            yield _problem(study, (*location, "rho_infinity"), text)
+
+
+def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
+    if not case.transient:
+        keys = [*Timed.model_fields, "integrator", "tolerance"]
+        for key in [key for key in keys if getattr(case, key) is not None]:
+            text = f'kind = "{case.kind}" has no time; remove it or use kind = "step"'
+            yield _problem(study, (*location, key), text)
+        return
+    if case.step is None and case.steps_per_period is None:
+        text = f"kind = \"{case.kind}\" needs a time step; add 'step' or 'steps_per_period'"
+        yield _in_table(study, location, text)
+    if case.rise_time is not None and case.rise_time > (case.duration or case.rise_time):
+        text = (
+            f"found {case.rise_time:g}, which is longer than the duration {case.duration:g}: the "
+            "loads would never be reached; shorten it or lengthen the duration"
+        )
+        yield _problem(study, (*location, "rise_time"), text)
+    if case.kind == "step" and case.duration is None and case.periods is None:
+        text = "kind = \"step\" needs a length; add 'duration' or 'periods'"
+        yield _in_table(study, location, text)
+    if case.step is not None and case.duration is not None and case.duration < case.step:
+        text = f"duration {case.duration:g} is shorter than the step {case.step:g}; enlarge it"
+        yield _problem(study, (*location, "duration"), text)
+
+
+def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
+    yield from _repeated(study, (*location, "forces"), case.forces)
+    for j, force in enumerate(case.forces):
+        here: Location = (*location, "forces", j)
+        if (force.value is None) == (force.file is None):
+            yield _in_table(study, here, "give either 'value' or 'file'")
+        if force.file is None:
+            continue
+        if case.kind != "history":
+            text = f'kind = "{case.kind}" takes a value; use kind = "history" for a file'
+            yield _problem(study, (*here, "file"), text)
+        try:
+            read_history(force.file)
+        except StudyError as error:
+            yield _problem(study, (*here, "file"), str(error))
+    if case.kind == "history" and not any(force.file for force in case.forces):
+        text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"
+        yield _in_table(study, location, text)
+
+
+def _repeated(study: Study, location: Location, loads: Sequence[Loading]) -> Iterator[Problem]:
+    targets = [load.target for load in loads]
+    for i, target in enumerate(targets):
+        if target in targets[:i]:
+            text = f"{target} is loaded by number {targets.index(target) + 1} already; merge them"
+            yield _in_table(study, (*location, i), text)
+
+
+def _material(study: Study) -> Iterator[Problem]:
+    for name, material in study.materials.items():
+        if not material.model_fields_set:
+            text = "the table is empty; give 'E', 'nu', 'rho' or 'alpha', or remove it"
+            yield _in_table(study, ("material", name), text)
+    if study.materials and not _source(study).has_elements:
+        text = "matrices have no material; remove [material]"
+        yield _in_table(study, ("material",), text)
+
+
+RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
+    _unique_names,
+    _model_files,
+    _sets,
+    lap_joint_problems,
+    _material,
+    _interfaces,
+    second_laws,
+    spare_tangential_penalties,
+    scatter_problems,
+    bolt_problems,
+    margin_problems,
+    _boundaries,
+    _coupled,
+    _supports,
+    measurement_problems,
+    _mesh_materials,
+    _load_targets,
+    temperature_problems,
+    _reduction,
+    _load_cases,
+)

@@ -1,0 +1,203 @@
+"""From what is wrong in a study file to one message for the person who wrote it."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic_core import PydanticCustomError
+
+from faying.exceptions import StudyError
+from faying.study.keys.positions import Location
+
+OWN_TYPE = "faying"
+"""Type of the validation errors whose text is already meant for people."""
+
+UNKNOWN_KEY = "unknown_key"
+"""Type of the validation error for a key that a table does not have."""
+
+
+def refusal(message: str) -> PydanticCustomError:
+    """Return a validation error whose text is shown as it stands."""
+    # pydantic formats the template with its context; braces of the text itself must survive
+    return PydanticCustomError(OWN_TYPE, "{message}", {"message": message})
+
+
+EXPECTED = {
+    "float_type": ("a number", "write it without quotes"),
+    "finite_number": ("a finite number", "nan and inf are not accepted"),
+    "int_type": ("a whole number", "write it without quotes and decimal point"),
+    "string_type": ("a text", "put it in quotes"),
+    "bool_type": ("true or false", "write it without quotes"),
+    "tuple_type": ("a list", "write [first, second, ...], or [[name]] above a table"),
+    "dict_type": ("one table", "write { key = value }, or [name] above it"),
+    "model_type": ("one table", "write { key = value }, or [name] above it"),
+    "path_type": ("a file name", "put it in quotes"),
+}
+"""Validation error to what was expected and how to write it."""
+
+MOST_SHOWN = 8
+"""Mistakes listed in one message."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake: where, and what is wrong with what remedy."""
+
+    location: Location
+    text: str
+
+
+@dataclass(frozen=True)
+class StudySource:
+    """A study file as read."""
+
+    path: Path
+    text: str
+    lines: Mapping[Location, int]
+
+    def place(self, location: Location) -> str:
+        """Say where a location is, as in "'preload' in [[bolt]] number 1 of S.toml (line 3)"."""
+        shown = f"{_described(location)}{self.path.name}"
+        line = self._line(location)
+        return f"{shown} (line {line})" if line else shown
+
+    def table(self, location: Location) -> str:
+        """Say where a table is, as in "[[bolt]] number 1 of S.toml (line 1)"."""
+        words = f"{_table(location)} of {self.path.name}" if location else self.path.name
+        line = self._line(location)
+        return f"{words} (line {line})" if line else words
+
+    def _line(self, location: Location) -> int | None:
+        while location:
+            if location in self.lines:
+                return self.lines[location]
+            location = location[:-1]
+        return None
+
+
+def nearest(found: str, known: Iterable[str]) -> str:
+    """Say which known name is meant, or list them.
+
+    Examples
+    --------
+    >>> nearest("prelaod", ["name", "preload"])
+    "did you mean 'preload'?"
+    """
+    names = [str(name) for name in known]
+    meant = guess(found, names)
+    return meant or (f"known are {quoted(names)}" if names else "there is none")
+
+
+def guess(found: str, names: Iterable[str]) -> str:
+    """Say which known name is meant, or nothing if none is near."""
+    lower = {name.lower(): name for name in names}
+    close = get_close_matches(found.lower(), list(lower), n=1)
+    return f"did you mean '{lower[close[0]]}'?" if close else ""
+
+
+def one_of(found: object, names: Sequence[str]) -> str:
+    """Say that something else than one of a few names was found, and which is meant."""
+    text = f"found {shown(found)}, expected one of {quoted(names)}"
+    meant = guess(str(found), names)
+    return f"{text}; {meant}" if meant else text
+
+
+def quoted(names: Iterable[object]) -> str:
+    """Return names as 'a', 'b', 'c'."""
+    return ", ".join(f"'{name}'" for name in names)
+
+
+def reject(source: StudySource, problems: Sequence[Problem]) -> None:
+    """Raise one :class:`StudyError` for all problems; return if there are none."""
+    if not problems:
+        return
+    lines = [problem.text for problem in problems[:MOST_SHOWN]]
+    if len(problems) > MOST_SHOWN:
+        lines.append(f"... and {len(problems) - MOST_SHOWN} more")
+    if len(lines) > 1:
+        lines = [f"{source.path.name}: {len(problems)} mistakes", *(f"  - {one}" for one in lines)]
+    raise StudyError("\n".join(lines))
+
+
+def translated(source: StudySource, error: Mapping[str, Any]) -> Problem:
+    """Turn one entry of pydantic's ``ValidationError.errors()`` into a problem."""
+    location: Location = tuple(error["loc"])
+    kind, found, context = str(error["type"]), error["input"], error.get("ctx", {})
+    if kind == UNKNOWN_KEY:
+        location = (*location, context["key"])
+        return Problem(location, f"unknown key {source.place(location)}; {context['remedy']}")
+    if kind == "missing":
+        table = source.table(location[:-1])
+        return Problem(location, f"missing key '{location[-1]}' in {table}; add it")
+    place = source.place(location)
+    if kind == OWN_TYPE:
+        return Problem(location, f"{place}: {error['msg']}")
+    if kind == "literal_error":
+        known = context["expected"].replace(" or ", ", ").split(", ")
+        names = [name.strip("'") for name in known]
+        return Problem(location, f"{place}: {one_of(found, names)}")
+    expected = _expectation(kind, context, str(error["msg"]))
+    return Problem(location, f"{place}: found {shown(found)}, expected {expected}")
+
+
+def shown(value: object) -> str:
+    """Return a value as TOML would write it, shortened."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return "a list of tables"
+    text = f"'{value}'" if isinstance(value, str) else str(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
+    """Say what was expected in place of a value, and how to mend it."""
+    bounds = {
+        "greater_than": "greater than {gt:g}",
+        "greater_than_equal": "{ge:g} or more",
+        "less_than": "less than {lt:g}",
+        "less_than_equal": "{le:g} or less",
+        "too_short": "{min_length} or more entries",
+        "too_long": "at most {max_length} entries",
+        "string_too_short": "a text that is not empty",
+    }
+    if kind in bounds:
+        return bounds[kind].format(**context)
+    return "; ".join(EXPECTED.get(kind, (message[:1].lower() + message[1:],)))
+
+
+def _described(location: Location) -> str:
+    """Words for a location, ending in "of " or "at the top of "."""
+    if not location:
+        return ""
+    *table, last = location
+    if isinstance(last, int):
+        if not table or isinstance(table[-1], int):
+            return f"entry {last + 1} of "
+        if len(table) == 1:
+            return f"[[{table[0]}]] number {last + 1} of "
+        return f"entry {last + 1} of {_described(tuple(table))}"
+    if not table:
+        return f"'{last}' at the top of "
+    return f"'{last}' in {_table(table)} of "
+
+
+def _table(parts: Sequence[str | int]) -> str:
+    """Words for a table: [a.b], [[a]] number 1, [[a]] number 1, forces number 2."""
+    words: list[str] = []
+    names: list[str] = []
+    for part in parts:
+        if isinstance(part, str):
+            names.append(part)
+            continue
+        path = ".".join(names)
+        words.append(f"{path if words else f'[[{path}]]'} number {part + 1}")
+        names = []
+    if names:
+        path = ".".join(names)
+        words.append(path if words else f"[{path}]")
+    return ", ".join(words)

@@ -1,0 +1,174 @@
+"""What studies of joints with friction, and load cases that go in increments, must be."""
+
+from collections.abc import Iterator
+
+from faying.assessment.preload_scatter import PreloadScatter
+from faying.exceptions import ModelError, StudyError
+from faying.joint.model import Model
+from faying.reduction.methods import METHODS
+from faying.sources import SOURCES
+from faying.study.keys.backbone_rules import backbone_problems, backbones_of
+from faying.study.keys.errors import Problem, nearest, quoted, reject
+from faying.study.keys.load_factors import ALL, read_load_factors
+from faying.study.keys.positions import Location
+from faying.study.keys.ranges import MOST_PRELOAD_FACTOR
+from faying.study.keys.tables import LoadCaseSection, Study
+from faying.study.keys.threads import thread_of
+
+KINDS = {
+    "factors": ("path",),
+    "amplitudes": ("cycle", "backbone"),
+    "amplitude_range": ("backbone",),
+    "over": ("backbone",),
+    "maps": ("backbone",),
+    "masing": ("backbone",),
+    "modes": ("backbone",),
+    "at": ("backbone",),
+    "increments": ("static", "cycle", "backbone"),
+    "slip_share": ("static", "cycle"),
+    "rise_time": ("step",),
+}
+"""Kinds of load cases that have a key."""
+
+
+def increment_problems(
+    study: Study, location: Location, case: LoadCaseSection
+) -> Iterator[Problem]:
+    """Find keys of increments where there are none, and paths without a usable file."""
+    for key in sorted(case.model_fields_set.intersection(KINDS)):
+        if case.kind not in KINDS[key]:
+            having = " or ".join(f'"{kind}"' for kind in KINDS[key])
+            text = f"only kind = {having} has it; remove it or change the kind"
+            yield _problem(study, (*location, key), text)
+    yield from backbone_problems(study, location, case)
+    if case.kind == "path" and case.factors is None:
+        text = "kind = \"path\" needs 'factors', a csv with a column for each load; add it"
+        yield Problem(location, f"{study.source.table(location)}: {text}")
+    if case.kind == "path" and case.factors is not None:
+        try:
+            read_load_factors(case.factors, [force.target for force in case.forces])
+        except StudyError as error:
+            yield _problem(study, (*location, "factors"), str(error))
+    if len(set(case.amplitudes)) < len(case.amplitudes):
+        text = "an amplitude is there twice; keep one"
+        yield _problem(study, (*location, "amplitudes"), text)
+
+
+def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
+    """Find tangential penalties of interfaces that nothing gives friction."""
+    for i, interface in enumerate(study.interfaces):
+        given = "tangential_penalty" in interface.model_fields_set
+        if given and not interface.friction and not SOURCES[study.model.source].is_deck:
+            text = "there is no friction that it could serve; add 'friction' or remove it"
+            yield _problem(study, ("interface", i, "tangential_penalty"), text)
+
+
+def second_laws(study: Study) -> Iterator[Problem]:
+    """Find interfaces with a penalty and a curve."""
+    for i, interface in enumerate(study.interfaces):
+        if interface.closure is not None and "penalty" in interface.model_fields_set:
+            text = "there is a penalty, too, and an interface has one law; remove one of them"
+            yield _problem(study, ("interface", i, "closure"), text)
+
+
+def scatter_problems(study: Study) -> Iterator[Problem]:
+    """Find scatter that makes no sense, or is of what the bolts do not tell."""
+    section = study.preload_scatter
+    if section is None:
+        return
+    try:
+        PreloadScatter(**section.model_dump())
+    except ModelError as error:
+        yield _problem(study, ("preload_scatter",), str(error))
+    if section.thread_friction is not None:
+        for i, bolt in enumerate(study.bolts):
+            thread = thread_of(bolt, study.units)
+            if thread is None or thread.head_diameter is None:
+                text = (
+                    f"scatter of friction in thread and head takes the size and grade of bolt "
+                    f'\'{bolt.name}\'; add size = "M8" and grade = "8.8"'
+                )
+                location = ("bolt", i)
+                yield Problem(location, f"{study.source.table(location)}: {text}")
+
+
+def check_friction(study: Study, model: Model) -> None:
+    """Refuse what a study asks for that a joint with friction, or without it, cannot give.
+
+    Raises
+    ------
+    StudyError
+        One message with everything that is refused, by name.
+    """
+    rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
+    problems = [*_bolt_columns(study, model), *backbones_of(study, model)]
+    problems += _with_friction(study, rubbing[0]) if rubbing else _without(study)
+    reject(study.source, problems)
+
+
+def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
+    """Find columns of paths that are neither loads nor bolts, and absurd factors of bolts."""
+    for i, case in enumerate(study.load_cases):
+        if case.factors is None:
+            continue
+        loads = [force.target for force in case.forces]
+        known = [ALL, *loads, *model.bolts]
+        found = read_load_factors(case.factors, loads)
+        for name, values in zip(found.names, found.values.T, strict=True):
+            absurd = (values < 0) | (values > MOST_PRELOAD_FACTOR)
+            if name in model.bolts and name not in loads and absurd.any():
+                text = (
+                    f"{case.factors.name}: column '{name}' has {values[absurd][0]:g}, expected a "
+                    f"factor from 0 to {MOST_PRELOAD_FACTOR:g} on the bolt's initial force"
+                )
+                yield _problem(study, ("load_case", i, "factors"), text)
+            if name not in known:
+                text = (
+                    f"{case.factors.name}: column '{name}' is neither a load of the case nor a "
+                    f"bolt; {nearest(name, known)}"
+                )
+                yield _problem(study, ("load_case", i, "factors"), text)
+
+
+def _without(study: Study) -> Iterator[Problem]:
+    """Find keys that only friction gives a meaning."""
+    for i, case in enumerate(study.load_cases):
+        for key in ("increments", "slip_share"):
+            if case.kind == "static" and key in case.model_fields_set:
+                text = "no interface has friction, so one solution is enough; remove it"
+                yield _problem(study, ("load_case", i, key), text)
+    if study.preload_scatter is not None and study.preload_scatter.surface_friction is not None:
+        text = "no interface has friction that could scatter; add it, or remove surface_friction"
+        yield _problem(study, ("preload_scatter", "surface_friction"), text)
+    if "friction_during_preload" in study.model_fields_set:
+        text = "no interface has friction; add it to an [[interface]], or remove this key"
+        yield _problem(study, ("friction_during_preload",), text)
+
+
+def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
+    """Find what knows no friction."""
+    reason = f"interface '{interface}' has friction"
+    if study.sticking is not None:
+        text = f"{reason}, which says itself what sticks; remove [sticking], or the friction"
+        yield _problem(study, ("sticking",), text)
+    able = [name for name, one in METHODS.items() if not one.trained]
+    for name in study.reduction.methods:
+        if METHODS[name].trained:
+            text = (
+                f"{reason}, and method '{name}' learns from normal contact forces alone; take "
+                f"one of {quoted(able)} (compliance is exact on paths)"
+            )
+            yield _problem(study, ("reduction", "methods"), text)
+    places: dict[Location, str] = {}
+    if study.reduction.training.box:
+        places["reduction", "training", "box"] = "training loads are solved without it"
+    if not study.reduction.joint_modes:
+        places["reduction", "joint_modes"] = "'auto' goes by certificates, which know none"
+    if study.validation.penalty_sweep and "penalty_sweep" in study.validation.model_fields_set:
+        places["validation", "penalty_sweep"] = "the penalty sweep knows none"
+    for location, what in places.items():
+        yield _problem(study, location, f"{reason}, and {what}; remove it")
+
+
+def _problem(study: Study, location: Location, text: str) -> Problem:
+    return Problem(location, f"{study.source.place(location)}: {text}")

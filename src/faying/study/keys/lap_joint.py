@@ -1,0 +1,78 @@
+"""[model.lap_joint]: checked against the keywords of the generator itself."""
+
+import inspect
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, create_model
+from pydantic_core import PydanticCustomError
+
+from faying.joint.lap_joint import STEEL, lap_joint_assembly
+from faying.study.keys.errors import Problem, nearest, translated
+from faying.study.keys.ranges import all_in_range
+from faying.study.keys.tables import Study
+
+ELSEWHERE = {
+    "material": "[material.steel]",
+    "element": "[model]",
+    "penalty": "[[interface]]",
+    "quadrature": "[[interface]]",
+    "order": "[[interface]]",
+    "meshes": "[[interface]]",
+}
+"""Keywords of the generator that the study file gives in a table of their own."""
+
+
+def lap_joint_keywords(study: Study) -> dict[str, Any]:
+    """Return the study's keywords for the generator, in the types it declares."""
+    given = _schema().model_validate_json(_json(study), strict=True)
+    return {name: getattr(given, name) for name in study.model.lap_joint}
+
+
+def lap_joint_problems(study: Study) -> Iterator[Problem]:
+    """Keywords the generator does not have, values of a wrong type, and other materials."""
+    if study.model.source != "lap-joint":
+        return
+    for name in study.materials:
+        if name != STEEL.name:
+            table = study.source.table(("material", name))
+            text = f"{table}: the lap joint is of '{STEEL.name}'; rename the table"
+            yield Problem(("material", name), text)
+    schema = _schema()
+    for name in study.model.lap_joint:
+        location = ("model", "lap_joint", name)
+        if name in ELSEWHERE:
+            text = f"{study.source.place(location)}: it belongs in {ELSEWHERE[name]}; move it"
+            yield Problem(location, text)
+        elif name not in schema.model_fields:
+            remedy = nearest(name, schema.model_fields)
+            yield Problem(location, f"unknown key {study.source.place(location)}; {remedy}")
+        try:
+            all_in_range(study.model.lap_joint[name])
+        except PydanticCustomError as error:
+            yield Problem(location, f"{study.source.place(location)}: {error}")
+            return
+    try:
+        schema.model_validate_json(_json(study), strict=True)
+    except ValidationError as error:
+        for entry in error.errors(include_url=False):
+            found = {**entry, "loc": ("model", "lap_joint", *entry["loc"])}
+            yield translated(study.source, found)
+
+
+def _schema() -> type[BaseModel]:
+    """Mirror the signature of the generator."""
+    parameters = inspect.signature(lap_joint_assembly).parameters.values()
+    keys: dict[str, Any] = {
+        parameter.name: (parameter.annotation, parameter.default)
+        for parameter in parameters
+        if parameter.name not in ELSEWHERE
+    }
+    config = ConfigDict(allow_inf_nan=False, extra="ignore", strict=True)
+    return create_model("LapJoint", __config__=config, **keys)
+
+
+def _json(study: Study) -> str:
+    # JSON, because strict validation of Python values refuses a list where a tuple is declared
+    return json.dumps(dict(study.model.lap_joint), default=str)

@@ -1,0 +1,12 @@
+"""The table [[measurement]]."""
+
+from faying.study.keys.section import Count, ExistingFile, Name, Section
+
+
+class MeasurementSection(Section):
+    """[[measurement]]: see :class:`faying.assessment.measured_curve.MeasuredCurve`."""
+
+    name: Name
+    load_case: Name
+    mode: Count
+    file: ExistingFile

@@ -1,0 +1,121 @@
+"""[[measurement]]: curves of a test that stand beside computed backbones."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faying.assessment.backbone import Backbone
+from faying.assessment.measured_curve import MeasuredCurve, deviations
+from faying.exceptions import FormatError
+from faying.files.number_table import read_number_table
+from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.measurement_table import MeasurementSection
+from faying.study.keys.tables import Study
+
+COLUMNS = (
+    ("amplitude", "frequency", "damping"),
+    ("amplitude", "frequency"),
+    ("amplitude", "damping"),
+)
+"""What a file may have."""
+
+
+def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
+    """Read the curves of a study.
+
+    Raises
+    ------
+    FormatError
+        If a file cannot be read, or holds a number that is not positive.
+    """
+    return tuple(_curve(section) for section in study.measurements)
+
+
+def _curve(section: MeasurementSection) -> MeasuredCurve:
+    header, table = read_number_table(Path(section.file), COLUMNS, "the measured curve")
+    if (table <= 0).any():
+        message = f"{section.file}: amplitudes, frequencies and damping ratios must be positive"
+        raise FormatError(message)
+    table = table[np.argsort(table[:, header.index("amplitude")], kind="stable")]
+    columns = {name: table[:, number] for number, name in enumerate(header)}
+    return MeasuredCurve(
+        name=section.name,
+        case=section.load_case,
+        mode=section.mode,
+        amplitude=columns["amplitude"],
+        frequency=columns.get("frequency"),
+        damping_ratio=columns.get("damping"),
+    )
+
+
+def measurement_problems(study: Study) -> Iterator[Problem]:
+    """Find measured curves that no backbone stands beside, and files that cannot be read."""
+    backbones = {case.name: case for case in study.load_cases if case.kind == "backbone"}
+    names = [section.name for section in study.measurements]
+    for number, section in enumerate(study.measurements):
+        case = backbones.get(section.load_case)
+        wrong: dict[str, str] = {}
+        if case is None:
+            known = nearest(section.load_case, backbones) if backbones else "there is none"
+            wrong["load_case"] = f"there is no backbone '{section.load_case}'; {known}"
+        elif section.mode not in case.modes:
+            modes = ", ".join(map(str, case.modes))
+            wrong["mode"] = f"load case '{case.name}' computes modes {modes}; name one of them"
+        elif case.over != "amplitude":
+            wrong["load_case"] = f"'{case.name}' goes over energy, and curves over amplitude"
+        if section.name in names[:number]:
+            wrong["name"] = f"two measurements are called '{section.name}'; give each its own name"
+        try:
+            _curve(section)
+        except FormatError as error:
+            wrong["file"] = str(error)
+        for key, text in wrong.items():
+            location = ("measurement", number, key)
+            yield Problem(location, f"{study.source.place(location)}: {text}")
+
+
+def compared(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> dict[str, Any]:
+    """Return a measured curve and its deviations as they stand in ``summary.json``.
+
+    None where the backbone does not reach an amplitude, or nothing was measured.
+    """
+    figures: dict[str, Any] = {
+        "load_case": curve.case,
+        "mode": curve.mode,
+        "amplitude": curve.amplitude.tolist(),
+        "frequency": None if curve.frequency is None else curve.frequency.tolist(),
+        "damping_ratio": None if curve.damping_ratio is None else curve.damping_ratio.tolist(),
+    }
+    computed = backbones.get(str(curve.mode))
+    if computed is None:
+        return figures
+    found = deviations(curve, computed)
+    for name in ("frequency", "damping_ratio", "frequency_error", "damping_error"):
+        key = name if name.endswith("error") else f"computed_{name}"
+        values = getattr(found, name).tolist()
+        figures[key] = [value if np.isfinite(value) else None for value in values]
+    return figures
+
+
+def sentence(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> str:
+    """Say how far computed frequencies and damping ratios are from measured ones."""
+    computed = backbones.get(str(curve.mode))
+    if computed is None:
+        return f"'{curve.name}' has no computed curve beside it"
+    found = deviations(curve, computed)
+    count, said = int(np.count_nonzero(found.within)), []
+    if not count:
+        return f"'{curve.name}' was measured at amplitudes that mode {curve.mode} does not reach"
+    for what, errors in (
+        ("frequencies", found.frequency_error),
+        ("damping ratios", found.damping_error),
+    ):
+        off = 100 * errors[np.isfinite(errors)]
+        if len(off):
+            said.append(f"{what} {off.min():+.2g} to {off.max():+.2g} %")
+    return (
+        f"mode {curve.mode} is off '{curve.name}' (triangles) by {', '.join(said)} at {count} of "
+        f"{len(found.within)} measured amplitudes"
+    )

@@ -1,0 +1,54 @@
+"""The tables of a study file that say what to find out beyond the load cases, and what to write."""
+
+from collections.abc import Mapping
+from typing import ClassVar, Literal
+
+from faying.study.keys.section import CountOrNone, NotNegative, Section, Switch
+
+OutputField = Literal["pressure", "gap", "displacement"]
+
+
+class OutputSection(Section):
+    """[output].
+
+    Attributes
+    ----------
+    times : [time]
+        Instants of transient cases at which fields are written for viewing; none by default,
+        which is the instant of the largest pressure.
+    fields
+        What is written.
+    report
+        Whether report.html is built.
+    """
+
+    times: tuple[NotNegative, ...] = ()
+    fields: tuple[OutputField, ...] = ("pressure", "gap", "displacement")
+    report: Switch = True
+
+
+class ValidationSection(Section):
+    """[validation]: what to find out beyond the load cases.
+
+    Attributes
+    ----------
+    unseen_loads
+        Random loads of the training box at which every method is compared with the full model;
+        twice as many more make the floor under all linear bases. 0 is none.
+    penalty_sweep
+        Whether the static load cases are repeated over the contact stiffness.
+    half_step
+        Whether the full model repeats transient load cases with half the time step.
+    reference
+        What load cases are compared with: the full model; the reduced one with the full one for
+        the worst static cases; or the reduced one alone. None decides by the size of the model.
+    """
+
+    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("box", "preload_factors"),
+        "remove it: searches found milder loads than random ones and are gone",
+    )
+    unseen_loads: CountOrNone = 100
+    penalty_sweep: Switch = True
+    half_step: Switch = True
+    reference: Literal["full", "worst", "none"] | None = None

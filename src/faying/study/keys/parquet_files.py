@@ -1,0 +1,103 @@
+"""Tables in Parquet files, where pyarrow is installed."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import StudyError
+from faying.files.contents import check_room, file_size
+from faying.study.keys.errors import MOST_SHOWN
+
+
+def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
+    """Return the modules pyarrow and pyarrow.parquet.
+
+    Parameters
+    ----------
+    what, otherwise
+        What needs them, and what to do in place of installing them.
+
+    Raises
+    ------
+    StudyError
+        If they are not installed.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        message = (
+            f"{what} needs pyarrow, which is not installed; pip install 'faying[parquet]', or "
+            f"{otherwise}"
+        )
+        raise StudyError(message) from None
+    return pyarrow, pyarrow.parquet
+
+
+def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
+    """Return the names of the columns, the numbers (n_row, n_column), and the names of the rows.
+
+    Parameters
+    ----------
+    path
+    label
+        Column with the names of the rows, which is no column of numbers.
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read or a column holds anything but finite numbers; all are listed.
+    """
+    arrow, parquet = pyarrow_for(path.name, "save the table as csv")
+    try:
+        check_room(file_size(path), path)
+        size = parquet.read_metadata(path)
+        # The numbers and one column as it is read: a few bytes may stand for many that are equal.
+        check_room(8 * size.num_rows * (size.num_columns + 3), path)
+        header = [str(name) for name in size.schema.to_arrow_schema().names]
+        file = parquet.ParquetFile(path, read_dictionary=[label] if label in header else None)
+        twice = [name for place, name in enumerate(header) if name in header[:place]]
+        if twice:
+            message = f"{path.name}: column '{twice[0]}' is there twice; keep one"
+            raise StudyError(message)
+        read = file.read([label]).column(label) if label in header else None
+        names = None if read is None else _names(path, label, read)
+        numeric = [name for name in header if name != label]
+        cells, wrong = np.empty((size.num_rows, len(numeric)), order="F"), []
+        for place, name in enumerate(numeric):
+            column, kinds = file.schema_arrow.field(name).type, arrow.types
+            if not any(
+                kind(column) for kind in (kinds.is_integer, kinds.is_floating, kinds.is_decimal)
+            ):
+                wrong.append(f"column '{name}' holds {column}")
+                continue
+            read = file.read([name]).column(name)
+            cells[:, place] = read.cast(arrow.float64(), safe=False).to_numpy()
+            bad = np.flatnonzero(~np.isfinite(cells[:, place]))
+            wrong += [f"row {row + 1}: column '{name}' is empty or not finite" for row in bad[:1]]
+    except (OSError, ValueError, arrow.ArrowException) as error:
+        reason = (getattr(error, "strerror", None) or str(error)).splitlines()[0][:200]
+        message = f"cannot read the loads {path}: {reason}; save it again as Parquet, or as csv"
+        raise StudyError(message) from None
+    if wrong:
+        listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
+        message = f"{path.name}: expected finite numbers\n{listed}"
+        raise StudyError(message)
+    return header, cells, names
+
+
+def _names(path: Path, label: str, column: Any) -> tuple[str, ...]:
+    if column.null_count:
+        row = column.is_null().to_pylist().index(True)
+        message = f"{path.name}, row {row + 1}: column '{label}' is empty; name it"
+        raise StudyError(message)
+    found: list[str] = []
+    for chunk in column.chunks:
+        # Texts that repeat are there once, as they are in the file.
+        words = getattr(chunk, "dictionary", chunk).to_pylist()
+        places = chunk.indices.to_pylist() if hasattr(chunk, "indices") else range(len(words))
+        words = list(map(str, words))
+        found += [words[place] for place in places]
+    return tuple(found)

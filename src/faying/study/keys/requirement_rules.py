@@ -1,0 +1,60 @@
+"""What of a study's requirements is known before the run to be wrong, or not to be judged."""
+
+from collections.abc import Iterator
+
+from faying.assessment.requirements import ClosedRing, Requirements, misnamed
+from faying.assessment.sealing import ring_around
+from faying.assessment.verdicts import NO_FRICTION, NO_SLIP, ring_surface
+from faying.joint.model import Model
+from faying.reduction.projection import contact_surfaces
+from faying.study.keys.errors import Problem, reject
+from faying.study.keys.requirement_tables import RequirementSection
+from faying.study.keys.tables import Study
+
+
+def requirements_of(section: RequirementSection) -> Requirements:
+    """Return what a study demands."""
+    keys = {n: getattr(section, n) for n in type(section).model_fields if n != "margins"}
+    rings = tuple(ClosedRing(**ring.model_dump()) for ring in section.closed_ring)
+    return Requirements(**{**keys, "closed_ring": rings})
+
+
+def check_requirements(study: Study, model: Model) -> None:
+    """Refuse requirements on interfaces that are not there.
+
+    Raises
+    ------
+    StudyError
+        One message with all of them.
+    ModelError
+        If no ring goes around a hole.
+    """
+    wanted = requirements_of(study.requirement)
+    problems = []
+    for key, text in misnamed(wanted, list(model.interfaces), _smooth(model)):
+        location = ("requirement", key)
+        problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
+    reject(study.source, problems)
+    surfaces = contact_surfaces(model) if wanted.closed_ring else {}
+    for ring in wanted.closed_ring:
+        ring_around(surfaces[ring_surface(ring, surfaces)], ring.around)
+
+
+def not_judged(study: Study, model: Model) -> Iterator[str]:
+    """Say which requirements a run will not be able to judge, and why."""
+    wanted, kinds = study.requirement, {case.kind for case in study.load_cases}
+    smooth = _smooth(model)
+    rubbing = len(smooth) < len(model.interfaces)
+    followed = rubbing and kinds & {"static", "cycle"}
+    known = rubbing or wanted.slip_friction is not None
+    if wanted.min_slip_safety is not None and not (known and kinds & {"static", "cycle"}):
+        yield f"min_slip_safety cannot be judged: {NO_SLIP}"
+    if wanted.min_sliding_factor is not None and not followed:
+        yield f"min_sliding_factor cannot be judged: {NO_FRICTION}"
+    if wanted.min_opening_factor is not None and "static" not in kinds:
+        yield "min_opening_factor cannot be judged: it is about static loads, and there is none"
+
+
+def _smooth(model: Model) -> list[str]:
+    """Return the interfaces without friction."""
+    return [name for name, one in model.interfaces.items() if not one.law.friction > 0]

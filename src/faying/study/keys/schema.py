@@ -1,0 +1,157 @@
+"""Reading a study file: :func:`read_study` gives a checked :class:`Study` or one clear message."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from faying.exceptions import StudyError
+from faying.files.contents import file_text
+from faying.study.keys.consistency import inconsistencies
+from faying.study.keys.errors import Problem, StudySource, reject, translated
+from faying.study.keys.positions import line_numbers
+from faying.study.keys.requirement_tables import RequirementSection
+from faying.study.keys.tables import LoadCaseSection, Study
+
+__all__ = ["Study", "parse_study", "read_load_cases", "read_study"]
+
+
+def read_study(path: Path | str) -> Study:
+    """Read and check a study file.
+
+    Parameters
+    ----------
+    path
+        A TOML file; relative paths in it are resolved against its folder.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    StudyError
+        If it cannot be read or asks for something that does not fit together. The one message
+        lists every mistake found with its place, what was found, what was expected, the remedy.
+    """
+    return parse_study(_text(Path(path)), Path(path))
+
+
+def parse_study(text: str, path: Path) -> Study:
+    """Check the text of a study file as :func:`read_study` does; the file need not exist.
+
+    Raises
+    ------
+    StudyError
+        As :func:`read_study`.
+    """
+    return _checked(_tables(text, path), StudySource(path.resolve(), text, line_numbers(text)))
+
+
+def read_load_cases(
+    path: Path | str,
+) -> tuple[tuple[LoadCaseSection, ...], RequirementSection | None]:
+    """Read the load cases of a file that has nothing else but requirements, or of a study.
+
+    Returns
+    -------
+    tuple of LoadCaseSection
+    RequirementSection or None
+        If there is one.
+
+    Raises
+    ------
+    StudyError
+        As :func:`read_study`, or if there is none.
+    """
+    text = _text(Path(path))
+    tables = _tables(text, Path(path))
+    source = StudySource(Path(path).resolve(), text, line_numbers(text))
+    if "model" not in tables:
+        known = ["title", "load_case", "requirement"]
+        unknown = [key for key in tables if key not in known]
+        if unknown:
+            place = source.place((unknown[0],))
+            message = (
+                f"unknown key {place}; a file of load cases has [[load_case]], [requirement] and a "
+                "title"
+            )
+            raise StudyError(message)
+        # A load case is checked as in a study, whose model is a file here.
+        tables = {**tables, "model": {"source": "lap-joint"}}
+    study = _checked(tables, source)
+    if not study.load_cases:
+        message = f"{source.path.name} has no [[load_case]]; add one, there is nothing to compute"
+        raise StudyError(message)
+    return study.load_cases, study.requirement if "requirement" in tables else None
+
+
+def stored_requirement(text: str) -> RequirementSection:
+    """Return what a study that was checked before demands; its files need not be here."""
+    return RequirementSection.model_validate(tomllib.loads(text).get("requirement", {}))
+
+
+def _tables(text: str, path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML text."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message = f"{path.name} is not valid TOML: {error}; {_remedy(text, str(error))}"
+        raise StudyError(message) from None
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep lists
+        message = f"{path.name} cannot be read ({error}); write shorter numbers and flatter lists"
+        raise StudyError(message) from None
+
+
+def _checked(tables: Mapping[str, Any], source: StudySource) -> Study:
+    """Return the study of some tables."""
+    try:
+        study = Study.model_validate(tables, context=source)
+    except ValidationError as error:
+        reject(source, _mistakes(source, error))
+        raise
+    reject(source, inconsistencies(study))
+    return study
+
+
+def _remedy(text: str, error: str) -> str:
+    """Return what to do about a line that is no TOML, if it is one of the usual mistakes."""
+    place = re.search(r"at line (\d+)", error)
+    line = text.splitlines()[int(place[1]) - 1] if place else ""
+    if "overwrite" in error or "twice" in error:
+        return "the key or table is there twice, keep one"
+    if re.search(r"[=\[{,]\s*[-+]?\d+,\d", line):
+        return "write numbers with a decimal point, as in 5.0"
+    if "\\" in line:
+        return "write paths with /, or in single quotes, as in 'C:\\models\\deck.bdf'"
+    return "correct the line"
+
+
+def _text(path: Path) -> str:
+    """Read a file as UTF-8 text."""
+    try:
+        return file_text(path)
+    except UnicodeDecodeError as error:
+        message = f"{path} is not UTF-8 text (byte {error.start}); save it as UTF-8"
+    except ValueError:
+        message = f"cannot read study file {str(path)!a}: the path has a NUL character; correct it"
+    except OSError as error:
+        message = f"cannot read study file {path}: {error.strerror}; check the path"
+    raise StudyError(message)
+
+
+def _mistakes(source: StudySource, error: ValidationError) -> list[Problem]:
+    """Translate a validation error, without the consequences of mistakes in other ones.
+
+    A list whose entries are refused counts as too short as well.
+    """
+    entries = error.errors(include_url=False)
+    inner = {entry["loc"][:depth] for entry in entries for depth in range(len(entry["loc"]))}
+    return [
+        translated(source, dict(entry))
+        for entry in entries
+        if entry["type"] != "too_short" or entry["loc"] not in inner
+    ]

@@ -1,0 +1,355 @@
+"""The tables of a study file, one class each, with every key and default.
+
+What single values must be is said here; what they must be together, in ``consistency``.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
+
+from faying.assessment.transient_error import LARGE
+from faying.reduction.methods import METHODS
+from faying.simulation.integrators import INTEGRATORS
+from faying.study.keys.errors import StudySource, refusal, shown
+from faying.study.keys.measurement_table import MeasurementSection
+from faying.study.keys.model_tables import (
+    BoltSection,
+    BoundarySection,
+    DampingSection,
+    InterfaceSection,
+    MassSection,
+    MaterialSection,
+    ModelSection,
+    StickingSection,
+    SupportSection,
+    TemperatureSection,
+)
+from faying.study.keys.output_tables import OutputSection, ValidationSection
+from faying.study.keys.ranges import showable
+from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
+from faying.study.keys.section import (
+    Count,
+    CountOrAuto,
+    ExistingFile,
+    Name,
+    Number,
+    Positive,
+    PreloadFactors,
+    Section,
+    StepOrAuto,
+    Switch,
+    name_in,
+)
+from faying.units import KINDS_OF_UNITS
+
+MethodName = Annotated[str, name_in(METHODS)]
+COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
+"""Methods compared unless the study says otherwise; the others come from the literature."""
+
+ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+
+
+class Timed(Section):
+    """How a transient run advances.
+
+    Attributes
+    ----------
+    step, duration : [time]
+        Time step and length.
+    periods, steps_per_period
+        The same by the longest period of the preloaded structure.
+    """
+
+    step: Positive | None = None
+    duration: Positive | None = None
+    periods: Positive | None = None
+    steps_per_period: Count | None = None
+
+
+def _load_name(value: Any) -> Any:
+    """Let the id of a load set stand for its name."""
+    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+LoadName = Annotated[Name, BeforeValidator(_load_name, json_schema_input_type=Name | int)]
+
+
+class Loading(Section):
+    """A component of a boundary's load, a whole load of the deck, or a temperature."""
+
+    boundary: Name | None = None
+    component: ForceComponent | None = None
+    deck_load: LoadName | None = None
+    temperature: Name | None = None
+
+    @property
+    def target(self) -> str:
+        """Key in a :class:`faying.simulation.load.Load`."""
+        return self.deck_load or self.temperature or f"{self.boundary}.{self.component}"
+
+
+class BoxSide(Loading):
+    """One side of the box of training loads: a load between ``min`` and ``max``."""
+
+    min: Number
+    max: Number
+
+
+class TrainingSection(Timed):
+    """[reduction.training]: loads whose contact forces train the bases.
+
+    Attributes
+    ----------
+    box
+        Boundary loads; all combinations of ``levels`` values of each are computed, (15.25).
+    levels
+        Equidistant values per side, ``min`` and ``max`` included.
+    preload_factors
+        Bolt forces of the static runs over their nominal values.
+    dynamics
+        Whether step responses at nominal preload are training runs too, (15.28): all combinations
+        of the smallest, middle and largest value of each side but the middle one; by default over
+        one period in a hundred steps.
+    system
+        What the step responses are computed with: the full model, or first a reduced one, as seed
+        §15.3.4.2 recommends.
+    subareas
+        Loaded patches of method A over all interfaces together, (15.23); None leaves the number
+        to :func:`faying.reduction.jim_a.jim_a`.
+    weight
+        Inner product of method A's POD, (15.22).
+    """
+
+    box: tuple[BoxSide, ...] = ()
+    levels: Annotated[Count, Field(ge=2)] = 5
+    preload_factors: PreloadFactors = (0.5, 1.0, 1.5)
+    dynamics: Switch = True
+    system: Literal["full", "reduced"] = "full"
+    subareas: Count | None = None
+    weight: Literal["K", "I"] = "K"
+
+
+def _joint_modes(value: Any) -> Any:
+    """Let "auto" stand for no number at all."""
+    if value == "auto":
+        return ()
+    if value == []:
+        message = "found an empty list, expected numbers of joint modes or 'auto'"
+        raise refusal(message)
+    if isinstance(value, str):
+        message = f"found {shown(value)}, expected 'auto' or a list of numbers of joint modes"
+        raise refusal(message)
+    return value
+
+
+JointModes = Annotated[
+    tuple[Count, ...],
+    BeforeValidator(_joint_modes, json_schema_input_type=tuple[Count, ...] | Literal["auto"]),
+]
+
+
+class ReductionSection(Section):
+    """[reduction]: the bases to build and compare.
+
+    Attributes
+    ----------
+    normal_modes
+        Number of fixed-interface normal modes; ``"auto"`` is as many as the load cases over time
+        need for their tolerances, kept as None.
+    joint_modes
+        Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
+        meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
+    transient_tolerance
+        Largest estimated pressure error of reduced transients over the peak that is left as it is,
+        of load cases without a tolerance of their own.
+    inertia
+        Whether transients that ``compliance`` is estimated to get wrong by more are solved again by
+        ``compliance+inertia``, which the study does not name.
+    """
+
+    normal_modes: CountOrAuto = 20
+    joint_modes: JointModes = (5, 10, 20, 40)
+    tolerance: Positive = 0.05
+    methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
+    transient_tolerance: Positive = LARGE
+    inertia: Switch = True
+    training: TrainingSection = TrainingSection()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _methods(cls, data: Any) -> Any:
+        """Without a training box, compare what needs none unless methods are named."""
+        if not isinstance(data, Mapping) or "methods" in data:
+            return data
+        training = data.get("training")
+        if isinstance(training, Mapping) and training.get("box"):
+            return data
+        return {**data, "methods": [name for name in COMPARED if not METHODS[name].trained]}
+
+
+class ForceSection(Loading):
+    """A load, or a factor on one of the deck or a temperature: ``value``, or a history ``file``."""
+
+    value: Number | None = None
+    file: ExistingFile | None = None
+
+
+DEFAULT_INSTANTS = 100
+"""Instants of a longest period where a run chooses the time steps between them."""
+
+DEFAULT_INCREMENTS = 10
+"""Increments from the preload to a static load, and of a quarter of a cycle."""
+
+MOST_INCREMENTS = 10_000
+"""Increments of a path: each takes milliseconds and keeps its fields."""
+
+
+class LoadCaseSection(Timed):
+    """[[load_case]].
+
+    Attributes
+    ----------
+    kind
+        ``"static"``; ``"step"``, applied at once to the preloaded structure at rest; ``"history"``,
+        by default as long as its shortest file; ``"path"``, static loads one after the other;
+        ``"cycle"``, to and fro; or ``"backbone"``, modes of the preloaded joint over amplitude.
+    factors
+        Of a path: csv of the loads' factors in each increment.
+    amplitudes
+        Of cycles: factors of the loads at the reversals; once the loads by default. Of backbones:
+        displacements [length], angles [rad] where ``at`` is a rotation.
+    amplitude_range
+        Of backbones: smallest and largest amplitude, and how many, evenly by their logarithm.
+    over
+        Of backbones: whether amplitudes are displacements or energies of the vibration.
+    maps
+        Of backbones: amplitudes whose slip the report maps; by default three.
+    masing
+        Of backbones: whether Masing's rule stands beside the cycles.
+    modes
+        Of backbones: numbers of modes, from 1.
+    at
+        Of backbones: boundary, or component of one, whose displacement the amplitude is; None is
+        the boundary that a mode moves most.
+    increments
+        From the preload to a static load of a joint with friction, and of a quarter of a cycle;
+        None is :data:`DEFAULT_INCREMENTS`.
+    slip_share
+        Share of the area in contact whose slip the slip reserve also tells; None is a half.
+    integrator
+        None is ``"implicit-euler"``.
+    rho_infinity
+        Spectral radius at infinite frequency, of integrators that have one.
+    rise_time : [time]
+        Over which the loads of a step rise, by half a cosine; None is a jump.
+    step : [time]
+        As of :class:`Timed`; ``"auto"`` in a file is kept as the tolerance.
+    tolerance
+        Largest pressure error of the time steps over the peak, within which they are divided, and
+        of the reduction; ``step`` and ``steps_per_period`` are then the distance of instants. None
+        divides none.
+    """
+
+    name: Name
+    kind: Literal["static", "step", "history", "path", "cycle", "backbone"]
+    forces: tuple[ForceSection, ...] = ()
+    factors: ExistingFile | None = None
+    amplitudes: tuple[Positive, ...] = ()
+    amplitude_range: tuple[Positive, Positive, Count] | None = None
+    over: Literal["amplitude", "energy"] = "amplitude"
+    maps: tuple[Positive, ...] = ()
+    masing: bool = False
+    modes: tuple[Count, ...] = ()
+    at: Name | None = None
+    increments: Annotated[Count, Field(le=MOST_INCREMENTS)] | None = None
+    slip_share: Annotated[Positive, Field(le=1)] | None = None
+    integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
+    rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
+    rise_time: Positive | None = None
+    step: StepOrAuto | None = None
+    tolerance: Positive | None = None
+    repetitions: Positive | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _auto(cls, data: Any) -> Any:
+        """Let step = "auto" stand for a tolerance, at a hundred instants a period unless told."""
+        motion = isinstance(data, Mapping) and data.get("kind") in ("step", "history")
+        if not motion or data.get("step") != "auto":
+            return data
+        rest = {name: value for name, value in data.items() if name != "step"}
+        return {"tolerance": LARGE, "steps_per_period": DEFAULT_INSTANTS, **rest}
+
+    @property
+    def transient(self) -> bool:
+        """Whether it is a motion in time."""
+        return self.kind in ("step", "history")
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Amplitudes of backbones, rising."""
+        if self.amplitude_range is None:
+            return tuple(sorted(self.amplitudes))
+        return tuple(np.geomspace(*self.amplitude_range).tolist())
+
+
+def _units(label: str) -> str:
+    parts = label.split("-")
+    expected = "expected length-mass-time of a consistent set, as in 'mm-t-s'"
+    if len(parts) != 3 or not all(parts):
+        message = f"found {shown(label)}, {expected}"
+        raise refusal(message)
+    for part, wanted in zip(parts, ("a length", "a mass", "a time"), strict=True):
+        kind = next((kind for kind, names in KINDS_OF_UNITS.items() if part in names), wanted)
+        if kind != wanted:
+            message = f"found {shown(label)}, {expected}; '{part}' is {kind}, not {wanted}"
+            raise refusal(message)
+    return label
+
+
+class Study(Section):
+    """A study file, read and checked. Paths in it are absolute."""
+
+    title: Annotated[str, AfterValidator(showable)] = ""
+    units: Annotated[Name, AfterValidator(_units)] = "mm-t-s"
+    friction_during_preload: Switch = True
+    preload_scatter: ScatterSection | None = None
+    model: ModelSection
+    materials: Mapping[str, MaterialSection] = Field(default_factory=dict, alias="material")
+    temperatures: Mapping[str, TemperatureSection] = Field({}, alias="temperature")
+    interfaces: tuple[InterfaceSection, ...] = Field(default=(), alias="interface")
+    bolts: tuple[BoltSection, ...] = Field(default=(), alias="bolt")
+    boundaries: tuple[BoundarySection, ...] = Field(default=(), alias="boundary")
+    supports: tuple[SupportSection, ...] = Field(default=(), alias="support")
+    masses: tuple[MassSection, ...] = Field(default=(), alias="mass")
+    measurements: tuple[MeasurementSection, ...] = Field(default=(), alias="measurement")
+    sticking: StickingSection | None = None
+    damping: DampingSection = DampingSection()
+    reduction: ReductionSection = ReductionSection()
+    load_cases: tuple[LoadCaseSection, ...] = Field(default=(), alias="load_case")
+    validation: ValidationSection = ValidationSection()
+    requirement: RequirementSection = RequirementSection()
+    output: OutputSection = OutputSection()
+    _source: StudySource = PrivateAttr()
+
+    def model_post_init(self, context: StudySource) -> None:
+        """Keep the text the study was read from."""
+        self._source = context
+
+    @property
+    def path(self) -> Path:
+        """The study file."""
+        return self._source.path
+
+    @property
+    def text(self) -> str:
+        """The study file's text, for the record of a run."""
+        return self._source.text
+
+    @property
+    def source(self) -> StudySource:
+        """Path, text and line numbers, to say where in the file a mistake is."""
+        return self._source

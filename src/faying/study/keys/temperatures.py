@@ -1,0 +1,60 @@
+"""Temperatures of a study: [temperature.NAME], and the loads that take them."""
+
+from collections.abc import Iterator
+
+from faying.model.assembly import Assembly
+from faying.model.temperature import Temperature
+from faying.sources import SOURCES
+from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.loadings import loadings
+from faying.study.keys.positions import Location
+from faying.study.keys.tables import Study
+
+
+def temperature_problems(study: Study) -> Iterator[Problem]:
+    """Find temperatures of matrices, those that no load takes, and loads that take another."""
+    loads = [(at, load) for at, load in loadings(study) if load.temperature is not None]
+    for location, load in loads:
+        if load.temperature not in study.temperatures:
+            remedy = nearest(str(load.temperature), study.temperatures)
+            at: Location = (*location, "temperature")
+            text = f"no [temperature.{load.temperature}]; {remedy}"
+            yield Problem(at, f"{study.source.place(at)}: {text}")
+    used = {load.temperature for _, load in loads}
+    for name, section in study.temperatures.items():
+        table: Location = ("temperature", name)
+        text = ""
+        if not SOURCES[study.model.source].has_elements:
+            text = "matrices do not tell what expands in them; remove [temperature], or take a mesh"
+        elif section.uniform is None and not section.parts:
+            text = "nothing has a temperature; give 'uniform' or 'parts'"
+        elif name not in used:
+            text = f'no load takes it; add {{ temperature = "{name}", value = 1 }} to forces'
+        if text:
+            yield Problem(table, f"{study.source.table(table)}: {text}")
+
+
+def temperature_name_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
+    """Find temperatures with the name of a load of the deck."""
+    for name in study.temperatures:
+        if name in assembly.loads:
+            table: Location = ("temperature", name)
+            text = f"the deck has a load '{name}' too; give the temperature another name"
+            yield Problem(table, f"{study.source.table(table)}: {text}")
+
+
+def temperatures_of(study: Study, assembly: Assembly) -> dict[str, Temperature]:
+    """Return the temperatures by name; parts named by numbers are property ids."""
+    return {
+        name: Temperature(
+            reference=section.reference,
+            uniform=section.uniform,
+            parts={
+                int(part)
+                if part.isdecimal() and part not in assembly.mesh.element_sets
+                else part: at
+                for part, at in section.parts.items()
+            },
+        )
+        for name, section in study.temperatures.items()
+    }

@@ -1,0 +1,116 @@
+"""The threads of the bolts of a study, and the forces that torque or utilisation bring them to."""
+
+import tomllib
+from dataclasses import replace
+
+from faying.assessment.strength.grades import BoltStrength
+from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import (
+    PreloadRange,
+    force_of_torque,
+    force_of_utilisation,
+    variation_of,
+)
+from faying.study.keys.model_tables import BoltSection
+from faying.study.keys.requirement_tables import MarginsSection
+from faying.study.keys.tables import Study
+
+
+def thread_of(bolt: BoltSection, units: str) -> Thread | None:
+    """Return the thread of a bolt whose size the study names; None without it.
+
+    Raises
+    ------
+    ModelError
+        If it makes no sense, or it is not known what a length is in these units.
+    """
+    rubbing = {"friction": bolt.thread_friction, "head_friction": bolt.head_friction}
+    limits = {"pressure_limit": bolt.head_pressure_limit, "engagement": bolt.engagement}
+    told = {key: value for key, value in {**rubbing, **limits}.items() if value is not None}
+    if bolt.thread is not None:
+        return Thread(**{**bolt.thread.model_dump(), **told})
+    if bolt.size is None:
+        return None
+    strength = None if bolt.strength is None else BoltStrength(**bolt.strength.model_dump())
+    thread = Thread.named(bolt.size, bolt.grade or "", units, bolt.head, strength=strength, **told)
+    face, standard = thread.bearing or (None, None)
+    outer = 2 * bolt.washer_radius if bolt.washer_radius else face
+    inner = bolt.hole or standard
+    if outer is None or inner is None:
+        return thread
+    # Without a head of its own the mean of what bears rubs.
+    rubs = thread.head_diameter or (outer + inner) / 2
+    if bolt.hole and standard:
+        rubs += (bolt.hole - standard) / 2
+    return replace(thread, bearing=(outer, inner), head_diameter=rubs)
+
+
+def stored_threads(text: str, units: str) -> dict[str, Thread]:
+    """Return the threads of a study that was checked before; its files need not be here."""
+    bolts = [BoltSection.model_validate(one) for one in tomllib.loads(text).get("bolt", [])]
+    graded = [bolt for bolt in bolts if bolt.thread or bolt.grade or bolt.strength]
+    found = {bolt.name: thread_of(bolt, units) for bolt in graded}
+    return {name: thread for name, thread in found.items() if thread is not None}
+
+
+def threads_of(study: Study) -> dict[str, Thread]:
+    """Return the threads of the bolts of a study whose size and grade it names, by name."""
+    graded = [b for b in study.bolts if b.thread or b.grade or b.strength]
+    threads = {bolt.name: thread_of(bolt, study.units) for bolt in graded}
+    return {name: thread for name, thread in threads.items() if thread is not None}
+
+
+def preload_ranges(study: Study) -> dict[str, PreloadRange]:
+    """Return how far the preloads of the bolts whose size and grade are known scatter."""
+    every, losses = study.preload_scatter, _losses(study.requirement.margins)
+    ranges = {}
+    for bolt in study.bolts:
+        variation = bolt.gamma
+        if variation is None:
+            factor = bolt.tightening_factor or (every.tightening_factor if every else 1.0)
+            variation = variation_of(factor)
+        ranges[bolt.name] = replace(losses, variation=variation)
+    return ranges
+
+
+def _losses(margins: MarginsSection | None) -> PreloadRange:
+    """Return what is lost and gained of every preload, by the standard that a study names."""
+    if margins is None:
+        return PreloadRange()
+    least, most = margins.control
+    return PreloadRange(
+        loss=margins.relaxation,
+        creep=margins.creep,
+        gained=margins.thermal_gain,
+        lost=margins.thermal_loss,
+        least_control=least,
+        most_control=most,
+    )
+
+
+def final_force(bolt: BoltSection, units: str) -> float | None:
+    """Return the force that a bolt is tightened to; None where the study does not tell.
+
+    Raises
+    ------
+    ModelError
+        If its torque or utilisation does not tell it.
+    """
+    thread = thread_of(bolt, units)
+    if thread is not None and bolt.torque is not None:
+        return force_of_torque(thread, bolt.torque)
+    if thread is not None and bolt.utilisation is not None:
+        return force_of_utilisation(thread, bolt.utilisation, units)
+    return bolt.preload
+
+
+def final_forces(study: Study) -> dict[str, float]:
+    """Return the forces that bolts of a study are tightened to, of those that are."""
+    forces = {bolt.name: final_force(bolt, study.units) for bolt in study.bolts}
+    return {name: force for name, force in forces.items() if force is not None}
+
+
+def forced_bolts(study: Study) -> set[str]:
+    """Return the bolts whose final or initial force the study tells."""
+    locked = {bolt.name for bolt in study.bolts if bolt.initial_force is not None}
+    return {*final_forces(study), *locked}

@@ -1,0 +1,48 @@
+"""[[interface.topography]]: what scans of the surfaces add to the gap."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+from faying.interface.gap_field import with_gap_offset
+from faying.interface.scan import read_scan
+from faying.interface.topography import ScanPlacement, topography
+from faying.joint.model import Model
+from faying.study.keys.section import ExistingFile, Point, Positive, Section
+
+
+class TopographySection(Section):
+    """[[interface.topography]]: see :class:`faying.interface.topography.ScanPlacement`."""
+
+    file: ExistingFile
+    of: Literal["minus", "plus", "gap"]
+    origin: Point
+    along: Point
+    tilt: Literal["remove", "keep"] = "remove"
+    wavelength: Positive | Literal["auto"] = "auto"
+    scale: Positive = 1.0
+
+    @property
+    def placement(self) -> ScanPlacement:
+        """What it says but the file."""
+        return ScanPlacement(**self.model_dump(exclude={"file"}))
+
+
+def with_topographies(model: Model, scans: Mapping[str, Sequence[TopographySection]]) -> Model:
+    """Return a model with the gaps that scans leave, interface by interface, noted in its source.
+
+    Raises
+    ------
+    FormatError
+        If a scan cannot be read.
+    ModelError
+        As :func:`faying.interface.topography.topography`.
+    """
+    for name, sections in scans.items():
+        interface = model.interfaces[name]
+        read = [(read_scan(section.file), section.placement) for section in sections]
+        found = topography(interface, read)
+        model = model.with_interfaces({name: with_gap_offset(interface, found.gap)})
+        noted = (*model.assembly.ignored, *found.notes)
+        model = replace(model, assembly=replace(model.assembly, ignored=noted))
+    return model

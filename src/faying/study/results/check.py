@@ -1,0 +1,203 @@
+"""Whether results fit together as their fields say: axes, indices and names.
+
+What a run wrote does; a file from a stranger, or one that was changed, need not.
+"""
+
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import is_dataclass
+from typing import Any
+
+import numpy as np
+
+from faying.files.meanings import Meaning
+from faying.interface.interface import FacePairs
+from faying.model.elements import SOLIDS
+from faying.model.mesh import CellBlock
+from faying.model.surface import N_NODES
+from faying.study.results.store_fields import MEANINGS
+from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
+
+Axes = dict[str, int]
+"""Names of axes to their lengths, as far as they are known."""
+
+_OPTIONAL = re.compile(r"\[n_time,?\]")
+_AXIS = re.compile(r"(?:(\d+) \+ )?(?:(\d+) )?([a-z]\w*)(?: \+ (\d+))?|(\d+)")
+
+OWN = ("n_point", "n_pair", "n_face")
+"""Axes that an interface counts for itself."""
+
+
+def check_results(results: Results) -> None:
+    """Refuse results whose parts contradict each other.
+
+    Raises
+    ------
+    ValueError
+        Naming the entry as it is called in the file.
+    """
+    _check_names(results)
+    axes: Axes = {
+        "n_node": len(results.nodes),
+        "n_stage": len(results.tightening_stages),
+        "n_bolt": len(results.bolts),
+        "n_point": _n_points(results.interfaces),
+    }
+    _check(results, axes, "", timed=False)
+
+
+def _check(value: Any, known: Mapping[str, int], place: str, *, timed: bool) -> None:
+    """Check the fields of a record, which share the axes they name."""
+    axes = dict(known)
+    if isinstance(value, InterfaceRecord):
+        axes = {name: length for name, length in axes.items() if name not in OWN}
+    if isinstance(value, CaseResult):
+        timed = value.times is not None
+    for name, meaning in MEANINGS[type(value)].items():
+        here, field = f"{place}/{name}", getattr(value, name)
+        if isinstance(value, CaseResult) and name == "half_step":
+            own = 0 if value.half_step_times is None else len(value.half_step_times)
+            _check_field(field, meaning, axes | {"n_time": own}, here, timed=timed)
+        elif isinstance(value, Response) and name == "friction":
+            own = axes.get("n_time", 0)
+            _check_field(field, meaning, axes | {"n_increment": own}, here, timed=timed)
+        else:
+            _check_field(field, meaning, axes, here, timed=timed)
+    _check_record(value, axes, place)
+
+
+def _check_field(value: Any, meaning: Meaning, axes: Axes, place: str, *, timed: bool) -> None:
+    """Check what stands in a field; what it is named after knows its axes no more than others."""
+    if value is None:
+        return
+    if is_dataclass(value):
+        _check(value, axes, place, timed=timed)
+    elif isinstance(value, Mapping):
+        for name, member in value.items():
+            _check_field(member, meaning, dict(axes), f"{place}/{name}", timed=timed)
+    elif isinstance(value, tuple) and value and is_dataclass(value[0]):
+        for number, member in enumerate(value):
+            _check(member, axes, f"{place}/{number}", timed=timed)
+    elif meaning.shape:
+        _check_shape(np.shape(value), meaning.shape, axes, place, timed=timed)
+        if meaning.index:
+            _check_indices(np.asarray(value), axes[meaning.index], place)
+        elif meaning.dimension not in ("", "1"):
+            _check_finite(np.asarray(value), place)
+
+
+def _check_shape(
+    shape: tuple[int, ...], meaning: str, axes: Axes, place: str, *, timed: bool
+) -> None:
+    text = _OPTIONAL.sub("n_time," if timed else "", meaning.strip("()"))
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    fits = len(shape) == len(names) and all(
+        _fits(length, name, axes) for length, name in zip(shape, names, strict=True)
+    )
+    if not fits:
+        lengths = ", ".join(f"{name} = {axes[name]}" for name in names if name in axes)
+        message = f"'{place}' has shape {shape}, expected {meaning}"
+        raise ValueError(f"{message} with {lengths}" if lengths else message)
+
+
+def _fits(length: int, name: str, axes: Axes) -> bool:
+    """Compare an axis with what its name means; the first of a name says how long it is."""
+    found = _AXIS.fullmatch(name)
+    if found is None or found[5]:
+        return name == str(length)
+    more = int(found[1] or 0) + int(found[4] or 0)
+    count, rest = divmod(length - more, int(found[2] or 1))
+    return rest == 0 and count >= 0 and axes.setdefault(found[3], count) == count
+
+
+def _check_indices(values: np.ndarray[Any, Any], length: int, place: str) -> None:
+    if values.size and (values.min() < 0 or values.max() >= length):
+        message = f"'{place}' holds indices from {values.min()} to {values.max()} into {length}"
+        raise ValueError(message)
+
+
+def _check_finite(values: np.ndarray[Any, Any], place: str) -> None:
+    if not np.isfinite(values).all():
+        message = f"'{place}' holds numbers that are not finite"
+        raise ValueError(message)
+
+
+def _check_record(value: Any, axes: Axes, place: str) -> None:
+    """Check what is between the fields of a record."""
+    if isinstance(value, CellBlock):
+        _check_known(value.kind, SOLIDS, f"{place}/kind")
+        _check_width(value.nodes, len(SOLIDS[value.kind].reference_nodes), f"{place}/nodes")
+    elif isinstance(value, FacePairs):
+        _check_known(value.kind, N_NODES, f"{place}/kind")
+        _check_width(value.minus, N_NODES[value.kind], f"{place}/minus")
+    elif isinstance(value, InterfaceRecord):
+        _check_interface(value, axes["n_node"], place)
+
+
+def _check_interface(record: InterfaceRecord, n_node: int, place: str) -> None:
+    n_face = sum(len(faces.minus) for faces in record.faces)
+    if record.face_coverage is not None and len(record.face_coverage) != n_face:
+        message = f"'{place}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
+        raise ValueError(message)
+    if (record.weights < 0).any() or not ((record.penalty or 0) > 0 or record.closure):
+        message = f"'{place}' has a negative weight or no positive penalty"
+        raise ValueError(message)
+    pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]
+    for faces in record.faces:
+        if not np.isin(faces.minus * n_node + faces.plus, pairs).all():
+            message = f"'{place}/faces' names nodes that are no pair of the interface"
+            raise ValueError(message)
+
+
+def _check_width(nodes: np.ndarray[Any, Any], width: int, place: str) -> None:
+    if nodes.shape[1] != width:
+        message = f"'{place}' has {nodes.shape[1]} nodes each, expected {width}"
+        raise ValueError(message)
+
+
+def _check_known(name: str, known: Collection[str], place: str) -> None:
+    if name not in known:
+        message = f"'{place}' is '{name}', expected one of {', '.join(known)}"
+        raise ValueError(message)
+
+
+def _check_names(results: Results) -> None:
+    """Check that responses are of the bolts, interfaces and boundaries there are."""
+    for name, case in results.cases.items():
+        responses = {"reference": case.reference, "half_step": case.half_step}
+        for method, sizes in case.methods.items():
+            responses |= {f"methods/{method}/{n}": one.response for n, one in sizes.items()}
+        if case.half_step is not None and (case.times is None) != (case.half_step_times is None):
+            message = f"'/cases/{name}/half_step' has no instants of its own"
+            raise ValueError(message)
+        for what, response in responses.items():
+            if response is not None:
+                _check_response(results, case, response, f"/cases/{name}/{what}")
+
+
+def _check_response(results: Results, case: CaseResult, response: Response, place: str) -> None:
+    _check_same(response.bolt_forces, results.bolts, f"{place}/bolt_forces")
+    _check_same(response.contact_forces, results.interfaces, f"{place}/contact_forces")
+    _check_same(response.open_fraction, results.interfaces, f"{place}/open_fraction")
+    _check_same(response.displacements, case.components, f"{place}/displacements")
+    for name, values in response.displacements.items():
+        if np.shape(values)[-1:] != (len(case.components[name]),):
+            message = f"'{place}/displacements/{name}' has shape {np.shape(values)}"
+            raise ValueError(message)
+
+
+def _check_same(found: Collection[str], expected: Collection[str], place: str) -> None:
+    if set(found) != set(expected):
+        message = f"'{place}' is of {', '.join(found)}, expected {', '.join(expected)}"
+        raise ValueError(message)
+
+
+def _n_points(interfaces: Mapping[str, InterfaceRecord]) -> int:
+    """Contact points of all interfaces, which share them out one after the other."""
+    end = 0
+    for name, record in interfaces.items():
+        if record.slice != (end, end + len(record.weights)):
+            message = f"'/interfaces/{name}/slice' is {record.slice}, expected to begin at {end}"
+            raise ValueError(message)
+        end = record.slice[1]
+    return end

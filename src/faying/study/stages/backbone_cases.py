@@ -1,0 +1,107 @@
+"""Load cases that are backbones: each amplitude is kept as soon as it is computed."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from faying.assessment.modal_analysis import ModalAnalysis, modal_analysis
+from faying.assessment.modal_cycles import ModalCycle, StillModeError
+from faying.exceptions import naming
+from faying.execution.checkpoint import Arrays
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.simulation.solution import Solution
+from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
+from faying.study.results.backbone_record import packed_backbone, unpacked_backbone
+from faying.study.results.responses import respond
+from faying.study.results.values import Response
+from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.packed_members import packed_members, unpacked_members
+
+CURVE = "curve"
+"""Prefix of the arrays of a backbone that is kept."""
+
+
+def backbone_response(
+    model: Model,
+    case: LoadCaseSection,
+    system: System,
+    rest: Solution,
+    pieces: Pieces,
+    progress: Callable[[int], object],
+) -> Response:
+    """Compute the backbones of a load case, of the modes that move where they are measured.
+
+    Parameters
+    ----------
+    model
+        The full model.
+    rest
+        Preloaded state of the system.
+    progress
+        Called with the number of amplitudes that there are more of, computed or taken over.
+    """
+    curves, seconds = {}, 0.0
+    still: StillModeError | None = None
+    for mode in sorted(case.modes):
+        name = f"mode {mode}"
+        if pieces.has(name):
+            progress(len(case.levels))
+        with naming(f"load case '{case.name}'"):
+            compute = partial(_curve, case, system, rest, mode, pieces, progress)
+            try:
+                kept = pieces.take(name, compute)
+            except StillModeError as error:
+                still = error
+                progress(len(case.levels))
+                continue
+        curves[str(mode)] = unpacked_backbone(kept, CURVE)
+        seconds += float(kept[SECONDS])
+    if still is not None and not curves:
+        with naming(f"load case '{case.name}'"):
+            raise still
+    return respond(rest, model, seconds, backbones=curves)
+
+
+def _curve(
+    case: LoadCaseSection,
+    system: System,
+    rest: Solution,
+    mode: int,
+    pieces: Pieces,
+    progress: Callable[[int], object],
+) -> Arrays:
+    """Compute one backbone.
+
+    Every amplitude starts from the preloaded joint: those that are taken over hand nothing on.
+    """
+    start = time.perf_counter()
+    analysis = modal_analysis(
+        system,
+        mode,
+        case.levels,
+        over=case.over,
+        at=case.at,
+        initial=rest,
+        increments=cycle_increments(case),
+    )
+    seconds, cycles = time.perf_counter() - start, []
+    for number in range(len(case.levels)):
+        name = f"mode {mode}, amplitude {number + 1}"
+        kept = pieces.take(name, partial(_amplitude, analysis, number))
+        cycles.append(unpacked_members(ModalCycle, kept))
+        seconds += float(kept[SECONDS])
+        progress(1)
+    curve = packed_backbone(analysis.backbone(cycles, masing=case.masing), CURVE)
+    return {**curve, SECONDS: np.asarray(seconds)}
+
+
+def _amplitude(analysis: ModalAnalysis, number: int) -> Arrays:
+    return packed_members(analysis.cycle(number))
+
+
+def cycle_increments(case: LoadCaseSection) -> int:
+    """Return the increments of a full cycle."""
+    return 4 * (case.increments or DEFAULT_INCREMENTS)

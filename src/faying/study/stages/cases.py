@@ -1,0 +1,378 @@
+"""Load cases of a run: solved by the full model and by every reduced one, and compared."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.assessment.certificate import Certificate, Certifier, Measure
+from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
+from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.transient_error import REMEDY
+from faying.exceptions import ConvergenceError
+from faying.interface.smoothing import Smoothing
+from faying.joint.system import System
+from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.reduction.methods import METHODS
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.energy_guard import MOST_GAIN, gain_message
+from faying.simulation.solution import Solution
+from faying.study.inputs.jumps import Jump, load_jumps
+from faying.study.inputs.loads import case_load
+from faying.study.inputs.timing import time_span, time_step
+from faying.study.judgement.comparison import accuracy, recovered_error, slip_errors
+from faying.study.keys.tables import LoadCaseSection
+from faying.study.results.responses import FAILED, packed, respond, unpacked
+from faying.study.results.second_solution import Remedy
+from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
+from faying.study.stages.case_solution import solve_case
+from faying.study.stages.checkpoint import Checkpoint
+from faying.study.stages.checkpointed_steps import Pieces
+from faying.study.stages.full_transients import (
+    FullTransient,
+    full_transients,
+    integrator_of,
+    response_key,
+)
+from faying.study.stages.inertia import CURED, InertiaWhenNeeded, remedy_of
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.optional import Extras
+from faying.study.stages.packed_members import packed_members, unpacked_members
+from faying.study.stages.path_cases import (
+    advances,
+    goes_in_increments,
+    has_friction,
+    path_response,
+    reserve_of,
+    rest_state,
+)
+from faying.study.stages.progress import Stages
+from faying.study.stages.reference import REDUCED, Reference, Solved
+from faying.study.stages.transient_judge import TransientJudge
+
+Models = Mapping[str, Mapping[int, System]]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CaseRunner:
+    """What all load cases of a run share."""
+
+    joint: PreparedJoint
+    models: Models
+    stages: Stages
+    extras: Extras
+    checkpoint: Checkpoint
+    groups: Sequence[Mapping[str, FullTransient]]
+    reference: Reference
+    inertia: InertiaWhenNeeded
+    tolerance: float
+    half_step: bool = True
+    open_below: float | None = None
+
+    def solve(
+        self, case: LoadCaseSection, *, confirmed: bool = False
+    ) -> tuple[CaseResult, list[str]]:
+        """Solve one load case with every model; also say what did not converge.
+
+        Parameters
+        ----------
+        confirmed
+            Compare a static case with the full model, whatever the reference is.
+
+        Raises
+        ------
+        ConvergenceError
+            If the reference finds no solution: there is then nothing to compare with.
+        """
+        model = self.joint.model
+        full = confirmed or self.reference.kind == "full" or goes_in_increments(case, model)
+        found = self._reference(case, full=full)
+        reference, remedy = found.response, found.remedy
+        methods: dict[str, dict[int, MethodResult]] = {}
+        failures = _gained(f"{case.name}, {found.name}", reference)
+        for method, sizes in self.models.items():
+            methods[method] = {}
+            if case.transient and not METHODS[method].transient:
+                continue
+            for count, rom in sizes.items():
+                compared = self._compared(case, rom, method, count, reference, failures)
+                if compared is not None:
+                    methods[method][count] = compared
+        if remedy is None and not self.inertia.named:
+            with self.extras.attempt(f"{case.name}, {REMEDY}"):
+                remedy = self._with_inertia(case, methods, reference, failures)
+        half_step = None
+        with self.extras.attempt(f"{case.name}, half the time step"):
+            half_step = _sound(self._half_step(case, found))
+        reserve = None
+        with self.extras.attempt(f"{case.name}, slip reserve"):
+            reserve = self._reserve(case)
+        result = CaseResult(
+            name=case.name,
+            kind=case.kind,
+            times=self._times(case),
+            components={
+                name: tuple(DISPLACEMENT_NAMES[c] for c in boundary.components)
+                for name, boundary in model.boundaries.items()
+            },
+            reference=reference,
+            methods=methods,
+            half_step=half_step,
+            half_step_times=None if half_step is None else self._times(case, 2),
+            reserve=reserve,
+            reference_model=found.name,
+            remedy=remedy,
+            tolerance=self._tolerance(case) if case.transient else None,
+            jumps=self._jumps(case),
+            mesh_errors=self._mesh_errors(case, reference),
+        )
+        return result, failures
+
+    def _compared(
+        self,
+        case: LoadCaseSection,
+        rom: System,
+        method: str,
+        count: int,
+        reference: Response,
+        failures: list[str],
+    ) -> MethodResult | None:
+        """Solve with a reduced model and compare; None, and a failure noted, where that fails."""
+        label = f"{case.name}, {method} with {count} joint modes"
+        try:
+            response = self._response(case, rom, f"{method}/{count}", reference)
+        except ConvergenceError as error:
+            failures.append(f"{label}: {error}")
+            return None
+        failures += _gained(label, response)
+        found = recovered = slips = None
+        with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
+            slips = slip_errors(response, reference)
+            recovered = recovered_error(response, reference)
+            found = accuracy(self.joint.model, response, reference)
+        if found is None or slips is None:
+            return None
+        certificate = self._certified(case, response)
+        return MethodResult(
+            joint_modes=count,
+            n_modes=int(rom.K.shape[0]),
+            response=response,
+            accuracy=replace(found, max_traction_error=slips.traction),
+            recovered_error=recovered,
+            dissipation_error=slips.dissipation,
+            certified_energy_error=_bound(certificate, "energy_error"),
+            certified_force_error=_bound(certificate, "contact_force_error"),
+            certified_bound=_bound(certificate, "max_relative_error"),
+        )
+
+    def _with_inertia(
+        self,
+        case: LoadCaseSection,
+        methods: dict[str, dict[int, MethodResult]],
+        reference: Response,
+        failures: list[str],
+    ) -> Remedy | None:
+        """Compare with inertia at the interface too, where the estimate asks for it."""
+        first = methods.get(CURED, {}).get(0)
+        if first is None or not self.inertia.wanted(first.response, self._tolerance(case)):
+            return None
+        result = self._compared(case, self.inertia.system, REMEDY, 0, reference, failures)
+        if result is None:
+            return None
+        methods[REMEDY] = {0: result}
+        taken = (REMEDY, result.response)
+        return remedy_of((CURED, first.response), taken, self._tolerance(case))
+
+    def _jumps(self, case: LoadCaseSection) -> tuple[Jump, ...]:
+        if not case.transient:
+            return ()
+        period = self.joint.period
+        return tuple(load_jumps(case, step=time_step(case, period), period=period))
+
+    def _tolerance(self, case: LoadCaseSection) -> float:
+        """Return the largest estimated pressure error of a transient that is left as it is."""
+        return self.tolerance if case.tolerance is None else case.tolerance
+
+    def _times(self, case: LoadCaseSection, refinement: int = 1) -> Matrix | None:
+        if not case.transient:
+            return None
+        step = time_step(case, self.joint.period) / refinement
+        times: Matrix = step * np.arange(self._steps(case, refinement) + 1, dtype=float)
+        return times
+
+    def _steps(self, case: LoadCaseSection, refinement: int = 1) -> int:
+        step = time_step(case, self.joint.period) / refinement
+        return round(time_span(case, self.joint.period) / step)
+
+    def _mesh_errors(self, case: LoadCaseSection, response: Response) -> Mapping[str, MeshError]:
+        """Estimate what the mesh does to the pressures of a response."""
+        with self.stages.timed("mesh error"), self.extras.attempt(f"{case.name}, mesh error"):
+            return mesh_errors(self._smoothings, self.joint.model, response.pressure)
+        return {}
+
+    @cached_property
+    def _smoothings(self) -> dict[str, Smoothing]:
+        return smoothings(self.joint.model)
+
+    @cached_property
+    def _judge(self) -> Certifier | None:
+        with self.extras.attempt("certified bounds"):
+            return self.joint.certifier
+        return None
+
+    @property
+    def _transient_judge(self) -> TransientJudge:
+        return TransientJudge(joint=self.joint, stages=self.stages, extras=self.extras)
+
+    @cached_property
+    def _known_rest(self) -> dict[str, Solution]:
+        """Preloaded states of the models, by what these are called; filled as they are needed."""
+        return {"full": self.joint.rest}
+
+    def _rest(self, system: System, label: str) -> Solution:
+        """Return the preloaded state of one model."""
+        if label not in self._known_rest:
+            self._known_rest[label] = rest_state(system, self.joint.preload_path)
+        return self._known_rest[label]
+
+    def _reserve(self, case: LoadCaseSection) -> SlipReserve | None:
+        """Return the slip reserve of a load that may be multiplied, where there is friction."""
+        if case.kind not in ("static", "cycle") or not has_friction(self.joint.model):
+            return None
+
+        def compute() -> dict[str, Matrix]:
+            with self.stages.stage("slip reserve"):
+                found = reserve_of(self.joint.model, case, self.joint.rest, self.open_below)
+                return packed_members(found)
+
+        with self.stages.timed("checkpoint"):
+            kept = self.checkpoint.bundle(f"{case.name} slip reserve", compute)
+        return unpacked_members(SlipReserve, kept)
+
+    def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
+        """Bound the errors of a static case without friction from the compliance alone."""
+        if case.kind != "static" or response.path is not None:
+            return None
+        with self.stages.timed("certificates"), self.extras.attempt(f"{case.name}, bounds"):
+            inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
+            if self._judge is not None:
+                return self._judge.certify_inputs(inputs, response.pressure)
+        return None
+
+    def _reference(self, case: LoadCaseSection, *, full: bool) -> Solved:
+        """Solve with the reference; a full transient with those that are stepped beside it."""
+        if full and case.transient:
+            return Solved(self._full_transient(response_key(case)), self.joint.model, FULL_MODEL)
+        if full:
+            model = self.joint.model
+            return Solved(self._response(case, model, "full"), model, FULL_MODEL)
+        first = Solved(
+            self._response(case, self.reference.system, REDUCED),
+            self.reference.system,
+            self.reference.name,
+        )
+        tolerance = self._tolerance(case)
+        if not self.inertia.wanted(first.response, tolerance):
+            return first
+        with self.extras.attempt(f"{case.name}, {REMEDY}"):
+            system, label = self.inertia.system, f"{REMEDY}/0"
+            response = self._response(case, system, label)
+            remedy = remedy_of((first.name, first.response), (REMEDY, response), tolerance)
+            if remedy.helped:
+                return Solved(response, system, REMEDY, label, remedy)
+            return replace(first, remedy=remedy)
+        return first
+
+    def _half_step(self, case: LoadCaseSection, reference: Solved) -> Response | None:
+        """Repeat a transient of the reference with half the time step, where the study does."""
+        if self.reference.kind != "full":
+            if not (case.transient and self.half_step) or case.tolerance is not None:
+                return None
+            return self._response(case, reference.system, reference.label, refinement=2)
+        key = response_key(case, refinement=2)
+        return self._full_transient(key) if any(key in group for group in self.groups) else None
+
+    def _full_transient(self, key: str) -> Response:
+        """Solve a transient with the full model, and those that are stepped beside it."""
+        group = next(group for group in self.groups if key in group)
+        runs = list(group.values())
+        first, more = runs[0], f" and {len(runs) - 1} more" if len(runs) > 1 else ""
+        label = "full" if first.refinement == 1 else "half step"
+
+        def compute() -> list[dict[str, Matrix]]:
+            total = self._steps(first.case, first.refinement) * len(runs)
+            with self.stages.stage(f"{first.case.name}{more} {label}", total) as advance:
+                return list(map(packed, full_transients(self.joint, runs, advance)))
+
+        with self.stages.timed("checkpoint"):
+            self.checkpoint.fill(list(group), compute)
+            return unpacked(self.checkpoint.get(key))
+
+    def _response(
+        self,
+        case: LoadCaseSection,
+        system: System,
+        label: str,
+        like: Response | None = None,
+        *,
+        refinement: int = 1,
+    ) -> Response:
+        """Solve a load case with one model, or take what an interrupted run left."""
+        model = self.joint.model
+        total = self._steps(case, refinement) if case.transient else advances(case, model)
+        known, key = len(self.extras.failed), response_key(case, label, refinement)
+
+        def compute() -> Mapping[str, Matrix]:
+            with self.stages.stage(f"{case.name} {label}", total) as advance:
+                rubs = has_friction(model)
+                if goes_in_increments(case, model):
+                    rest, pieces = self._rest(system, label), Pieces(self.checkpoint, key)
+                    response = path_response(model, case, system, rest, pieces, advance, like)
+                else:
+                    initial = self._rest(system, label) if rubs else None
+                    solution, seconds = solve_case(
+                        self.joint, case, system, advance, refinement, initial, like
+                    )
+                    drawn = like is None and refinement == 1
+                    response = respond(solution, model, seconds, moves=drawn)
+            if case.transient and refinement == 1 and isinstance(system, ReducedModel):
+                name, judge = f"{case.name}, {label}", self._transient_judge
+                response = judge.judged(
+                    name,
+                    response,
+                    solution,
+                    case_load(case),
+                    integrator_of(case),
+                    recovered=label != REDUCED,
+                )
+            # Kept with the response, for a run that takes it over does not try again.
+            return packed(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
+
+        with self.stages.timed("checkpoint"):
+            arrays = self.checkpoint.bundle(key, compute)
+        self.extras.repeat(arrays.get(FAILED, ()))
+        return unpacked(arrays)
+
+
+def _gained(what: str, response: Response) -> list[str]:
+    """Say of a transient that its energy grew from nothing, if it did."""
+    gain = response.energy_gain
+    return [f"{what}: {gain_message(gain)}"] if gain > MOST_GAIN else []
+
+
+def _sound(response: Response | None) -> Response | None:
+    """Refuse a transient whose energy grew from nothing.
+
+    Raises
+    ------
+    ConvergenceError
+    """
+    if response is not None and response.energy_gain > MOST_GAIN:
+        raise ConvergenceError(gain_message(response.energy_gain))
+    return response
+
+
+def _bound(certificate: Certificate | None, measure: Measure) -> float | None:
+    return None if certificate is None else float(certificate.bound(measure))

@@ -1,0 +1,41 @@
+"""Pieces of what one model answers to a load case, kept as they come for a run that resumes."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying.execution.checkpoint import Arrays
+from faying.study.stages.checkpoint import Checkpoint
+
+SECONDS = "seconds"
+"""Name of the wall time that a piece took, in whichever run, beside its arrays."""
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Where pieces of a response are kept, and the key of the whole of it."""
+
+    checkpoint: Checkpoint
+    key: str
+
+    def has(self, name: str) -> bool:
+        """Say whether a piece is there."""
+        return self.checkpoint.has(self._key(name))
+
+    def take(self, name: str, compute: Callable[[], Arrays]) -> Arrays:
+        """Return a piece, as an interrupted run left it or computed and kept, with its seconds.
+
+        Of a piece of pieces ``compute`` says itself how long these took.
+        """
+
+        def timed() -> Arrays:
+            start = time.perf_counter()
+            arrays = compute()
+            return {SECONDS: np.asarray(time.perf_counter() - start), **arrays}
+
+        return self.checkpoint.bundle(self._key(name), timed)
+
+    def _key(self, name: str) -> str:
+        return f"{self.key}, {name}"

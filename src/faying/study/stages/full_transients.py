@@ -1,0 +1,203 @@
+"""Load cases over time that the full model solves, those that fit together side by side."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Indices
+from faying.execution.groups import even_parts, grouped
+from faying.joint.model import Model
+from faying.linalg.memory import require_room
+from faying.simulation.divided_steps import divided_steps
+from faying.simulation.energy_guard import AT_ONCE
+from faying.simulation.integrators import Integrator, named_integrator
+from faying.simulation.side_by_side import runs_at_once
+from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import joined, some_states, without_states
+from faying.simulation.stepping import transient_solver
+from faying.simulation.transient_pieces import Steps, transient_pieces
+from faying.study.inputs.loads import case_load
+from faying.study.inputs.timing import instants, time_span, time_step
+from faying.study.keys.tables import LoadCaseSection
+from faying.study.results.nodal_motion import even_states, motion_in, shown_states
+from faying.study.results.responses import Seen, respond, seen_of
+from faying.study.results.values import Response
+from faying.study.stages.offline import PreparedJoint
+
+PIECE = AT_ONCE
+"""Instants computed at a time: as many as the energy guard looks at together."""
+
+
+@dataclass(frozen=True)
+class FullTransient:
+    """A load case over time that the full model solves, its time step divided by ``refinement``."""
+
+    case: LoadCaseSection
+    refinement: int = 1
+
+
+def case_groups(
+    cases: Sequence[LoadCaseSection], *, half_step: bool
+) -> list[dict[str, FullTransient]]:
+    """Return which transients the full model computes together, by the keys they are kept under.
+
+    Their steps, their lengths and their integrators are the same. With half the step last, where a
+    study asks for it.
+    """
+    alike: dict[object, dict[str, FullTransient]] = {}
+    for refinement in (1, 2) if half_step else (1,):
+        for case in cases:
+            if case.transient and not (case.tolerance and refinement > 1):
+                # Steps that are chosen are so for each case alone.
+                alone = case.name if case.tolerance else ""
+                kind = (refinement, instants(case), integrator_of(case), alone)
+                run = FullTransient(case=case, refinement=refinement)
+                key = response_key(case, refinement=refinement)
+                alike.setdefault(kind, {})[key] = run
+    return [group for some in alike.values() for group in grouped(some)]
+
+
+def full_transients(
+    joint: PreparedJoint,
+    runs: Sequence[FullTransient],
+    progress: Callable[[int], object] | None = None,
+) -> list[Response]:
+    """Solve transients with the full model, side by side; each has its share of the time.
+
+    Raises
+    ------
+    NotEnoughMemoryError
+        If contact forces and gaps of all instants do not fit.
+
+    Notes
+    -----
+    Displacements are in memory for :data:`PIECE` instants at a time, and for those that are drawn.
+    """
+    first, start = runs[0], time.perf_counter()
+    step, duration = (of(first.case, joint.period) for of in (time_step, time_span))
+    step /= first.refinement
+    n_time = round(duration / step) + 1
+    _require_room(joint.model, len(runs), n_time)
+    steps = _steps(joint.model, first.case, step)
+    together = even_parts(runs, runs_at_once(joint.model, n_time, PIECE + 1))
+    responses = [
+        response
+        for some in together
+        for response in _side_by_side(steps, joint, some, duration, n_time, progress)
+    ]
+    seconds = (time.perf_counter() - start) / len(runs)
+    return [replace(response, seconds=seconds) for response in responses]
+
+
+def _require_room(model: Model, n_run: int, n_time: int) -> None:
+    """Refuse transients whose contact forces and gaps do not fit, twice while they are joined."""
+    contact = model.contact
+    require_room(
+        8.0 * n_run * n_time * 4 * contact.components * contact.n_points,
+        f"contact forces and gaps of {n_run} transients with {n_time} instants at "
+        f"{contact.n_points} points",
+        "shorten them or enlarge the step",
+    )
+
+
+def _steps(model: Model, case: LoadCaseSection, step: float) -> Steps:
+    """Return what advances transients like that of a load case."""
+    scheme = integrator_of(case)
+    if case.tolerance:
+        return divided_steps(model, step=step, tolerance=case.tolerance, integrator=scheme)
+    return transient_solver(model, step=step, integrator=scheme)
+
+
+def _side_by_side(
+    steps: Steps,
+    joint: PreparedJoint,
+    runs: Sequence[FullTransient],
+    duration: float,
+    n_time: int,
+    progress: Callable[[int], object] | None,
+) -> list[Response]:
+    """Solve some transients a piece at a time, and keep of each piece what a run keeps."""
+    model = joint.model
+    # The rest is given: solved anew it would depend, in the last digits, on what was solved before.
+    pieces = transient_pieces(
+        steps,
+        [case_load(run.case) for run in runs],
+        duration=duration,
+        length=PIECE,
+        initial=[joint.rest] * len(runs),
+        progress=progress,
+    )
+    even = even_states(n_time)
+    kept: list[list[_Piece]] = [[] for _ in runs]
+    for solutions, _ in pieces:
+        for parts, solution in zip(kept, solutions, strict=True):
+            first = parts[-1].end if parts else 0
+            parts.append(_piece(model, solution, first, even))
+    return [
+        _response(model, parts, moves=run.refinement == 1)
+        for run, parts in zip(runs, kept, strict=True)
+    ]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Piece:
+    """What is kept of some instants of a transient.
+
+    Attributes
+    ----------
+    end
+        Number of the instant after them.
+    contact
+        Without displacements.
+    seen
+        Of displacements at all of them.
+    numbers, moved
+        Some of them, with displacements: those that may be drawn.
+    """
+
+    end: int
+    contact: Solution
+    seen: Seen
+    numbers: Indices
+    moved: Solution
+
+
+def _piece(model: Model, solution: Solution, first: int, even: Indices) -> _Piece:
+    """Keep what a run keeps of the instants from ``first`` on."""
+    own = np.arange(first, first + len(solution.states))
+    most = own[solution.max_pressure.argmax()]
+    numbers = own[np.isin(own, even) | (own == most)]
+    return _Piece(
+        end=int(own[-1]) + 1,
+        contact=without_states(solution),
+        seen=seen_of(solution, model),
+        numbers=numbers,
+        moved=some_states(solution, numbers - first),
+    )
+
+
+def _response(model: Model, parts: Sequence[_Piece], *, moves: bool) -> Response:
+    """Return what a run keeps of a transient."""
+    contact, motion = joined([part.contact for part in parts]), None
+    if moves:
+        chosen = shown_states(contact.max_pressure)
+        numbers = np.concatenate([part.numbers for part in parts])
+        moved = joined([part.moved for part in parts])
+        motion = motion_in(model, some_states(moved, np.searchsorted(numbers, chosen)), chosen)
+    seen = {
+        member: {name: np.concatenate([part.seen[member][name] for part in parts]) for name in some}
+        for member, some in parts[0].seen.items()
+    }
+    return respond(contact, model, 0.0, motion=motion, seen=seen)
+
+
+def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
+    """Return the key that a response is kept under; that of the full model unless told."""
+    return f"{case.name} {label} {refinement}"
+
+
+def integrator_of(case: LoadCaseSection) -> Integrator:
+    """Return the integrator of a transient load case; the seed's implicit Euler by default."""
+    return named_integrator(case.integrator, case.rho_infinity)

@@ -1,0 +1,363 @@
+"""Histories that other programs made: generalized coordinates, boundary forces, or both.
+
+A CSV file names its columns in the first line: ``time``; ``q1, q2, …`` (and ``v1, …``, ``a1, …``)
+for coordinates, velocities and accelerations in the order of the basis; ``BOUNDARY.COMPONENT``, as
+``tip.Fz``, for boundary forces; the name of a load of the deck for its factor; ``frame.ax``,
+``frame.wy``, ``frame.alphaz`` and so on for supports that move. An HDF5 file has the datasets
+``times``, ``coordinates``, ``velocities``, ``accelerations`` (n_time, n_mode) and ``inputs``: a
+group with one dataset ``BOUNDARY.COMPONENT`` or load (n_time,) each, or one array (n_time,
+n_boundary [+ n_bolt [+ n_pattern]]) like the ``inputs`` of a faying solution; and ``frame``
+(n_time, 9).
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.exceptions import FormatError
+from faying.files.contents import file_text
+from faying.files.csv_rows import csv_rows
+from faying.files.hdf5 import open_hdf5
+from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
+from faying.model.boundary import FORCE_NAMES
+from faying.simulation.frame_motion import FrameMotion
+from faying.study.keys.errors import nearest, quoted
+
+MODAL = {"q": "coordinates", "v": "velocities", "a": "accelerations"}
+"""First letter of a modal column to what it is; HDF5 datasets have the long name."""
+
+MODAL_COLUMN = re.compile(r"([qva])([1-9]\d*)")
+FRAME = tuple(f"frame.{kind}{axis}" for kind in ("a", "w", "alpha") for axis in "xyz")
+"""Acceleration, angular velocity and angular acceleration of supports that move, in their axes."""
+
+ROUND_OFF = 1e-9
+"""Relative difference of forces that may be rounding."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ImportedHistory:
+    """What a history file holds.
+
+    Attributes
+    ----------
+    path
+        The file.
+    times : (n_time,)
+        Increasing.
+    loads
+        ``"boundary.component"`` to forces or moments, load of the deck to its factor; (n_time,).
+    coordinates, velocities, accelerations : (n_time, n_mode) or None
+    frame
+        Motion of the supports; None where they are at rest.
+    """
+
+    path: Path
+    times: Vector
+    loads: Mapping[str, Vector] = field(default_factory=dict)
+    coordinates: Matrix | None = None
+    velocities: Matrix | None = None
+    accelerations: Matrix | None = None
+    frame: FrameMotion | None = None
+
+
+def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
+    """Read a modal or boundary-force history.
+
+    Parameters
+    ----------
+    joint
+        Says which loads there can be.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be read, has columns that mean nothing, values that are not finite or
+        times that do not increase; the message names the line.
+    """
+    if not path.is_file():
+        message = f"history {path} does not exist; give a .csv or .h5 file"
+        raise FormatError(message)
+    readers = {".csv": _read_csv, ".h5": _read_hdf5, ".hdf5": _read_hdf5}
+    if path.suffix.lower() not in readers:
+        message = f"{path}: cannot read a history from '{path.suffix}'; give a .csv or .h5 file"
+        raise FormatError(message)
+    history = readers[path.suffix.lower()](path, joint)
+    if history.coordinates is None and not history.loads:
+        message = (
+            f"{path} holds times only; give modal coordinates or boundary forces, as "
+            f"{quoted(_load_names(joint)[:3]) or 'q1'}"
+        )
+        raise FormatError(message)
+    return history
+
+
+def _load_names(joint: Joint) -> list[str]:
+    at_boundaries = [
+        f"{name}.{FORCE_NAMES[component]}"
+        for name, boundary in joint.boundaries.items()
+        for component in np.unique(boundary.components).tolist()
+    ]
+    return [*at_boundaries, *joint.load_patterns]
+
+
+def _read_csv(path: Path, joint: Joint) -> ImportedHistory:
+    header, rows = _rows(path)
+    known = _load_names(joint)
+    _check_header(path, header, known)
+    counts = _mode_counts(path, header)
+    lines = [line for line, _ in rows]
+    table = np.array([_numbers(path, line, header, row) for line, row in rows])
+    table = table.reshape(len(rows), len(header))
+    _check_finite(path, header, lines, table)
+    times = table[:, header.index("time")]
+    _check_times(path, times, [f"line {line}" for line in lines])
+    modal = {
+        MODAL[letter]: table[:, [header.index(f"{letter}{n}") for n in range(1, count + 1)]]
+        for letter, count in counts.items()
+    }
+    loads = {name: table[:, header.index(name)] for name in header if name in known}
+    frame = None
+    if not set(header).isdisjoint(FRAME):
+        still = np.zeros(len(times))
+        moving = [table[:, header.index(name)] if name in header else still for name in FRAME]
+        frame = _frame(np.column_stack(moving))
+    return ImportedHistory(path=path, times=times, loads=loads, frame=frame, **modal)
+
+
+def _frame(values: Matrix) -> FrameMotion:
+    return FrameMotion(
+        acceleration=values[:, :3],
+        angular_velocity=values[:, 3:6],
+        angular_acceleration=values[:, 6:],
+    )
+
+
+def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
+    """Read the column names, and the cells below them with the lines they stand in."""
+    try:
+        text = file_text(path)
+    except (OSError, UnicodeDecodeError):
+        message = f"{path} cannot be read as UTF-8 text; save it as CSV"
+        raise FormatError(message) from None
+    rows = [
+        (number, [cell.strip() for cell in row])
+        for number, row in csv_rows(path, text.splitlines())
+        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
+    ]
+    if not rows:
+        message = f"{path} is empty; expected a line of column names, 'time' among them"
+        raise FormatError(message)
+    return rows[0][1], rows[1:]
+
+
+def _numbers(path: Path, line: int, header: Sequence[str], row: Sequence[str]) -> list[float]:
+    if len(row) != len(header):
+        message = (
+            f"{path}, line {line}: found {len(row)} values, expected {len(header)}, one for each "
+            "column named in the first line"
+        )
+        raise FormatError(message)
+    numbers = []
+    for name, cell in zip(header, row, strict=True):
+        try:
+            numbers.append(float(cell))
+        except ValueError:
+            message = f"{path}, line {line}: '{name}' is '{cell}', expected a number"
+            raise FormatError(message) from None
+    return numbers
+
+
+def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> None:
+    known = ["time", "q1", "v1", "a1", *loads, *FRAME]
+    for name in header:
+        if ";" in name:
+            message = f"{path}: '{name}' is one column; separate columns by commas"
+            raise FormatError(message)
+        if name not in known and not MODAL_COLUMN.fullmatch(name):
+            message = (
+                f"{path}: unknown column '{name}'; {nearest(name, known)} (columns are time; q1, "
+                "q2, …, v1, …, a1, …; boundary forces; motion of the supports, as frame.ax)"
+            )
+            raise FormatError(message)
+    twice = [name for name in header if header.count(name) > 1]
+    if twice:
+        message = f"{path}: column '{twice[0]}' is there twice; name each once"
+        raise FormatError(message)
+    if "time" not in header:
+        message = f"{path} has no column 'time'; add it"
+        raise FormatError(message)
+
+
+def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
+    """Return the letters of the modal columns and how many columns each has."""
+    matches = [match for match in map(MODAL_COLUMN.fullmatch, header) if match]
+    found = {letter: {int(m[2]) for m in matches if m[1] == letter} for letter in MODAL}
+    counts = {letter: max(numbers) for letter, numbers in found.items() if numbers}
+    most = max(counts.values(), default=0)
+    if counts and "q" not in counts:
+        message = f"{path} has modal columns but no coordinates; add q1 to q{most}"
+        raise FormatError(message)
+    for letter in counts:
+        missing = sorted(set(range(1, most + 1)) - found[letter])
+        if missing:
+            message = (
+                f"{path}: column '{letter}{missing[0]}' is missing, for there are modal columns "
+                f"up to {most}; give {MODAL[letter]} completely"
+            )
+            if letter != "q":
+                message += " or not at all"
+            raise FormatError(message)
+    return counts
+
+
+def _check_finite(path: Path, header: Sequence[str], lines: Sequence[int], table: Matrix) -> None:
+    wrong = np.argwhere(~np.isfinite(table))
+    if len(wrong):
+        row, column = wrong[0].tolist()
+        message = (
+            f"{path}, line {lines[row]}: '{header[column]}' is {table[row, column]}, expected a "
+            "finite number"
+        )
+        raise FormatError(message)
+
+
+def _check_times(path: Path, times: Vector, places: Sequence[str]) -> None:
+    if not len(times):
+        message = f"{path} has no instants below its column names; give one line per instant"
+        raise FormatError(message)
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if len(back):
+        row = int(back[0]) + 1
+        message = (
+            f"{path}, {places[row]}: time {times[row]:g} does not come after {times[row - 1]:g}; "
+            "times must increase"
+        )
+        raise FormatError(message)
+
+
+def _read_hdf5(path: Path, joint: Joint) -> ImportedHistory:
+    with open_hdf5(path, "a history", "write it again") as file:
+        return _members(path, file, joint)
+
+
+def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
+    known = ["times", *MODAL.values(), "inputs", "frame"]
+    for name in file:
+        if name not in known:
+            message = f"{path}: unknown dataset '{name}'; {nearest(name, known)}"
+            raise FormatError(message)
+    if "times" not in file:
+        message = f"{path} has no dataset 'times'; add it"
+        raise FormatError(message)
+    times = _array(path, file["times"])
+    if times.ndim != 1:
+        message = f"{path}: 'times' has shape {times.shape}, expected one number per instant"
+        raise FormatError(message)
+    _check_times(path, times, [f"row {row} of 'times'" for row in range(len(times))])
+    modal = {name: _array(path, file[name]) for name in MODAL.values() if name in file}
+    if modal and "coordinates" not in modal:
+        message = f"{path} has '{next(iter(modal))}' but no 'coordinates'; add them"
+        raise FormatError(message)
+    shape = (len(times), modal["coordinates"].shape[-1]) if modal else ()
+    for name, values in modal.items():
+        if values.shape != shape:
+            message = (
+                f"{path}: '{name}' has shape {values.shape}, expected {shape}: a row per time, a "
+                "column per coordinate"
+            )
+            raise FormatError(message)
+    loads = _hdf5_loads(path, file["inputs"], joint, len(times)) if "inputs" in file else {}
+    frame = _array(path, file["frame"]) if "frame" in file else None
+    if frame is not None and frame.shape != (len(times), len(FRAME)):
+        message = (
+            f"{path}: 'frame' has shape {frame.shape}, expected {(len(times), len(FRAME))}: "
+            "acceleration, angular velocity and angular acceleration, three columns each"
+        )
+        raise FormatError(message)
+    return ImportedHistory(
+        path=path,
+        times=times,
+        loads=loads,
+        frame=None if frame is None else _frame(frame),
+        **modal,
+    )
+
+
+def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:
+    name = str(data.name).lstrip("/")
+    if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "fiu":
+        message = f"{path}: '{name}' is no dataset of numbers"
+        raise FormatError(message)
+    values = np.asarray(data[()], dtype=np.float64)
+    wrong = np.argwhere(~np.isfinite(values))
+    if len(wrong):
+        place = ", ".join(map(str, wrong[0].tolist()))
+        message = (
+            f"{path}: '{name}' holds {values[tuple(wrong[0])]} at [{place}], expected finite "
+            "numbers"
+        )
+        raise FormatError(message)
+    return values
+
+
+def _hdf5_loads(
+    path: Path, data: h5py.Dataset | h5py.Group, joint: Joint, n_time: int
+) -> dict[str, Vector]:
+    """Boundary forces by name, from a group of datasets or from an array like a solution's."""
+    if isinstance(data, h5py.Dataset):
+        return _component_loads(path, _array(path, data), joint, n_time)
+    known, loads = _load_names(joint), {}
+    for name in data:
+        if name not in known:
+            message = f"{path}: unknown boundary force '{name}'; {nearest(name, known)}"
+            raise FormatError(message)
+        values = _array(path, data[name])
+        if values.shape != (n_time,):
+            message = f"{path}: '{name}' has shape {values.shape}, expected ({n_time},)"
+            raise FormatError(message)
+        loads[name] = values
+    return loads
+
+
+def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> dict[str, Vector]:
+    places = boundary_slices(joint.boundaries)
+    n_boundary = max((place.stop for place in places.values()), default=0)
+    bolts = initial_bolt_forces(joint)
+    patterns, first = list(joint.load_patterns), n_boundary + len(bolts)
+    widths = (n_boundary, first, first + len(patterns))
+    if inputs.shape not in [(n_time, width) for width in widths]:
+        more = f" and {len(patterns)} factors of deck loads" if patterns else ""
+        message = (
+            f"{path}: 'inputs' has shape {inputs.shape}, expected {n_time} rows of {n_boundary} "
+            f"boundary forces, or of these and {len(bolts)} initial bolt forces{more}"
+        )
+        raise FormatError(message)
+    given = inputs[:, n_boundary:first]
+    if not np.allclose(given, bolts[: given.shape[1]], rtol=ROUND_OFF, atol=0.0):
+        message = (
+            f"{path}: the bolt forces of 'inputs' are not those the bolts of this run are locked "
+            f"at ({', '.join(f'{force:g}' for force in bolts)}); run a study with that preload"
+        )
+        raise FormatError(message)
+    loads: dict[str, Vector] = {}
+    for name, boundary in joint.boundaries.items():
+        own = inputs[:, places[name]]
+        for component in np.unique(boundary.components).tolist():
+            shares = own[:, boundary.components == component]
+            total = shares.sum(axis=1)
+            even = total[:, None] / shares.shape[1]
+            if np.abs(shares - even).max(initial=0.0) > ROUND_OFF * np.abs(own).max(initial=0.0):
+                message = (
+                    f"{path}: 'inputs' do not share {FORCE_NAMES[component]} evenly over the nodes "
+                    f"of boundary '{name}'; give its total in a group 'inputs'"
+                )
+                raise FormatError(message)
+            if total.any():
+                loads[f"{name}.{FORCE_NAMES[component]}"] = total
+    factors = dict(zip(patterns, inputs[:, first:].T, strict=False))  # the array may leave them out
+    return {**loads, **{name: values for name, values in factors.items() if values.any()}}

@@ -1,0 +1,71 @@
+"""The normal modes of a study: as many as it says, or chosen for its load cases over time."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache, partial
+
+from faying._typing import Matrix
+from faying.assessment.choose_normal_modes import NormalModeChoice, choose_normal_modes
+from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
+from faying.study.inputs.loads import case_load
+from faying.study.inputs.timing import time_span, time_step
+from faying.study.keys.tables import LoadCaseSection, Study
+from faying.study.results.mode_choice import chosen_count
+from faying.study.stages.checkpoint import Checkpoint
+from faying.study.stages.full_transients import integrator_of
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.packed_members import packed_members, unpacked_members
+from faying.study.stages.path_cases import has_friction, rest_state
+from faying.study.stages.progress import Stages
+
+Modes = Callable[[int], NormalModes]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StudyModes:
+    """Normal modes, and by load case why there are so many; by none where the study says it."""
+
+    modes: NormalModes
+    choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
+
+
+def normal_modes_of(
+    study: Study, joint: PreparedJoint, stages: Stages, checkpoint: Checkpoint
+) -> StudyModes:
+    """Compute the normal modes of a study, chosen for every load case over time if it says so.
+
+    What was chosen is kept for a run that takes over, so that it tries none of them again.
+    """
+    structure = joint.model.structure
+    known = cache(partial(fixed_interface_normal_modes, structure))
+    count, choices = study.reduction.normal_modes, {}
+    if count is None:
+        for case in study.load_cases:
+            if case.transient:
+                with stages.stage(f"choose normal modes, {case.name}"):
+                    choose = partial(_chosen, study, joint, case, known)
+                    kept = checkpoint.bundle(f"{case.name} normal modes", choose)
+                choices[case.name] = unpacked_members(NormalModeChoice, kept)
+        count = chosen_count(choices)
+    with stages.stage("normal_modes"):
+        # Statics need no mass, and a structure without mass has no vibration modes.
+        return StudyModes(modes=known(count if structure.has_mass else 0), choices=choices)
+
+
+def _chosen(
+    study: Study, joint: PreparedJoint, case: LoadCaseSection, known: Modes
+) -> dict[str, Matrix]:
+    mark = study.reduction.transient_tolerance if case.tolerance is None else case.tolerance
+    rubs = has_friction(joint.model)
+    choice = choose_normal_modes(
+        joint.model,
+        case_load(case),
+        step=time_step(case, joint.period),
+        duration=time_span(case, joint.period),
+        integrator=integrator_of(case),
+        tolerance=mark,
+        step_tolerance=case.tolerance,
+        rest=partial(rest_state, tightening=joint.preload_path) if rubs else None,
+        modes=known,
+    )
+    return packed_members(choice)

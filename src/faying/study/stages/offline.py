@@ -1,0 +1,326 @@
+"""The offline part of a run: model, preload, bases, reduced models."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.choose import JointModeChoice, choose_joint_modes
+from faying.assessment.frequencies import preloaded_frequencies
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.reduction.basis import Basis, ModeKind
+from faying.reduction.craig_bampton import classic_basis
+from faying.reduction.method import CLASSIC, Method, OfflineData
+from faying.reduction.methods import METHODS
+from faying.reduction.mode_count import ModeCount, check_modes
+from faying.reduction.normal_modes import NormalModes
+from faying.reduction.projection import projected
+from faying.reduction.snapshots import static_snapshots
+from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.load import Load
+from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
+from faying.simulation.solution import Solution
+from faying.simulation.static_case import solve_static
+from faying.simulation.stepping import TransientSolver, transient_solver
+from faying.simulation.without_friction import smooth_joint
+from faying.study.inputs.bolts import losses
+from faying.study.inputs.load_model import LoadedModel, build_loaded, check_interfaces, load_model
+from faying.study.inputs.loads import check_loads, is_trained, training_box
+from faying.study.inputs.timing import time_step
+from faying.study.keys.tables import Study
+from faying.study.stages.checkpoint import Checkpoint
+from faying.study.stages.kept_preload import (
+    Tightened,
+    check_same_joint,
+    keep_compliance,
+    kept_state,
+    kept_tightening,
+)
+from faying.study.stages.path_cases import has_friction, rest_state
+from faying.study.stages.progress import Stages
+from faying.study.stages.training import StepTraining, step_groups, step_loads
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PreparedJoint:
+    """A study's joint, tightened and with its sticking area.
+
+    Attributes
+    ----------
+    loaded
+        What the study says about the model.
+    model
+        With locked bolts.
+    tightening
+        How the bolts were tightened, before anything stuck.
+    preload
+        The static state at that moment (Fig. 15.3).
+    rest
+        That of the model with locked bolts, where transients start.
+    period
+        Longest period of small vibrations about the preloaded state; infinite without mass.
+    preload_path
+        Loads by which the bolts were tightened with friction; none where it was without.
+    """
+
+    loaded: LoadedModel
+    model: Model
+    tightening: Tightening
+    preload: Solution
+    rest: Solution
+    period: float
+    preload_path: tuple[Load, ...] = ()
+
+    @cached_property
+    def certifier(self) -> Certifier:
+        """What bounds the errors of its static load cases, factorized once for all of them."""
+        return certifier(self.model)
+
+
+def prepare_joint(
+    study: Study, stages: Stages, checkpoint: Checkpoint | None = None
+) -> PreparedJoint:
+    """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
+
+    Parameters
+    ----------
+    checkpoint
+        Where bolts and states are kept, and taken from where they are there.
+
+    Raises
+    ------
+    ModelError
+        If a body is not held; the message names it.
+    """
+    with stages.stage("assembly"):
+        loaded = load_model(study)
+        check_interfaces(study, loaded)
+        model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
+        check_loads(study, model)
+        _ = model.K  # formed here, lest another stage be said to take as long
+        if checkpoint is not None:
+            check_same_joint(checkpoint, model)
+    _condense(model, stages, checkpoint, "compliance")
+    forces = {name: force for name, force in loaded.preloads.items() if force > 0}
+    if has_friction(model):
+        return _rubbing_joint(study, loaded, model, forces, stages, checkpoint)
+    # What sticks is decided by the preload that was meant, and lost after that.
+    lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
+    with stages.stage("preload"):
+        free = model
+        tightening, _ = kept_tightening(
+            checkpoint, "tightening", lambda: (tighten(free, forces, losses=lost[0]), ())
+        )
+        locked = model = free.with_bolt_forces(tightening.initial_forces)
+        preload = kept_state(checkpoint, "preload", locked, lambda: solve_static(locked))
+    if study.sticking is not None:
+        sticking = Sticking(threshold=study.sticking.threshold, stiffness=study.sticking.stiffness)
+        tied = with_sticking(model, sticking)
+        _condense(tied, stages, checkpoint, "compliance of tied parts")
+        with stages.stage("preload"):
+            again, _ = kept_tightening(
+                checkpoint, "tightening again", lambda: (tighten(tied, forces, losses=lost[1]), ())
+            )
+            model = tied.with_bolt_forces(again.initial_forces)
+    with stages.stage("preload"):
+        final = model
+        rest = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
+    with stages.stage("frequencies"):
+        period = _longest_period(model, rest)
+    return PreparedJoint(
+        loaded=loaded,
+        model=model,
+        tightening=tightening,
+        preload=preload,
+        rest=rest,
+        period=period,
+    )
+
+
+def _rubbing_joint(
+    study: Study,
+    loaded: LoadedModel,
+    model: Model,
+    forces: Mapping[str, float],
+    stages: Stages,
+    checkpoint: Checkpoint | None,
+) -> PreparedJoint:
+    """Tighten the bolts of a joint with friction, along a path or as if there were none."""
+
+    def tightened() -> Tightened:
+        if not study.friction_during_preload:
+            return tighten(smooth_joint(model), forces, losses=losses(study)), ()
+        found = tighten_with_friction(model, forces, losses=losses(study))
+        return found.tightening, found.loads
+
+    with stages.stage("preload"):
+        tightening, path = kept_tightening(checkpoint, "tightening", tightened)
+        locked = model.with_bolt_forces(tightening.initial_forces)
+        rest = kept_state(checkpoint, "rest", locked, lambda: rest_state(locked, path))
+    with stages.stage("frequencies"):
+        period = _longest_period(locked, rest)
+    return PreparedJoint(
+        loaded=loaded,
+        model=locked,
+        tightening=tightening,
+        preload=rest,
+        rest=rest,
+        period=period,
+        preload_path=path,
+    )
+
+
+def _longest_period(model: Model, rest: Solution) -> float:
+    """Return the longest period of small vibrations about a state; infinite without mass."""
+    if not model.structure.has_mass:
+        return np.inf
+    return 1.0 / float(preloaded_frequencies(model, 1, state=rest)[0])
+
+
+def _condense(model: Model, stages: Stages, checkpoint: Checkpoint | None, key: str) -> None:
+    """Factorize and form the interface compliance; the structure keeps both."""
+    with stages.stage("factorization"):
+        _ = model.structure.boundary_factor
+    with stages.stage("compliance"):
+        keep_compliance(checkpoint, key, model.structure)
+        contact = model.static_contact
+        _ = contact.cases or contact.space
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TrainedBases:
+    """What the study's methods are made of.
+
+    Attributes
+    ----------
+    bases
+        :data:`CLASSIC`, and by the name of their joint modes those that a method needs.
+    contact_forces : (n_point, n_snapshot) [force]
+        Of the training runs; no snapshot where no method is trained.
+    mode_count
+        Proof that no normal mode is missing from them.
+    """
+
+    bases: Mapping[str, Basis]
+    contact_forces: Matrix
+    mode_count: ModeCount | None
+
+    def of(self, method: Method) -> Basis:
+        """Return the longest basis of a method."""
+        return self.bases[method.basis_name]
+
+
+def build_bases(
+    study: Study,
+    joint: PreparedJoint,
+    modes: NormalModes,
+    stages: Stages,
+    checkpoint: Checkpoint,
+) -> TrainedBases:
+    """Build the bases that the study's methods need, and train where one must be.
+
+    Raises
+    ------
+    ConvergenceError
+        If a normal mode was missed.
+    """
+    reduction, model = study.reduction, joint.model
+    most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
+    with stages.stage("normal_modes"):
+        classic = classic_basis(model, modes)
+    with stages.stage("mode_count"):
+        mode_count = check_modes(model.structure, modes)
+    forces = np.zeros((model.contact.n_points, 0))
+    if is_trained(study):
+        forces = _training_forces(study, joint, classic, stages, checkpoint)
+    data = OfflineData(
+        classic=classic,
+        contact_forces=forces,
+        subareas=reduction.training.subareas or DEFAULT_SUBAREAS,
+        weight=reduction.training.weight,
+    )
+    bases = {CLASSIC: classic}
+    for joint_modes in dict.fromkeys(METHODS[name].joint_modes for name in reduction.methods):
+        if joint_modes is not None:
+            with stages.stage(joint_modes.name):
+                bases[joint_modes.name] = joint_modes.extended(model, data, most)
+    return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
+
+
+MOST_AUTOMATIC = 60
+"""Joint modes from which an automatic number is chosen."""
+
+AUTOMATIC_LOADS = 30
+"""Random loads of the training box that an automatic number is certified at."""
+
+DEFAULT_SUBAREAS = 200
+"""Test loads of method A: fine enough for the 40 modes of the default study by far."""
+
+
+def _training_forces(
+    study: Study, joint: PreparedJoint, classic: Basis, stages: Stages, checkpoint: Checkpoint
+) -> Matrix:
+    """Contact forces of the training runs of method B, Eq. (15.30)."""
+    training, model = study.reduction.training, joint.model
+    with stages.stage("static training"):
+        box = training_box(training)
+        snapshots = [static_snapshots(model, box.static_loads(model))]
+        steps = step_training(study, joint, classic)
+    with stages.stage("step training", len(step_loads(training)) * steps.n_steps) as advance:
+        for group in step_groups(training):
+            checkpoint.fill(list(group), partial(steps.forces, list(group.values()), advance))
+            snapshots += [checkpoint.get(key)["forces"] for key in group]
+    return np.hstack(snapshots)
+
+
+def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> StepTraining:
+    """Return the training steps of a study; a basis is needed where a reduced model trains."""
+    training, model = study.reduction.training, joint.model
+
+    def solver() -> TransientSolver:
+        reduced = training.system == "reduced" and classic is not None
+        system = projected(model, classic, compliance=True) if reduced and classic else model
+        return transient_solver(system, step=time_step(training, joint.period))
+
+    rest = joint.rest if training.system == "full" else None
+    return StepTraining(training=training, period=joint.period, solver=solver, rest=rest)
+
+
+def choose_counts(
+    study: Study, model: Model, trained: TrainedBases, stages: Stages
+) -> dict[str, JointModeChoice]:
+    """Choose the number of joint modes of each basis where the study leaves it to faying."""
+    if study.reduction.joint_modes:
+        return {}
+    loads = training_box(study.reduction.training).random_loads(model, AUTOMATIC_LOADS, seed=2)
+    with stages.stage("choose joint modes"):
+        return {
+            name: choose_joint_modes(model, basis, loads, study.reduction.tolerance)
+            for name, basis in trained.bases.items()
+            if basis.count(ModeKind.JOINT)
+        }
+
+
+def reduced_models(
+    study: Study,
+    model: Model,
+    trained: TrainedBases,
+    choices: Mapping[str, JointModeChoice],
+    stages: Stages,
+) -> dict[str, dict[int, System]]:
+    """Reduce the model by every method the study names, at every number of joint modes."""
+    models: dict[str, dict[int, System]] = {}
+    for name in study.reduction.methods:
+        with stages.stage(f"project {name}"):
+            method, choice = METHODS[name], choices.get(METHODS[name].basis_name)
+            basis, forces = trained.of(method), trained.contact_forces
+            wanted = [choice.count] if choice else study.reduction.joint_modes
+            models[name] = {
+                count: method.reduced(model, basis, forces, count)
+                for count in method.counts(basis, wanted)
+            }
+    return models

@@ -1,0 +1,237 @@
+"""Load cases that go in increments: static loads of joints with friction, paths and cycles."""
+
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.assessment.slip_reserve import SlipReserve, slip_reserve
+from faying.assessment.tresca import IncrementCertificate, certify_increments
+from faying.execution.checkpoint import Arrays
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.simulation.cycles import Cycles, solve_cycles
+from faying.simulation.load import Load
+from faying.simulation.path import last_of, solve_path
+from faying.simulation.solution import Solution
+from faying.simulation.static_case import solve_static
+from faying.simulation.without_friction import released_state
+from faying.study.inputs.loads import case_load
+from faying.study.keys.load_factors import ALL, read_load_factors
+from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
+from faying.study.results.nodal_motion import NodalMotion, nodal_motion
+from faying.study.results.path_record import (
+    CycleRecord,
+    cycle_record,
+    packed_record,
+    path_record,
+    unpacked_cycles,
+)
+from faying.study.results.responses import respond
+from faying.study.results.values import Response
+from faying.study.stages.backbone_cases import backbone_response
+from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.long_paths import follow_path
+
+
+def has_friction(model: Model) -> bool:
+    """Say whether an interface of a model has friction."""
+    return any(one.law.friction > 0 for one in model.interfaces.values())
+
+
+def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
+    """Say whether a load case is a path."""
+    return case.kind in ("path", "cycle", "backbone") or (
+        case.kind == "static" and has_friction(model)
+    )
+
+
+def advances(case: LoadCaseSection, model: Model) -> int:
+    """Return how many increments a load case has, or amplitudes of cycles and backbones."""
+    if not goes_in_increments(case, model):
+        return 1
+    if case.kind == "backbone":
+        return len(case.modes) * len(case.levels)
+    if case.kind == "cycle":
+        return len(case.amplitudes or (1.0,))
+    return len(_factors(case)[1])
+
+
+def rest_state(system: System, tightening: tuple[Load, ...]) -> Solution:
+    """Return the preloaded state of a full or reduced model.
+
+    Parameters
+    ----------
+    tightening
+        Path that tightened the bolts with friction; without one they were tightened without.
+    """
+    if tightening:
+        return last_of(solve_path(system, tightening, name="preload"))
+    if (system.contact.friction > 0).any():
+        return last_of(released_state(system))
+    return solve_static(system)
+
+
+def path_response(
+    model: Model,
+    case: LoadCaseSection,
+    system: System,
+    rest: Solution,
+    pieces: Pieces,
+    progress: Callable[[int], object],
+    like: Response | None = None,
+) -> Response:
+    """Solve a load case in increments.
+
+    Parameters
+    ----------
+    model
+        The full model.
+    rest
+        Preloaded state of the system that is solved.
+    pieces
+        Where finished amplitudes and increments are kept.
+    progress
+        Called with how many there are more of those that :func:`advances` counts.
+    like
+        Response of the full model, whose number of cycles others follow.
+    """
+    if case.kind == "backbone":
+        return backbone_response(model, case, system, rest, pieces, progress)
+    if case.kind == "cycle":
+        return _cycle_response(model, case, system, rest, pieces, progress, like)
+    load = case_load(case)
+    names, factors = _factors(case)
+    loads = _loads(case, model, names, factors)
+    path, seconds = follow_path(system, loads, rest, case.name, pieces, progress)
+    record = path_record(path, rest, load, names, factors)
+    return respond(
+        last_of(path),
+        model,
+        seconds,
+        path=record,
+        motion=_motion(model, path),
+        certificate=_certificate(model, path, rest),
+    )
+
+
+def _cycle_response(
+    model: Model,
+    case: LoadCaseSection,
+    system: System,
+    rest: Solution,
+    pieces: Pieces,
+    progress: Callable[[int], object],
+    like: Response | None,
+) -> Response:
+    """Solve the cycles of all amplitudes, each from the preloaded joint.
+
+    The largest comes last and ends with what the response shows; the others are kept before it.
+    """
+    load, seconds = case_load(case), 0.0
+    records: dict[str, CycleRecord] = {}
+
+    def cycles(amplitude: float) -> Cycles:
+        return solve_cycles(
+            system,
+            load,
+            amplitude,
+            rest,
+            increments=case.increments or DEFAULT_INCREMENTS,
+            count=None if like is None else len(like.cycles[str(amplitude)].energies),
+        )
+
+    def recorded(amplitude: float) -> Arrays:
+        return packed_record(cycle_record(cycles(amplitude), load), CYCLE)
+
+    *others, largest = sorted(case.amplitudes or (1.0,))
+    for amplitude in others:
+        kept = pieces.take(f"amplitude {amplitude}", partial(recorded, amplitude))
+        records[str(amplitude)] = unpacked_cycles(kept, CYCLE)
+        seconds += float(kept[SECONDS])
+        progress(1)
+    start = time.perf_counter()
+    last = cycles(largest)
+    seconds += time.perf_counter() - start
+    progress(1)
+    records[str(largest)] = cycle_record(last, load)
+    motion = _motion(model, last.cycle)
+    return respond(last_of(last.cycle), model, seconds, cycles=records, motion=motion)
+
+
+CYCLE = "cycle"
+"""Prefix of the arrays of cycles that are kept."""
+
+MOST_CERTIFIED = 1000
+"""Contact points with three components up to which a run factorizes H for every path: seconds."""
+
+
+def _certificate(model: Model, path: Solution, rest: Solution) -> IncrementCertificate | None:
+    """Certify the increments of a reduced model; those of the full one are what is meant."""
+    rubs = path.shear_forces is not None and has_friction(model)
+    rubs = rubs and model.contact.proportional
+    if path.system is model or not rubs or model.contact.n_points > MOST_CERTIFIED:
+        return None
+    return certify_increments(model, path, rest)
+
+
+def _motion(model: Model, path: Solution) -> NodalMotion | None:
+    """Return the displacements along a path of the full model; other models are drawn by its."""
+    return nodal_motion(model, path) if path.system is model else None
+
+
+def reserve_of(
+    model: Model, case: LoadCaseSection, rest: Solution, open_below: float | None = None
+) -> SlipReserve:
+    """Return the slip reserve of a load case of the full model, from its preloaded state.
+
+    Parameters
+    ----------
+    open_below
+        Share of the area pressed at rest below which an area is open; None follows no opening.
+    """
+    return slip_reserve(
+        model,
+        case_load(case),
+        rest,
+        share=case.slip_share or DEFAULT_SHARE,
+        increments=case.increments or DEFAULT_INCREMENTS,
+        open_below=open_below,
+    )
+
+
+DEFAULT_SHARE = 0.5
+"""Share of the area in contact whose slip the slip reserve tells unless a study names another."""
+
+
+def _factors(case: LoadCaseSection) -> tuple[tuple[str, ...], Matrix]:
+    """Return names and values (n_increment, n_column) of the load factors of a case."""
+    if case.factors is None:
+        count = case.increments or DEFAULT_INCREMENTS
+        return (ALL,), np.arange(1, count + 1)[:, None] / count
+    found = read_load_factors(case.factors, [force.target for force in case.forces])
+    return found.names, found.values
+
+
+def _loads(
+    case: LoadCaseSection, model: Model, names: tuple[str, ...], factors: Matrix
+) -> list[Load]:
+    """Return the loads of every increment, and the bolts' initial forces where they change."""
+    values = {force.target: force.value or 0.0 for force in case.forces}
+    rows: list[Mapping[str, float]] = [
+        dict(zip(names, row, strict=True)) for row in factors.tolist()
+    ]
+    return [
+        Load(
+            {name: value * row.get(name, row.get(ALL, 0.0)) for name, value in values.items()},
+            name=case.name,
+            bolt_forces={
+                name: bolt.initial_force * row[name]
+                for name, bolt in model.bolts.items()
+                if name in row
+            },
+        )
+        for row in rows
+    ]

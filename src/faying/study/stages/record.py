@@ -1,0 +1,94 @@
+"""From what a run computed to the values it leaves behind."""
+
+import platform
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+import scipy
+
+from faying import __version__
+from faying.model.bodies import bodies
+from faying.model.bolt_axis import bolt_ends
+from faying.model.matrices import mass_properties
+from faying.reduction.projection import contact_surfaces
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.judgement.model_warnings import unheld, unmeasured
+from faying.study.judgement.solid_constants import bolt_doubts, doubts, pressure_doubts
+from faying.study.keys.measurements import measured_curves
+from faying.study.keys.tables import Study
+from faying.study.results.validation_record import ValidationRecord
+from faying.study.results.values import BoltRecord, CaseResult, Results, interface_record
+from faying.study.stages.offline import PreparedJoint, TrainedBases
+from faying.study.stages.optional import Extras
+from faying.study.stages.reference import Reference
+
+
+def record(
+    study: Study,
+    joint: PreparedJoint,
+    kept: Mapping[str, Mapping[int, ReducedModel]],
+    trained: TrainedBases,
+    cases: Mapping[str, CaseResult],
+    validation: ValidationRecord,
+    extras: Extras,
+    warnings: Sequence[str],
+    reference: Reference,
+) -> Results:
+    """Collect the results of a run, all but its timings."""
+    model, mesh = joint.model, joint.model.assembly.mesh
+    return Results(
+        title=study.title or study.path.stem,
+        units=model.units,
+        study_text=study.text,
+        nodes=mesh.nodes,
+        node_ids=mesh.node_ids,
+        body=bodies(mesh),
+        blocks=mesh.blocks,
+        mass=mass_properties(model.assembly).mass,
+        dofs=model.structure.n_dof,
+        normal_modes=trained.mode_count,
+        factor_bytes=model.structure.interior_factor.memory,
+        interfaces={
+            name: interface_record(surface, joint.preload.pressure[slice(*surface.slice)])
+            for name, surface in contact_surfaces(model).items()
+        },
+        bolts={name: _bolt(joint, name) for name in model.bolts},
+        tightening_stages=joint.tightening.stages,
+        cases=cases,
+        timings={},
+        provenance={
+            "faying": __version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+            "platform": platform.platform(),
+            "factorization": model.structure.interior_factor.backend,
+            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        },
+        warnings=tuple(warnings),
+        omissions=tuple(extras.failed),
+        doubts=(
+            *unheld(model),
+            *unmeasured(study, cases),
+            *doubts(model.assembly.materials, study.units),
+            *bolt_doubts(study, joint.loaded),
+            *pressure_doubts(cases, model.assembly.materials, study.units),
+        ),
+        measurements=measured_curves(study),
+        validation=validation,
+        reduced=kept,
+        reference=reference.kind,
+        reference_reason=reference.reason,
+    )
+
+
+def _bolt(joint: PreparedJoint, name: str) -> BoltRecord:
+    column = joint.tightening.bolts.index(name)
+    spec = next(spec for spec in joint.loaded.bolts if spec.name == name)
+    return BoltRecord(
+        preload=joint.loaded.preloads.get(name, float(joint.preload.bolt_force(name))),
+        initial_force=joint.model.bolts[name].initial_force,
+        history=joint.tightening.bolt_forces[:, column],
+        axis=bolt_ends(joint.model.assembly, spec),
+    )

@@ -1,0 +1,320 @@
+"""Recover pressures from the history of another program with what a finished run left behind."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.assessment.imported_recovery import (
+    backward_differences,
+    recover_from_boundary_loads,
+    recover_from_modal,
+)
+from faying.assessment.recovery import Recovered
+from faying.exceptions import StudyError
+from faying.reduction.model_writer import MOST_PORTS
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import History, Load
+from faying.study.keys.errors import nearest, quoted
+from faying.study.results.interface_surface import nodal_average
+from faying.study.results.recovered import RecoveredRecord
+from faying.study.results.store import read_results
+from faying.study.results.values import Results
+from faying.study.stages.imported_history import ImportedHistory, read_imported_history
+from faying.units import units_of
+
+Derivatives = Literal["spline", "backward"]
+
+FEWEST = {"spline": 4, "backward": 2}
+"""Instants from which derivatives can be formed."""
+
+MODAL_METHODS = ("craig-bampton", "compliance")
+"""Methods of the classic basis, the first choice for coordinates of another program."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecoverOptions:
+    """How a history is to be taken; None leaves it to :func:`recover`.
+
+    Attributes
+    ----------
+    method, joint_modes
+        Reduced model whose coordinates a modal history has (``craig-bampton``), or that is
+        simulated under boundary forces (``compliance``).
+    derivatives
+        How missing velocities and accelerations are formed: ``"spline"``, or ``"backward"``
+        differences as implicit Euler has them.
+    step : [time]
+        Of a simulation under boundary forces; the smallest interval of the history.
+    integrator
+        Of that simulation; implicit Euler.
+    """
+
+    method: str | None = None
+    joint_modes: int | None = None
+    derivatives: Derivatives | None = None
+    step: float | None = None
+    integrator: Integrator | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peak:
+    """The largest pressure on an interface.
+
+    Attributes
+    ----------
+    point
+        Where, (x, y, z).
+    time
+        When.
+    contact_force
+        Total normal force of the interface at that instant.
+    traction
+        The largest on the interface over time; None without friction.
+    """
+
+    interface: str
+    pressure: float
+    point: tuple[float, ...]
+    time: float
+    contact_force: float
+    traction: float | None = None
+
+
+def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredRecord:
+    """Recover pressures from a modal or boundary-force history.
+
+    Without finite elements: all matrices are those that the run kept.
+
+    Parameters
+    ----------
+    results
+        Of a finished run.
+    path
+        History, see :mod:`faying.study.stages.imported_history`.
+
+    Returns
+    -------
+    RecoveredRecord
+
+    Raises
+    ------
+    StudyError
+        If the run has no such method, or the history does not fit it.
+    FormatError
+        If the history cannot be read.
+    """
+    history = read_imported_history(path, reduced_model(results, MODAL_METHODS[0]).joint)
+    modal = history.coordinates is not None
+    method = options.method or (MODAL_METHODS[0] if modal else "compliance")
+    rom = reduced_model(results, method, options.joint_modes)
+    recovered, derivatives = (_from_modal if modal else _from_loads)(rom, history, options)
+    rubs = recovered.shear_forces is not None
+    return RecoveredRecord(
+        title=results.title,
+        units=results.units,
+        history=path.name,
+        route="modal" if modal else "boundary loads",
+        method=method,
+        joint_modes=rom.joint_modes,
+        derivatives=derivatives,
+        loads=tuple(history.loads),
+        times=np.asarray(recovered.times),
+        pressure=recovered.pressure,
+        gap=recovered.gap,
+        displacements={name: recovered.displacement(name) for name in rom.boundaries},
+        contact_force={name: recovered.contact_force(name) for name in results.interfaces},
+        bolt_force={name: recovered.bolt_force(name) for name in rom.bolts},
+        max_pressure=recovered.max_pressure,
+        iterations=recovered.iterations,
+        traction=recovered.traction if rubs else None,
+        slip=recovered.slip if rubs else None,
+    )
+
+
+def results_of(folder: Path | str) -> Results:
+    """Read the results of a finished run.
+
+    Raises
+    ------
+    StudyError
+        If the folder holds none.
+    FormatError
+        If they are damaged.
+    """
+    path = Path(folder) / "results.h5"
+    if not path.is_file():
+        message = f"{folder} holds no results.h5; name the folder of a finished 'faying run'"
+        raise StudyError(message)
+    return read_results(path)
+
+
+def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
+    """Find the largest pressure, and traction, on every interface."""
+    vectors = recovered.traction
+    size = None if vectors is None else np.linalg.norm(vectors, axis=-1)
+    for name, interface in results.interfaces.items():
+        own = recovered.pressure[:, slice(*interface.slice)]
+        row, column = np.unravel_index(int(own.argmax()), own.shape)
+        yield Peak(
+            interface=name,
+            pressure=float(own[row, column]),
+            point=tuple(interface.points[column].tolist()),
+            time=float(recovered.times[row]),
+            contact_force=float(recovered.contact_force[name][row]),
+            traction=None if size is None else float(size[:, slice(*interface.slice)].max()),
+        )
+
+
+def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) -> dict[str, Matrix]:
+    """Return nodal averages at the instant of the largest pressure, for pictures."""
+    units, record = units_of(results.units), results.interfaces[interface]
+    instant = int(recovered.max_pressure.argmax())
+    # Averages are largest where values are, but not always at the same instant.
+    averages = nodal_average(record, recovered.pressure)
+    fields = {
+        f"pressure [{units.pressure}]": averages[instant],
+        f"gap [{units.length}]": nodal_average(record, recovered.gap[instant]),
+        f"largest pressure over time [{units.pressure}]": averages.max(axis=0),
+    }
+    if recovered.traction is not None:
+        tractions = nodal_average(record, np.linalg.norm(recovered.traction, axis=-1))
+        fields[f"traction [{units.pressure}]"] = tractions[instant]
+        fields[f"largest traction over time [{units.pressure}]"] = tractions.max(axis=0)
+    return fields
+
+
+def reduced_model(results: Results, method: str, joint_modes: int | None = None) -> ReducedModel:
+    """Return a reduced model of a run.
+
+    Parameters
+    ----------
+    joint_modes
+        Which of those of the method; it may have one only unless given.
+
+    Raises
+    ------
+    StudyError
+        If the run kept none, or no such one.
+    """
+    if not results.reduced:
+        message = (
+            f"the results of '{results.title}' hold no port compliance: they are of an older "
+            f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
+            "study again, or recover in Python with faying.recover_from_modal"
+        )
+        raise StudyError(message)
+    if method not in results.reduced:
+        message = (
+            f"the run has no reduced model '{method}'; "
+            f"{nearest(method, results.reduced)} (it has {quoted(results.reduced)})"
+        )
+        raise StudyError(message)
+    sizes = results.reduced[method]
+    if joint_modes is None and len(sizes) == 1:
+        return next(iter(sizes.values()))
+    known = ", ".join(map(str, sizes))
+    if joint_modes is None:
+        message = f"method '{method}' was run with {known} joint modes; say with --joint-modes"
+        raise StudyError(message)
+    if joint_modes not in sizes:
+        message = (
+            f"the run has no model '{method}' with {joint_modes} joint modes; it was run with "
+            f"{known}, not {joint_modes}: change --joint-modes"
+        )
+        raise StudyError(message)
+    return sizes[joint_modes]
+
+
+def _from_modal(
+    rom: ReducedModel, history: ImportedHistory, options: RecoverOptions
+) -> tuple[Recovered, str]:
+    """Recover from coordinates; also say where derivatives come from."""
+    for name in ("step", "integrator"):
+        if getattr(options, name) is not None:
+            message = f"{history.path} is a modal history and is not simulated; remove --{name}"
+            raise StudyError(message)
+    q, kinds = np.asarray(history.coordinates), rom.basis.kinds
+    if q.shape[1] != len(kinds):
+        each = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+        message = (
+            f"{history.path} has {q.shape[1]} coordinates, but the basis of '{rom.method}' has "
+            f"{len(kinds)} ({each}); give all in this order, or name another --method"
+        )
+        raise StudyError(message)
+    v, a, derivatives = _derivatives(history, q, options)
+    recovered = recover_from_modal(
+        rom.recovery,
+        history.times,
+        q,
+        Load(_histories(history), name=history.path.name),
+        velocities=v,
+        accelerations=a,
+        frame_motion=history.frame,
+    )
+    return recovered, derivatives
+
+
+def _derivatives(
+    history: ImportedHistory, q: Matrix, options: RecoverOptions
+) -> tuple[Matrix | None, Matrix | None, str]:
+    """Velocities and accelerations as given or by differences; None is left to a spline."""
+    given = {"velocities": history.velocities, "accelerations": history.accelerations}
+    missing = [name for name, values in given.items() if values is None]
+    if not missing:
+        return history.velocities, history.accelerations, "both from the history"
+    way = options.derivatives or "spline"
+    if len(q) < FEWEST[way]:
+        message = (
+            f"{history.path} has {len(q)} instants, too few to derive {' and '.join(missing)}; "
+            f"give {FEWEST[way]} or more instants, or the derivatives"
+        )
+        raise StudyError(message)
+    text = f"{' and '.join(missing)} by {'a cubic spline' if way == 'spline' else 'differences'}"
+    if way == "spline":
+        return history.velocities, history.accelerations, text
+    v, a = backward_differences(history.times, q)
+    return (
+        v if history.velocities is None else history.velocities,
+        a if history.accelerations is None else history.accelerations,
+        text,
+    )
+
+
+def _from_loads(
+    rom: ReducedModel, history: ImportedHistory, options: RecoverOptions
+) -> tuple[Recovered, str]:
+    """Simulate under boundary forces, then recover."""
+    if options.derivatives is not None:
+        message = f"{history.path} has boundary forces only; remove --derivatives"
+        raise StudyError(message)
+    if history.frame is not None:
+        message = (
+            f"{history.path} has supports that move but no coordinates; give q1, q2, … too, for "
+            "only supports at rest are simulated here"
+        )
+        raise StudyError(message)
+    if len(history.times) < 2 or history.times[0] != 0:
+        message = (
+            f"{history.path}: boundary forces need two or more instants, the first at time 0, "
+            "when the joint rests under its bolts; add one"
+        )
+        raise StudyError(message)
+    recovered = recover_from_boundary_loads(
+        rom,
+        history.times,
+        history.loads,
+        step=options.step,
+        integrator=options.integrator,
+        name=history.path.name,
+    )
+    return recovered, "simulated"
+
+
+def _histories(history: ImportedHistory) -> Mapping[str, History]:
+    times: Vector = history.times
+    return {name: History(times, values) for name, values in history.loads.items()}

@@ -1,0 +1,120 @@
+"""What the load cases of a run are compared with: the full model, or the best reduced one."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.reduction.craig_bampton import craig_bampton
+from faying.reduction.projection import completed, projected
+from faying.study.keys.tables import Study
+from faying.study.results.second_solution import Remedy
+from faying.study.results.values import FULL_MODEL, Response
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.path_cases import has_friction
+from faying.study.stages.progress import Stages
+
+FULL_UP_TO = 100_000
+"""Free degrees of freedom up to which everything is compared with the full model by default.
+
+A step of the full model takes some tenths of a second there, a response of some hundred steps
+minutes.
+"""
+
+MORE_MODES = 2
+"""Normal modes of the reduced reference over those of the study."""
+
+Kind = Literal["full", "worst", "none"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Reference:
+    """What load cases are compared with.
+
+    Attributes
+    ----------
+    kind
+        ``"full"``; ``"worst"``, the full model for the worst static cases only; or ``"none"``.
+    reason
+        Why, where the study leaves it open; empty otherwise.
+    system
+        The model that solves them, unless a case is confirmed by the full one.
+    name
+        What people call it.
+    """
+
+    kind: Kind
+    reason: str
+    system: System
+    name: str = FULL_MODEL
+
+
+REDUCED = "reference"
+"""Label of a reduced model that the methods are compared with."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A load case solved by what methods are compared with.
+
+    Attributes
+    ----------
+    name
+        What people call the model.
+    label
+        What its responses are kept under.
+    remedy
+        Of a transient that was solved again.
+    """
+
+    response: Response
+    system: System
+    name: str
+    label: str = REDUCED
+    remedy: Remedy | None = None
+
+
+def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
+    """Return the kind of reference of a study, and why where the study leaves it open."""
+    asked, n_dof = study.validation.reference, model.structure.n_dof
+    if has_friction(model):
+        reason = "with friction, all load cases are compared with the full model"
+        return "full", "" if asked in (None, "full") else reason
+    if asked is not None:
+        return asked, ""
+    if n_dof <= FULL_UP_TO:
+        return "full", ""
+    return "worst", (
+        f"the model has {n_dof} free degrees of freedom, and only up to {FULL_UP_TO} load cases "
+        'are compared with the full model unless [validation] reference = "full" asks for it'
+    )
+
+
+def reference_of(
+    study: Study, joint: PreparedJoint, normal_modes: int, stages: Stages
+) -> Reference:
+    """Return what the load cases of a study are compared with.
+
+    Without the full model that is method ``compliance`` with twice the normal modes, static
+    solutions of which are those of the full model; what the other methods differ from it in
+    transients is a check of their number of modes.
+
+    Parameters
+    ----------
+    normal_modes
+        Of the methods.
+
+    Notes
+    -----
+    Twice the normal modes cost another Lanczos run.
+    """
+    kind, reason = reference_kind(study, joint.model)
+    if kind == "full":
+        return Reference(kind=kind, reason=reason, system=joint.model)
+    model: Model = joint.model
+    modes = min(MORE_MODES * normal_modes, len(model.structure.interior))
+    with stages.stage("reduced reference"):
+        rom = projected(model, craig_bampton(model, normal_modes=modes), compliance=True)
+        (rom,) = completed(model, [rom])
+    name = f"compliance with {modes} normal modes" if modes else "compliance"
+    return Reference(kind=kind, reason=reason, system=rom, name=name)

@@ -1,0 +1,230 @@
+"""The joint of a run judged over its load cases, whatever solved them."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from faying.assessment.case_metrics import bent_bolts
+from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
+from faying.assessment.joint_assessment import judged
+from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.opening import Openings, areas_that_open, opening_factors
+from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
+from faying.assessment.requirements import Requirements
+from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
+from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.strength.clamp_ends import clamp_checks
+from faying.assessment.strength.preload_ends import preload_ends
+from faying.assessment.strength.stressed import with_threads
+from faying.assessment.strength.thread import Thread
+from faying.assessment.verdicts import wanted_clamps
+from faying.joint.bolt_surroundings import surroundings
+from faying.joint.model import Model
+from faying.joint.tangential import tangential_rows
+from faying.reduction.projection import contact_surfaces
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import Load
+from faying.simulation.without_friction import pressures_without_friction
+from faying.study.inputs.loads import case_load
+from faying.study.judgement.comparison import increments
+from faying.study.judgement.margins import demanded_checks
+from faying.study.keys.requirement_rules import requirements_of
+from faying.study.keys.tables import LoadCaseSection, Study
+from faying.study.keys.threads import preload_ranges, threads_of
+from faying.study.results.values import CaseResult
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.optional import Extras
+from faying.study.stages.path_cases import has_friction
+from faying.study.stages.progress import Stages
+
+
+def assess_run(
+    study: Study,
+    joint: PreparedJoint,
+    cases: Mapping[str, CaseResult],
+    stages: Stages,
+    extras: Extras,
+    exact: Model | ReducedModel,
+) -> Assessment | None:
+    """Judge the joint over the references of all load cases; None where that failed.
+
+    Parameters
+    ----------
+    exact
+        Whose static pressures are those of the full model; preloads scatter on it.
+
+    Static load cases without friction are certified, and followed to their openings.
+    """
+    model = joint.model
+    with stages.stage("joint assessment"), extras.attempt("joint assessment"):
+        wanted = requirements_of(study.requirement)
+        static = [case for case in study.load_cases if case.kind == "static"]
+        smooth = [] if has_friction(model) else static
+        intervals = _intervals(joint, smooth, cases, extras)
+        reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
+        states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
+        demands: dict[tuple[str, str], SlipDemand] = {}
+        with extras.attempt("slip by sums"):
+            demands = _demands(joint, study, wanted)
+        rest = CaseState(
+            pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
+            bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
+            bolt_moments={
+                n: joint.rest.bolt_bending(n).reshape(-1, 2, 2)[-1:]
+                for n in bent_bolts(model.bolts)
+                if all(n in one.bolt_moments for one in states.values())
+            },
+        )
+        found = judged(
+            contact_surfaces(model),
+            model.bolts,
+            rest,
+            states,
+            wanted,
+            {**_paths(joint, smooth, wanted, extras), **_rubbed_paths(static, reserves)},
+            reserves,
+            demands,
+        )
+        threads = threads_of(study)
+        found = replace(found, scatter=_scatter(study, exact, static, threads, extras))
+        with extras.attempt("strength of bolts"):
+            loads = {case.name: case_load(case) for case in smooth}
+            goal = joint.loaded.preloads
+            ends = preload_ends(exact, rest, states, loads, preload_ranges(study), goal)
+            surfaces = contact_surfaces(model)
+            limits = wanted_clamps(wanted.min_clamp_force, surfaces)
+            found = replace(found, checks=tuple(clamp_checks(ends, surfaces, limits, study.units)))
+            counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
+            found = with_threads(found, states, threads, study.units, ends, counted)
+        with extras.attempt("margins of bolts"):
+            every, rubs = [case_load(case) for case in static], _coefficients(model, wanted)
+            checks = demanded_checks(study, exact, threads, every, rubs, found)
+            return replace(found, checks=checks)
+        return found
+    return None
+
+
+def _scatter(
+    study: Study,
+    exact: Model | ReducedModel,
+    static: list[LoadCaseSection],
+    threads: Mapping[str, Thread],
+    extras: Extras,
+) -> tuple[Spread, ...]:
+    """Return what scatter of the preloads does to static load cases."""
+    if study.preload_scatter is None:
+        return ()
+    scatter = PreloadScatter(**study.preload_scatter.model_dump())
+    spreads: list[Spread] = []
+    with extras.attempt("preload scatter"):
+        surfaces = exact.interfaces if isinstance(exact, ReducedModel) else contact_surfaces(exact)
+        for case in static:
+            spreads += preload_spreads(exact, surfaces, case_load(case), scatter, threads)
+    return tuple(spreads)
+
+
+def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
+    """Return a load case as it is judged: over all instants, or all increments of its paths."""
+    response, paths = case.reference, increments(case.reference)
+    states = [np.atleast_2d(response.pressure), *(one.pressure for one in paths)]
+    pressure = np.concatenate(states)
+    moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
+    return CaseState(
+        pressure=pressure,
+        bolt_forces={
+            name: np.concatenate([np.atleast_1d(force), *(one.bolt_forces[name] for one in paths)])
+            for name, force in response.bolt_forces.items()
+        },
+        certified=certified,
+        retightened=any(
+            name in response.bolt_forces and (one.factors[:, column] != 1).any()
+            for one in paths
+            for column, name in enumerate(one.loads)
+        ),
+        times=case.times,
+        # Of increments bending is known at the last one, which stands for the others.
+        bolt_moments={
+            name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
+            for name, ends in moments.items()
+        },
+    )
+
+
+def _intervals(
+    joint: PreparedJoint,
+    static: list[LoadCaseSection],
+    cases: Mapping[str, CaseResult],
+    extras: Extras,
+) -> dict[str, CertifiedClamps]:
+    """Return the certified clamp forces of static load cases."""
+    if not static:
+        return {}
+    with extras.attempt("certified bounds"):
+        start = np.zeros(1)
+        inputs = np.concatenate([case_load(case).inputs(joint.model, start) for case in static])
+        pressure = np.array([cases[case.name].reference.pressure for case in static])
+        areas = surroundings(contact_surfaces(joint.model), joint.model.bolts)
+        found = joint.certifier.certify_inputs(inputs, pressure, areas)
+        return {case.name: certified_clamps(found, row) for row, case in enumerate(static)}
+    return {}
+
+
+ENDS = ("forth", "back")
+"""What the ends of the largest cycle are called, at plus and minus its amplitude."""
+
+
+def _demands(
+    joint: PreparedJoint, study: Study, wanted: Requirements
+) -> dict[tuple[str, str], SlipDemand]:
+    """Return the friction that static load cases and ends of cycles need, as if there were none."""
+    model, loads = joint.model, list[Load]()
+    for case in study.load_cases:
+        load, most = case_load(case), max(case.amplitudes or (1.0,))
+        if case.kind == "static":
+            loads.append(load)
+        elif case.kind == "cycle":
+            for end, factor in zip(ENDS, (most, -most), strict=True):
+                loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
+    if not loads:
+        return {}
+    coefficients = _coefficients(model, wanted)
+    names, start = [load.name for load in loads], np.zeros(1)
+    inputs = np.concatenate([load.inputs(model, start) for load in loads])
+    pressure = pressures_without_friction(model, inputs)
+    rows, surfaces = tangential_rows(model), contact_surfaces(model)
+    return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)
+
+
+def _coefficients(model: Model, wanted: Requirements) -> dict[str, float]:
+    """Return the coefficient that each interface is judged with, of those that have one."""
+    known = {name: one.law.friction for name, one in model.interfaces.items()}
+    smooth = [name for name, friction in known.items() if not friction > 0]
+    own = {name: friction for name, friction in known.items() if friction > 0}
+    return own | slip_coefficients(wanted.slip_friction, smooth)
+
+
+def _paths(
+    joint: PreparedJoint, static: list[LoadCaseSection], wanted: Requirements, extras: Extras
+) -> dict[str, Openings]:
+    """Follow static load cases without friction to their openings; not those where that failed."""
+    model, found, start = joint.model, dict[str, Openings](), np.zeros(1)
+    areas = areas_that_open(model.interfaces, model.contact.slices, model.bolts)
+    for case in static:
+        with extras.attempt(f"{case.name}, load factors of opening"):
+            inputs = case_load(case).inputs(model, start)[0]
+            found[case.name] = opening_factors(model, inputs, areas, open_below=wanted.open_share)
+    return found
+
+
+def _rubbed_paths(
+    static: list[LoadCaseSection], reserves: Mapping[str, SlipReserve]
+) -> dict[str, Openings]:
+    """Return the openings of static load cases that were followed with friction."""
+    return {
+        case.name: Openings(
+            opened=dict(zip(one.areas, one.openings, strict=True)), followed=one.largest
+        )
+        for case in static
+        if (one := reserves.get(case.name)) is not None and one.areas
+    }

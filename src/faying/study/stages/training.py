@@ -1,0 +1,81 @@
+"""The step responses that train method B, some of them side by side."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from faying.execution.checkpoint import Arrays
+from faying.execution.groups import grouped
+from faying.execution.transients import step_responses
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.simulation.stepping import TransientSolver
+from faying.study.inputs.loads import training_box
+from faying.study.inputs.timing import time_span, time_step
+from faying.study.keys.tables import TrainingSection
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StepTraining:
+    """Training steps of a joint, Eqs. (15.27) to (15.29).
+
+    Attributes
+    ----------
+    training
+        What the study says about them.
+    period
+        Longest period of the preloaded joint [time].
+    solver
+        Makes what they are computed with, when the first is.
+    rest
+        Where they start, if that is known.
+    """
+
+    training: TrainingSection
+    period: float
+    solver: Callable[[], TransientSolver]
+    rest: Solution | None
+
+    @property
+    def n_steps(self) -> int:
+        """Time steps of one response."""
+        step = time_step(self.training, self.period)
+        return round(time_span(self.training, self.period) / step)
+
+    def forces(
+        self, numbers: Sequence[int], progress: Callable[[int], object] | None = None
+    ) -> Iterator[Arrays]:
+        """Yield ``forces``, λ (n_point, n_time) [force], of the responses to some of the loads."""
+        loads = step_loads(self.training)
+        found = step_responses(
+            self._solver,
+            [loads[number] for number in numbers],
+            duration=time_span(self.training, self.period),
+            initial=self.rest,
+            progress=progress,
+        )
+        return map(_forces, found)
+
+    @cached_property
+    def _solver(self) -> TransientSolver:
+        return self.solver()
+
+
+def _forces(solution: Solution) -> Arrays:
+    return {"forces": solution.contact_forces.T}
+
+
+def step_loads(training: TrainingSection) -> Sequence[Load]:
+    """Return the loads of the training steps."""
+    return training_box(training).step_loads() if training.dynamics else []
+
+
+def step_key(number: int) -> str:
+    """Return the key that a training step is kept under."""
+    return f"training step {number}"
+
+
+def step_groups(training: TrainingSection) -> list[dict[str, int]]:
+    """Return which training steps are computed together: their keys and numbers."""
+    numbers = range(len(step_loads(training)))
+    return grouped({step_key(number): number for number in numbers})

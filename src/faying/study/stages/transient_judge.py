@@ -1,0 +1,59 @@
+"""What a run knows of the pressures of a reduced transient beside the transient itself."""
+
+from dataclasses import dataclass, replace
+
+from faying.assessment.accuracy import Accuracy
+from faying.assessment.recovery import recover_pressure
+from faying.assessment.transient_error import finer_model, transient_error
+from faying.simulation.integrators import Integrator
+from faying.simulation.load import Load
+from faying.simulation.solution import Solution
+from faying.study.results.values import Response
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.optional import Extras
+from faying.study.stages.path_cases import has_friction, rest_state
+from faying.study.stages.progress import Stages
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TransientJudge:
+    """What judges reduced transients of one joint, as extras that may fail."""
+
+    joint: PreparedJoint
+    stages: Stages
+    extras: Extras
+
+    def judged(
+        self,
+        name: str,
+        response: Response,
+        solution: Solution,
+        load: Load,
+        integrator: Integrator,
+        *,
+        recovered: bool,
+    ) -> Response:
+        """Return the response of a reduced transient with its estimated errors.
+
+        Parameters
+        ----------
+        name
+            Of load case and model.
+        recovered
+            Whether pressures are recovered from the motion too.
+        """
+        if recovered:
+            with self.stages.stage("recovery"), self.extras.attempt(f"{name}, recovered pressures"):
+                found = recover_pressure(self.joint.model, solution).pressure
+                response = replace(response, recovered_pressure=found)
+        estimate = None
+        with self.stages.stage("estimated errors"), self.extras.attempt(f"{name}, estimated error"):
+            estimate = self._estimate(solution, load, integrator)
+        return replace(response, estimate=estimate)
+
+    def _estimate(self, solution: Solution, load: Load, integrator: Integrator) -> Accuracy:
+        """Estimate how far off a transient is from that of the full model, without it."""
+        finer = finer_model(self.joint.model, solution)
+        rubs = has_friction(self.joint.model)
+        initial = rest_state(finer, self.joint.preload_path) if rubs else None
+        return transient_error(finer, solution, load, integrator=integrator, initial=initial)

@@ -1,0 +1,97 @@
+"""The expensive pieces of a run, computed by workers before it and found finished by it.
+
+These are integrations of the full model: transient load cases, with their step and with half of it,
+and the training steps of method B, in the groups that a run without workers computes side by side
+too. Static solutions take milliseconds once the joint is condensed, and reduced models need bases,
+which would cost every worker more than they give.
+"""
+
+from collections.abc import Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+
+from faying import __version__
+from faying.exceptions import ConvergenceError, StudyError
+from faying.execution.campaign import run_grouped_campaign
+from faying.execution.checkpoint import Arrays, Checkpoint
+from faying.execution.executor import Executor, Function
+from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.inputs.loads import is_trained
+from faying.study.keys.schema import parse_study
+from faying.study.keys.tables import Study
+from faying.study.results.responses import packed
+from faying.study.stages.full_transients import FullTransient, case_groups, full_transients
+from faying.study.stages.offline import PreparedJoint, prepare_joint, step_training
+from faying.study.stages.progress import Stages
+from faying.study.stages.reference import reference_kind
+from faying.study.stages.training import StepTraining, step_groups
+
+Piece = int | FullTransient
+"""A training step by its number, or a transient of a load case."""
+
+
+def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
+    """Return the pieces that are worth a worker, in groups, by the keys the run knows them by.
+
+    Parameters
+    ----------
+    full
+        Whether load cases are compared with the full model.
+    """
+    groups = case_groups(study.load_cases, half_step=study.validation.half_step) if full else []
+    found: list[dict[str, Piece]] = [{**group} for group in groups]
+    training = study.reduction.training
+    if is_trained(study) and training.system == "full":
+        found += [{**group} for group in step_groups(training)]
+    return found
+
+
+def compute_pieces(
+    study: Study, executor: Executor, checkpoint: Checkpoint, stages: Stages
+) -> None:
+    """Have workers compute the pieces that are not there yet.
+
+    A piece without solution is left to the run, which knows whether it can do without.
+
+    Raises
+    ------
+    FayingError
+        As the run would raise, or if workers fail; what is finished is kept to resume from.
+    """
+    asked = study.validation.reference == "full"
+    full = asked or reference_kind(study, build_loaded(load_model(study)))[0] == "full"
+    groups = pieces(study, full=full)
+    total = sum(map(len, groups))
+    with stages.stage("workers", total) as advance, suppress(ConvergenceError):
+        prepare = partial(prepare_pieces, study.source.text, study.source.path, __version__)
+        run_grouped_campaign(
+            prepare, groups, executor, keep=checkpoint, progress=lambda _: advance(1)
+        )
+
+
+def prepare_pieces(text: str, path: Path, version: str) -> Function:
+    """Prepare the joint of a study on a worker, which sees its files under the same path.
+
+    Raises
+    ------
+    StudyError
+        If the worker has another version of faying, or lacks a file of the study.
+    """
+    if version != __version__:
+        message = (
+            f"a worker has faying {__version__}, this run is of {version}; "
+            "install the same version everywhere"
+        )
+        raise StudyError(message)
+    study = parse_study(text, path)
+    joint = prepare_joint(study, Stages(None))
+    return partial(_computed, joint, step_training(study, joint, None))
+
+
+def _computed(joint: PreparedJoint, steps: StepTraining, group: Sequence[Piece]) -> list[Arrays]:
+    numbers = [piece for piece in group if isinstance(piece, int)]
+    transients = [piece for piece in group if not isinstance(piece, int)]
+    if numbers:
+        return list(steps.forces(numbers))
+    return list(map(packed, full_transients(joint, transients)))
