@@ -15,7 +15,7 @@ from faying.model.dofs import DofMap
 from faying.model.generate import Cells, brick_grid, shaped
 from faying.model.mesh import CellBlock, Mesh
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import N_NODES, exterior_facets
+from faying.model.surface import exterior_facets
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
 SIZE = np.array([10.0, 8.0, 3.0])
@@ -94,8 +94,8 @@ def pressure_loads(assembly, facets, pressure):
     """Consistent nodal loads (n_node, 3) of a pressure on facets."""
     nodes = assembly.mesh.nodes
     loads = np.zeros_like(nodes)
-    for kind, some in facets.by_kind().items():
-        rule, table = gauss_rule(kind), some.nodes[:, : N_NODES[kind]]
+    for kind, table in facets.by_kind().items():
+        rule = gauss_rule(kind)
         vectors = area_vectors(kind, nodes[table], rule.points) * rule.weights[:, None]
         shares = np.einsum("qa,fqd->fad", shape_functions(kind, rule.points), vectors)
         np.add.at(loads, table, -pressure * shares)

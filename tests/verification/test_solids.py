@@ -278,14 +278,14 @@ def test_face_normals_point_out_and_sum_to_the_volume(kind):
     cell = one_sheared_cell(solid_block(kind, (1, 1, 1), SIZE)).nodes
     centre = cell[: element.n_corners].mean(axis=0)
     total = 0.0
-    for face_kind, local in element.faces:
-        n_corner = int(face_kind[-1]) if face_kind in ("tri3", "quad4") else len(local) // 2
+    for face, local in element.faces:
+        n_corner = face.n_corners
         corners = cell[list(local[:n_corner])]
         vector, moment = face_integrals(corners)
         assert vector @ (corners.mean(axis=0) - centre) > 0
         total += moment
         # Mid-side k lies between corners k and k + 1.
-        for k, middle in enumerate(local[n_corner:]):
+        for k, middle in enumerate(local[n_corner : 2 * n_corner]):
             ends = (corners[k] + corners[(k + 1) % n_corner]) / 2
             np.testing.assert_allclose(cell[middle], ends, atol=1e-14)
     M, _ = nodal_matrices(solid_assembly(one_sheared_cell(solid_block(kind, (1, 1, 1), SIZE))))
@@ -345,8 +345,8 @@ def test_on_a_face_only_its_nodes_count_and_as_in_the_facet(kind):
     """So that solids of any kind conform where they share a face."""
     element = SOLIDS[kind]
     local = np.array([[0.2, 0.3], [0.5, 0.1], [0.25, 0.6]])
-    for face_kind, face in element.faces:
-        on_facet = facet_shape_functions(face_kind, local)
+    for kind_of_face, face in element.faces:
+        on_facet = facet_shape_functions(kind_of_face.name, local)
         values = shape_values(element, on_facet @ element.reference_nodes[list(face)])
         np.testing.assert_allclose(values[:, list(face)], on_facet, atol=1e-14)
         others = np.setdiff1d(np.arange(element.n_nodes), face)

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
-from faying.model.surface import N_CORNERS
+from faying.model.elements import FACES
 
 AT_ONCE = 2_000_000
 """Numbers of all links and cases in memory at a time."""
@@ -54,13 +54,13 @@ def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
     rows = _pair_rows(surface)
     edges, links = [], [np.repeat(np.arange(len(surface.pairs))[:, None], 2, axis=1)]
     for pairs in surface.faces:
-        nodes, corners = rows[pairs.minus], N_CORNERS[pairs.kind]
+        nodes, corners = rows[pairs.minus], FACES[pairs.kind].n_corners
         width = nodes.shape[1]
         one, other = np.divmod(np.arange(width**2), width)
         links.append(np.stack([nodes[:, one], nodes[:, other]], axis=2).reshape(-1, 2))
         here, following = nodes[:, :corners], np.roll(nodes[:, :corners], -1, axis=1)
         # Mid-side nodes belong to the edge of the corners before and behind them.
-        middle = nodes[:, corners:] if width > corners else here
+        middle = nodes[:, corners : 2 * corners] if width > corners else here
         edges.append(np.stack([here, following, middle], axis=2).reshape(-1, 3))
     rim = _rim(np.concatenate(edges))
     loop = _loops(rim, len(surface.pairs))

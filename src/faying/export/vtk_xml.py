@@ -17,14 +17,11 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.files.atomic import replacing
-from faying.model.elements import SOLIDS
+from faying.model.elements import FACES, SOLIDS
 
 CELL_TYPES = {
     "line2": 3,
-    "tri3": 5,
-    "quad4": 9,
-    "tri6": 22,
-    "quad8": 23,
+    **{kind: face.vtk for kind, face in FACES.items()},
     **{kind: element.elsewhere.vtk for kind, element in SOLIDS.items()},
 }
 """VTK's numbers of the cell kinds."""

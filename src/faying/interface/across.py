@@ -12,8 +12,9 @@ from faying.interface.reach import Reach, facet_depths
 from faying.interface.segments import Segments, find_segments
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
+from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import N_CORNERS, N_NODES, Facets, facet_area_vectors
+from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
 
 _SHARE = 2.5 * DEFAULT_TOLERANCE
 """Share of a facet that its neighbours' partners may cover where nodes miss by the tolerance."""
@@ -55,19 +56,22 @@ def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ..
     minus_of, plus_of = _partners(nodes, segments)
     minus, plus = segments.minus.taken(minus_of), segments.plus.taken(plus_of)
     one_each = all(len(np.unique(of)) == len(of) for of in (minus_of, plus_of))
-    if not len(minus) or not one_each or not np.array_equal(minus.counts, plus.counts):
+    if not len(minus) or not one_each or not _same_kinds(minus, plus):
         return ()
     entries = []
-    for kind, n in N_NODES.items():
-        rows = np.flatnonzero(minus.counts == n)
-        own, other = minus.nodes[rows, :n], plus.nodes[rows, :n]
-        columns = _columns(kind, nodes[own], nodes[other], segments.frames[minus_of[rows]])
+    for kind, rows in rows_by_kind(minus.nodes).items():
+        n_node = FACES[kind].n_nodes
+        below, above = minus.nodes[rows, :n_node], plus.nodes[rows, :n_node]
+        columns = _columns(kind, nodes[below], nodes[above], segments.frames[minus_of[rows]])
         if columns is None:
             return ()
-        if len(rows):
-            aligned = np.take_along_axis(other, columns, axis=1)
-            entries.append(FacePairs(kind=kind, minus=own, plus=aligned))
+        aligned = np.take_along_axis(above, columns, axis=1)
+        entries.append(FacePairs(kind=kind, minus=below, plus=aligned))
     return tuple(entries)
+
+
+def _same_kinds(minus: Facets, plus: Facets) -> bool:
+    return np.array_equal(minus.nodes >= 0, plus.nodes >= 0)
 
 
 def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
@@ -89,7 +93,7 @@ def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices 
     own, other = (np.einsum("nkd,nad->nka", x, frames[:, :2]) for x in (minus, plus))
     apart = np.linalg.norm(own[:, :, None] - other[:, None], axis=3)
     nearest: Indices = apart.argmin(axis=2)
-    corners = own[:, : N_CORNERS[kind]]
+    corners = own[:, : FACES[kind].n_corners]
     edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     miss = np.take_along_axis(apart, nearest[..., None], axis=2)[..., 0]
     single = (np.sort(nearest, axis=1) == np.arange(minus.shape[1])).all()

@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, SparseMatrix, Vector, read_only
 from faying.interface.facets import reference_nodes, shape_functions
-from faying.model.surface import LINEAR
+from faying.model.elements import FACES
 
 
 def averaging_operator(
@@ -62,7 +62,7 @@ def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> Spar
     """
     rows, columns, values = [], [], []
     for kind, pairs in facets:
-        linear = shape_functions(LINEAR[kind], reference_nodes(kind))
+        linear = shape_functions(FACES[kind].linear, reference_nodes(kind))
         node, corner = np.nonzero(linear)
         rows.append(pairs[:, node].ravel())
         columns.append(pairs[:, corner].ravel())

@@ -7,17 +7,8 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.interface.curved_surface import arc_heights
 from faying.interface.facets import shape_functions
-from faying.model.surface import N_NODES, Facets, facet_centres, facet_normals, padded
-
-_CENTRE = 8
-"""Local number of the point at the centre of a quad8, beyond its nodes."""
-
-_CELLS = {
-    "tri3": ((0, 1, 2),),
-    "quad4": ((0, 1, 2, 3),),
-    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
-    "quad8": ((0, 4, _CENTRE, 7), (4, 1, 5, _CENTRE), (_CENTRE, 5, 2, 6), (7, _CENTRE, 6, 3)),
-}
+from faying.model.elements import FACES
+from faying.model.surface import Facets, facet_centres, facet_normals, padded, rows_by_kind
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -27,7 +18,7 @@ class Cells:
     Attributes
     ----------
     points : (n_point, 3) [length]
-        Nodes of the mesh and centres of quad8.
+        Nodes of the mesh and centres of facets that have no node there.
     facets : (n_cell)
         In terms of these points.
     parents : (n_cell,)
@@ -68,18 +59,17 @@ def divided(nodes: Matrix, facets: Facets) -> Cells:
 
     With half the chords the cells follow curved sides four times as closely as the corners do.
     """
-    counts, points = facets.counts, [nodes]
-    tables: list[Indices] = []
-    parents: list[Indices] = []
-    for kind, n in N_NODES.items():
-        rows = np.flatnonzero(counts == n)
-        table = facets.nodes[rows, :n]
-        if kind == "quad8":
+    points = [nodes]
+    tables: list[Indices] = [facets.nodes[:0]]
+    parents: list[Indices] = [np.empty(0, dtype=np.int64)]
+    for kind, rows in rows_by_kind(facets.nodes).items():
+        face = FACES[kind]
+        table, local = facets.nodes[rows, : face.n_nodes], np.array(face.cells)
+        if local.max() == face.n_nodes:
             shape = shape_functions(kind, np.array([[0.5, 0.5]]))[0]
-            first = len(nodes)
+            centres = sum(map(len, points)) + np.arange(len(rows))
             points.append(np.einsum("a,fad->fd", shape, nodes[table]))
-            table = np.column_stack([table, first + np.arange(len(rows))])
-        local = np.array(_CELLS[kind])
+            table = np.column_stack([table, centres])
         tables.append(padded(table[:, local].reshape(-1, local.shape[1])))
         parents.append(np.repeat(rows, len(local)))
     parent = np.concatenate(parents)

@@ -16,13 +16,11 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.interface.curved_surface import FLATNESS, corner_normals, standing_off
-from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
+from faying.interface.facets import Rule, gauss_rule, reference_nodes, shape_functions, surface
 from faying.interface.segment_points import FacetPoints, on_side
 from faying.interface.segments import Segments
-from faying.model.surface import LINEAR, N_CORNERS, N_NODES, Facets, facet_normals
-
-_DEGREE = {"tri3": 1, "quad4": 2, "tri6": 2, "quad8": 3}
-"""Polynomial degree of the shape functions on a parallelogram."""
+from faying.model.elements import FACES
+from faying.model.surface import Facets, facet_normals, rows_by_kind
 
 _RATIONAL = 8
 """Degrees more where a facet is no parallelogram: its shape functions are then no polynomials."""
@@ -90,7 +88,7 @@ class Coupling:
     @property
     def face_coverage(self) -> Vector:
         """Covered share of each facet (n_face,), in the order of ``Interface.faces``."""
-        order = np.concatenate(list(by_kind(self.segments.minus).values()))
+        order = np.concatenate(list(rows_by_kind(self.segments.minus.nodes).values()))
         share: Vector = np.minimum(self.segments.covered[order], 1.0)
         return np.where(self.segments.whole[order], 1.0, share)
 
@@ -161,18 +159,11 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
 def whole_weights(nodes: Matrix, facets: Facets) -> Matrix:
     """Return ∫ L dA over whole facets (n_facet, 4) [length²]; triangles have a zero last."""
     weights = np.zeros((len(facets), 4))
-    for kind, rows in by_kind(facets).items():
-        rule, n_corner = gauss_rule(kind), N_CORNERS[kind]
-        geometry = surface(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], rule)
-        weights[rows, :n_corner] = geometry.areas @ shape_functions(LINEAR[kind], rule.points)
+    for kind, rows in rows_by_kind(facets.nodes).items():
+        rule, n_corner = gauss_rule(kind), FACES[kind].n_corners
+        geometry = surface(kind, nodes[facets.nodes[rows, : FACES[kind].n_nodes]], rule)
+        weights[rows, :n_corner] = geometry.areas @ shape_functions(FACES[kind].linear, rule.points)
     return weights
-
-
-def by_kind(facets: Facets) -> dict[str, Indices]:
-    """Return the rows of each kind of facet present."""
-    counts = facets.counts
-    rows = {kind: np.flatnonzero(counts == n) for kind, n in N_NODES.items()}
-    return {kind: found for kind, found in rows.items() if len(found)}
 
 
 def _pairs(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
@@ -240,7 +231,7 @@ def _operator(
 
 def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
     """Integrate over the triangles, one combination of facet kinds after the other."""
-    kinds = [by_kind(facets) for facets in (segments.minus, segments.plus)]
+    kinds = [rows_by_kind(facets.nodes) for facets in (segments.minus, segments.plus)]
     sides = (segments.minus, segments.plus)
     flat = all(_is_flat(nodes, facets) for facets in sides)
     normals = [None if flat else corner_normals(nodes, facets) for facets in sides]
@@ -256,7 +247,8 @@ def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
 
 def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
     """Degree of the products to be integrated over triangles ``rows``."""
-    degree = _DEGREE[LINEAR[kinds[0]]] + max(_DEGREE[kind] for kind in kinds)
+    degree = FACES[FACES[kinds[0]].linear].total_degree
+    degree += max(FACES[kind].total_degree for kind in kinds)
     affine = _affine(nodes, segments.minus, segments.minus_of[rows])
     if affine and _affine(nodes, segments.plus, segments.plus_of[rows]):
         return degree
@@ -298,15 +290,15 @@ def _of_kinds(
 def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
     """Tell whether facets are triangles or parallelograms, with mid-side nodes half way."""
     used = facets.taken(np.unique(rows))
-    for kind, members in by_kind(used).items():
-        x = nodes[used.nodes[members, : N_NODES[kind]]]
-        corners = x[:, : N_CORNERS[kind]]
+    for kind, members in rows_by_kind(used.nodes).items():
+        x = nodes[used.nodes[members, : FACES[kind].n_nodes]]
+        corners = x[:, : FACES[kind].n_corners]
         away = np.zeros(1)
-        if N_CORNERS[kind] == 4:
+        if FACES[kind].n_corners == 4:
             away = np.abs(corners[:, 0] - corners[:, 1] + corners[:, 2] - corners[:, 3])
-        if x.shape[1] > N_CORNERS[kind]:
-            middle = (corners + np.roll(corners, -1, axis=1)) / 2
-            away = np.append(away, np.abs(middle - x[:, N_CORNERS[kind] :]))
+        if x.shape[1] > FACES[kind].n_corners:
+            middle = shape_functions(FACES[kind].linear, reference_nodes(kind)) @ corners
+            away = np.append(away, np.abs(middle - x))
         if away.max() > _AFFINE * np.ptp(corners, axis=1).max():
             return False
     return True
@@ -314,9 +306,9 @@ def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
 
 def _arc(side: FacetPoints, nodes: Matrix, facets: Facets, at: Indices, normals: Matrix) -> Matrix:
     """Height of the smooth surface over linear facets (n, n_q); quadratic ones follow it."""
-    if LINEAR[side.kind] != side.kind:
+    if FACES[side.kind].linear != side.kind:
         return np.zeros(side.shape.shape[:2])
-    n_corner = N_CORNERS[side.kind]
+    n_corner = FACES[side.kind].n_corners
     corners = nodes[facets.nodes[at, :n_corner]]
     return standing_off(side.shape, corners, normals[at, :n_corner])
 

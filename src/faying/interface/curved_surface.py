@@ -56,7 +56,7 @@ def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
     """
     own = facet_normals(nodes, facets)
     normals = np.repeat(own[:, None], 4, axis=1)
-    linear = facets.counts <= 4
+    linear = (facets.nodes[:, 4:] < 0).all(axis=1)
     if not linear.any():
         return normals
     used, local = np.unique(facets.corners[linear], return_inverse=True)

@@ -11,18 +11,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.model.surface import N_CORNERS
-
-_ELEMENTS = {
-    "tri3": "ElementTriP1",
-    "tri6": "ElementTriP2",
-    "quad4": "ElementQuad1",
-    "quad8": "ElementQuadS2",
-}
-
-# Pressure is interpolated by the same shape functions as displacement, so ∫ N_i N_j dA decides:
-# degree 2 and 4 on triangles, degree 2 and 4 per direction (2 and 3 points) on squares.
-_DEFAULT_ORDER = {"tri3": 2, "tri6": 4, "quad4": 2, "quad8": 3}
+from faying.model.elements import FACES
 
 # skfem holds triangle rules well beyond this; no interface needs more, and the limit gives the
 # message below instead of one from another package.
@@ -84,7 +73,7 @@ def shape_functions(kind: str, points: Matrix) -> Matrix:
     Parameters
     ----------
     kind
-        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+        Name of a :class:`~faying.model.elements.face_kind.FaceKind`.
     points : (n_q, 2)
         Reference coordinates.
 
@@ -117,25 +106,27 @@ def gauss_rule(kind: str, order: int | None = None) -> Rule:
     Parameters
     ----------
     kind
-        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+        Name of a :class:`~faying.model.elements.face_kind.FaceKind`.
     order
         Points per direction (quadrilaterals) or degree of exactness (triangles); None takes the
         lowest one that integrates pressure times shape functions exactly on a flat facet with
-        straight sides and evenly spaced nodes (2, 4, 2, 3 for tri3, tri6, quad4, quad8).
+        straight sides and evenly spaced nodes.
 
     Raises
     ------
     ModelError
         If the order is not between 1 and 12.
     """
-    chosen = _DEFAULT_ORDER[kind] if order is None else order
+    chosen = FACES[kind].gauss_order if order is None else order
     if not 1 <= chosen <= _LARGEST_ORDER:
         message = (
             f"quadrature order {chosen} for {kind} facets; "
             f"give a whole number from 1 to {_LARGEST_ORDER}"
         )
         raise ModelError(message)
-    points, weights = _square_gauss(chosen) if N_CORNERS[kind] == 4 else _triangle_gauss(chosen)
+    points, weights = (
+        _square_gauss(chosen) if FACES[kind].n_corners == 4 else _triangle_gauss(chosen)
+    )
     nodes = np.full(len(weights), -1, dtype=np.int64)
     return Rule(name=f"gauss-{chosen}", points=points, weights=weights, nodes=nodes)
 
@@ -150,20 +141,12 @@ def nodal_rule(kind: str) -> Rule:
     the centre, because the rule with its eight nodes alone has the weight -A/12 at the corners,
     and a contact point cannot stand for a negative area.
     """
+    weights = np.array(FACES[kind].nodal_weights)
     nodes = reference_nodes(kind)
-    if kind == "tri6":
-        points, weights, index = nodes[3:], np.full(3, 1 / 6), np.arange(3, 6)
-    elif kind == "quad8":
-        points = np.vstack([nodes, [[0.5, 0.5]]])
-        weights, index = np.array([1.0] * 4 + [4.0] * 4 + [16.0]) / 36, np.r_[:8, -1]
-    else:
-        area = 1.0 if kind == "quad4" else 0.5
-        points, weights, index = (
-            nodes,
-            np.full(len(nodes), area / len(nodes)),
-            np.arange(len(nodes)),
-        )
-    return Rule(name="nodal", points=points, weights=weights, nodes=index)
+    points = np.vstack([nodes, [[0.5, 0.5]]])[: len(weights)]
+    index = np.append(np.arange(len(nodes)), -1)[: len(weights)]
+    used = weights > 0
+    return Rule(name="nodal", points=points[used], weights=weights[used], nodes=index[used])
 
 
 def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
@@ -179,7 +162,7 @@ def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
         Areas use the true Jacobian |∂x/∂ξ × ∂x/∂η| of the curved facet.
     """
     points = np.einsum("qa,fad->fqd", shape_functions(kind, rule.points), coordinates)
-    if kind == "quad4" and (rule.nodes >= 0).all():
+    if kind == FACES[kind].linear and rule.name == "nodal":
         vectors = _corner_areas(kind, coordinates)
     else:
         vectors = area_vectors(kind, coordinates, rule.points) * rule.weights[:, None]
@@ -212,7 +195,7 @@ def area_vectors(kind: str, coordinates: Matrix, points: Matrix) -> Matrix:
 def _element(kind: str):  # type: ignore[no-untyped-def]  # skfem ships no types
     import skfem.element  # importing it takes a third of a second
 
-    return getattr(skfem.element, _ELEMENTS[kind])()
+    return getattr(skfem.element, FACES[kind].shape_functions)()
 
 
 def _square_gauss(order: int) -> tuple[Matrix, Vector]:

@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.interface.facets import shape_functions, shape_gradients
-from faying.model.surface import N_CORNERS
+from faying.model.elements import FACES
 
 _Position = Callable[[Matrix], tuple[Matrix, Matrix]]
 
@@ -24,7 +24,7 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     Parameters
     ----------
     kind
-        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
+        Name of a :class:`~faying.model.elements.face_kind.FaceKind`.
     nodes : (n, n_node_per_face, 2) [length]
         Nodes projected onto a plane.
     points : (n, n_q, 2) [length]
@@ -44,7 +44,7 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     -----
     Newton's method on all points at once, from the affine map at the centre.
     """
-    corner = [nodes[:, i] for i in range(N_CORNERS[kind])]
+    corner = [nodes[:, i] for i in range(FACES[kind].n_corners)]
     if len(corner) == 3:
         origin, centre = corner[0], 0.0
         sides = [corner[1] - corner[0], corner[2] - corner[0]]

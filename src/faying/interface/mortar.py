@@ -7,7 +7,7 @@ from faying.contact.laws import Law
 from faying.exceptions import ModelError, naming
 from faying.interface.across import reach_of
 from faying.interface.candidate_facets import candidates, touching_tolerance
-from faying.interface.coupling import Coupling, by_kind, couple
+from faying.interface.coupling import Coupling, couple
 from faying.interface.facets import area_vectors, reference_nodes
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import facet_place, raise_no_contact
@@ -20,8 +20,9 @@ from faying.interface.relative import (
 from faying.interface.segments import Segments, find_segments
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
+from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import LINEAR, N_NODES, Facets, facet_area_vectors
+from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
 
 _COLLAPSED = 1e-9
 """Jacobian at a corner, over the area of the facet, that is rounding."""
@@ -150,9 +151,9 @@ def build_mortar_interface(
 def _faces(coupling: Coupling) -> tuple[FacePairs, ...]:
     """Corners of the minus facets with the plus node next to each."""
     entries = []
-    for kind, rows in by_kind(coupling.segments.minus).items():
-        linear = LINEAR[kind]
-        own = coupling.columns[rows, : N_NODES[linear]]
+    for kind, rows in rows_by_kind(coupling.segments.minus.nodes).items():
+        linear = FACES[kind].linear
+        own = coupling.columns[rows, : FACES[linear].n_nodes]
         entries.append(
             FacePairs(kind=linear, minus=coupling.pairs[own, 0], plus=coupling.pairs[own, 1])
         )
@@ -163,9 +164,9 @@ def _pair_normals(nodes: Matrix, coupling: Coupling) -> Matrix:
     """Average the facets' normals at the pairs, weighted with the local Jacobian."""
     total = np.zeros((len(coupling.pairs), 3))
     facets = coupling.segments.minus
-    for kind, rows in by_kind(facets).items():
-        corners = reference_nodes(LINEAR[kind])
-        vectors = area_vectors(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], corners)
+    for kind, rows in rows_by_kind(facets.nodes).items():
+        corners = reference_nodes(FACES[kind].linear)
+        vectors = area_vectors(kind, nodes[facets.nodes[rows, : FACES[kind].n_nodes]], corners)
         whole = facet_area_vectors(nodes, facets.taken(rows))[:, None]
         # A corner that has collapsed has no Jacobian, but lies in the plane of its facet.
         collapsed = np.linalg.norm(vectors, axis=2) < _COLLAPSED * np.linalg.norm(whole, axis=2)

@@ -12,13 +12,14 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.laws import Law
-from faying.interface.coupling import Coupling, by_kind, whole_weights
+from faying.interface.coupling import Coupling, whole_weights
 from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
 from faying.interface.relative import unit
 from faying.interface.segment_points import on_side
 from faying.interface.zero_thickness import contact_rule
+from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import LINEAR, N_NODES
+from faying.model.surface import rows_by_kind
 
 SMALL = 0.2
 """Coverage of a node below which its contact point joins a neighbour's.
@@ -60,7 +61,9 @@ def contact_points(
     ModelError
         If the order does not fit the quadrature.
     """
-    rules = {kind: contact_rule(spec, kind, law) for kind in by_kind(coupling.segments.minus)}
+    rules = {
+        kind: contact_rule(spec, kind, law) for kind in rows_by_kind(coupling.segments.minus.nodes)
+    }
     if any(rule.name == "nodal" for rule in rules.values()):
         return _nodal(nodes, coupling, pair_normals)
     degree = spec.order or 2
@@ -78,7 +81,7 @@ def contact_points(
 
 def _numbers(coupling: Coupling) -> Indices:
     """Return the running number of each minus facet through the entries of ``Interface.faces``."""
-    order = np.concatenate(list(by_kind(coupling.segments.minus).values()))
+    order = np.concatenate(list(rows_by_kind(coupling.segments.minus.nodes).values()))
     number = np.empty(len(order), dtype=np.int64)
     number[order] = np.arange(len(order))
     return number
@@ -89,12 +92,12 @@ def _on_whole_facets(
 ) -> list[MortarPoints]:
     facets, whole = coupling.segments.minus, coupling.segments.whole
     parts = []
-    for kind, every in by_kind(facets).items():
+    for kind, every in rows_by_kind(facets.nodes).items():
         rows, rule = every[whole[every]], rules[kind]
         if not len(rows):
             continue
-        geometry = surface(kind, nodes[facets.nodes[rows, : N_NODES[kind]]], rule)
-        shape = shape_functions(LINEAR[kind], rule.points)
+        geometry = surface(kind, nodes[facets.nodes[rows, : FACES[kind].n_nodes]], rule)
+        shape = shape_functions(FACES[kind].linear, rule.points)
         parts.append(
             MortarPoints(
                 shape=_spread(np.broadcast_to(shape, (len(rows), *shape.shape)), rows, coupling),
@@ -112,7 +115,7 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarP
     segments, rule = coupling.segments, gauss_rule("tri3", degree)
     partly = ~segments.whole[segments.minus_of]
     parts = []
-    for kind, facets in by_kind(segments.minus).items():
+    for kind, facets in rows_by_kind(segments.minus.nodes).items():
         rows = np.flatnonzero(partly & np.isin(segments.minus_of, facets))
         if not len(rows):
             continue
@@ -123,7 +126,7 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarP
         weights = 2 * segments.areas[rows][:, None] * rule.weights * slope
         weights = _consistent(weights, seen.linear, own, coupling)
         normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[own])
-        coordinates = nodes[segments.minus.nodes[own, : N_NODES[kind]]]
+        coordinates = nodes[segments.minus.nodes[own, : FACES[kind].n_nodes]]
         parts.append(
             MortarPoints(
                 shape=_spread(seen.linear, own, coupling),

@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import ModelError
 from faying.interface.interface import Interface
-from faying.model.surface import unique_rows
+from faying.model.surface import WIDTH, unique_rows
 
 
 def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
@@ -48,4 +48,4 @@ def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
 def _keys(minus: Indices, plus: Indices) -> Indices:
     """Sorted nodes (n, 16) of both facets, -1 in front."""
     both = np.sort(np.hstack([minus, plus]), axis=1)
-    return np.pad(both, ((0, 0), (16 - both.shape[1], 0)), constant_values=-1)
+    return np.pad(both, ((0, 0), (2 * WIDTH - both.shape[1], 0)), constant_values=-1)

@@ -20,13 +20,7 @@ from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_c
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import (
-    N_NODES,
-    Facets,
-    exterior_facets,
-    facet_area_vectors,
-    unique_rows,
-)
+from faying.model.surface import Facets, exterior_facets, facet_area_vectors, unique_rows
 
 __all__ = ["exterior_facets", "find_interfaces", "pair_facets", "select_facets"]
 
@@ -181,15 +175,10 @@ def _aligned(labels: Indices, minus: Facets, plus: Facets) -> Facets:
 
 
 def _face_pairs(matches: _Matches) -> tuple[FacePairs, ...]:
-    counts = matches.minus.counts
+    plus = matches.plus.by_kind()
     return tuple(
-        FacePairs(
-            kind=kind,
-            minus=matches.minus.nodes[counts == n, :n],
-            plus=matches.plus.nodes[counts == n, :n],
-        )
-        for kind, n in N_NODES.items()
-        if np.any(counts == n)
+        FacePairs(kind=kind, minus=nodes, plus=plus[kind])
+        for kind, nodes in matches.minus.by_kind().items()
     )
 
 

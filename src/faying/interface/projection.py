@@ -6,10 +6,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, Vector
-from faying.interface.coupling import by_kind
 from faying.interface.facets import shape_functions
 from faying.interface.inverse_map import reference_coordinates
-from faying.model.surface import LINEAR, N_CORNERS, N_NODES, Facets, facet_centres, facet_frames
+from faying.model.elements import FACES
+from faying.model.surface import Facets, facet_centres, facet_frames, rows_by_kind
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -60,10 +60,10 @@ def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) ->
     row, which = _near(nodes, own, facets, reach)
     frames = facet_frames(nodes, facets)[:, :2]
     distance = np.full(len(row), np.inf)
-    for kind, members in by_kind(facets).items():
+    for kind, members in rows_by_kind(facets.nodes).items():
         here = np.flatnonzero(np.isin(which, members))
-        columns = facets.nodes[which[here], : N_CORNERS[kind]]
-        shape = _shape_at(LINEAR[kind], nodes, columns, own[row[here]], frames[which[here]])
+        columns = facets.nodes[which[here], : FACES[kind].n_corners]
+        shape = _shape_at(FACES[kind].linear, nodes, columns, own[row[here]], frames[which[here]])
         away = np.einsum("na,nad->nd", shape, nodes[columns]) - nodes[own[row[here]]]
         distance[here] = np.linalg.norm(away, axis=1)
     order = np.lexsort((distance, row))
@@ -72,9 +72,9 @@ def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) ->
     best = best[distance[best] <= reach]
     columns = np.repeat(facets.nodes[which[best], :1], facets.nodes.shape[1], axis=1)
     shape = np.zeros(columns.shape)
-    for kind, members in by_kind(facets).items():
+    for kind, members in rows_by_kind(facets.nodes).items():
         here = np.flatnonzero(np.isin(which[best], members))
-        n, at = N_NODES[kind], which[best[here]]
+        n, at = FACES[kind].n_nodes, which[best[here]]
         columns[here, :n] = facets.nodes[at, :n]
         shape[here, :n] = _shape_at(
             kind, nodes, columns[here, :n], own[row[best[here]]], frames[at]
@@ -110,7 +110,7 @@ def _shape_at(
     flat = np.einsum("nkd,nad->nka", nodes[columns], frames)
     seen = np.einsum("nd,nad->na", nodes[points], frames)
     place = reference_coordinates(kind, flat, seen[:, None])[:, 0]
-    if N_CORNERS[kind] == 4:
+    if FACES[kind].n_corners == 4:
         place = np.clip(place, 0.0, 1.0)
     else:
         shares = np.maximum(np.column_stack([1.0 - place.sum(axis=1), place]), 0.0)

@@ -8,7 +8,7 @@ from faying._typing import Indices, Matrix
 from faying.interface.facets import Rule, shape_functions, shape_gradients
 from faying.interface.inverse_map import reference_coordinates
 from faying.interface.segments import Segments
-from faying.model.surface import LINEAR, N_NODES
+from faying.model.elements import FACES
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,7 +34,11 @@ class FacetPoints:
     @property
     def linear(self) -> Matrix:
         """Shape functions of the corners alone (n, n_q, 3 or 4)."""
-        return self.shape if LINEAR[self.kind] == self.kind else _at(LINEAR[self.kind], self.places)
+        return (
+            self.shape
+            if FACES[self.kind].linear == self.kind
+            else _at(FACES[self.kind].linear, self.places)
+        )
 
     @property
     def heights(self) -> Matrix:
@@ -80,7 +84,7 @@ def on_side(
     }[side]
     corners = shape_functions("tri3", rule.points)
     points = np.einsum("qi,nid->nqd", corners, segments.triangles[rows])
-    away = nodes[facets.nodes[at, : N_NODES[kind]]] - segments.origins[own][:, None]
+    away = nodes[facets.nodes[at, : FACES[kind].n_nodes]] - segments.origins[own][:, None]
     local = np.einsum("nkd,nad->nka", away, segments.frames[own])
     places = reference_coordinates(kind, local[..., :2], points)
     return FacetPoints(kind=kind, places=places, local=local, shape=_at(kind, places))

@@ -28,8 +28,8 @@ from faying.model.assembly import (
     Spring,
     Support,
 )
+from faying.model.elements import FACES
 from faying.model.mesh import Mesh
-from faying.model.surface import FACE_KINDS
 
 _Path = str | PathLike[str]
 
@@ -248,15 +248,17 @@ def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[
 
 def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
     table = np.asarray(ids)
-    if table.ndim != 2 or table.shape[1] not in FACE_KINDS or table.dtype.kind not in "iu":
+    kinds = {face.n_nodes: kind for kind, face in FACES.items()}
+    if table.ndim != 2 or table.shape[1] not in kinds or table.dtype.kind not in "iu":
+        *widths, last = kinds
         message = (
             f"face set '{name}': shape {table.shape} of {table.dtype}; expected node ids "
-            "(n_face, 3, 4, 6 or 8)"
+            f"(n_face, {', '.join(map(str, widths))} or {last})"
         )
         raise ModelError(message)
     with naming(f"face set '{name}'"):
         nodes = mesh.node_index(table.ravel()).reshape(table.shape)
-    return FaceSet(kind=FACE_KINDS[table.shape[1]], nodes=nodes)
+    return FaceSet(kind=kinds[table.shape[1]], nodes=nodes)
 
 
 def _supports(mesh: Mesh, table: Indices) -> list[Support]:

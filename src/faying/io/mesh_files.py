@@ -15,13 +15,13 @@ from faying.exceptions import FormatError
 from faying.files.contents import reason_of
 from faying.io.aster_mail import read_mail
 from faying.io.med_files import read_med
-from faying.io.mesh_groups import FACE_KINDS, Group, cells_of, dimension, groups_of, volume_groups
+from faying.io.mesh_groups import FACE_NODES, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
 from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
 from faying.model.mesh import CellBlock, Mesh
 from faying.model.separate import separated
-from faying.model.surface import N_NODES, Facets, exterior_facets, padded, unique_rows
+from faying.model.surface import Facets, exterior_facets, padded, unique_rows
 
 ANY_GROUP = "default"
 """Material of the groups that have none of their own."""
@@ -285,7 +285,7 @@ def _face_sets(
         tables = [
             padded(np.asarray(block.data[cells], dtype=np.int64))
             for block, cells in cells_of(found, group)
-            if np.shape(block.data)[1:] == (N_NODES.get(FACE_KINDS.get(block.type, ""), -1),)
+            if np.shape(block.data)[1:] == (FACE_NODES.get(block.type),)
         ]
         if not tables:
             continue
@@ -297,9 +297,8 @@ def _face_sets(
         facets = exterior.taken(owner[owner < len(exterior)])
         kinds = facets.by_kind()
         if len(kinds) == 1 and len(facets) == len(np.unique(given.corner_keys, axis=0)):
-            kind = next(iter(kinds))
-            width = facets.counts.max()
-            face_sets[group.name] = FaceSet(kind=kind, nodes=facets.nodes[:, :width])
+            ((kind, nodes),) = kinds.items()
+            face_sets[group.name] = FaceSet(kind=kind, nodes=nodes)
         else:
             notes.append(
                 f"surface group '{group.name}' is no face of one kind of solid's outside: "

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Indices
+from faying.model.elements import FACES
 
-FACE_KINDS = {"triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8"}
+FACE_NODES = {face.meshio: face.n_nodes for face in FACES.values()}
+"""Number of nodes of the faces of solids, by meshio's name."""
 
 _TAGS = ("gmsh:physical", "medit:ref", "cell_tags", "CellEntityIds", "property", "material")
 """Cell data that number the groups, the first one found."""
@@ -70,7 +72,7 @@ def _tagged(found: Any) -> dict[str, list[Any]]:
 
 def dimension(kind: str) -> int:
     """Return the dimension of a kind of cells, 3 for those it does not know."""
-    if kind in FACE_KINDS or kind.startswith(("triangle", "quad")):
+    if kind.startswith(("triangle", "quad")):
         return 2
     if kind.startswith("line"):
         return 1

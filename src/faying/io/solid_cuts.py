@@ -19,7 +19,7 @@ from faying.model.assembly import Assembly, Equation, Spring, Support
 from faying.model.deck_bolt import CUT
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import padded, unique_rows
+from faying.model.surface import corner_keys, padded, unique_rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -181,8 +181,8 @@ def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
 def _owning_side(mesh: Mesh, section: Section) -> Indices:
     """Ids of the elements at the section on the side that owns its facets."""
     faces, ids = _faces_at(mesh, section.nodes)
-    cut = np.concatenate([np.sort(corner_nodes(part), axis=1) for part in section.facets.values()])
-    keys = np.concatenate([cut, np.sort(corner_nodes(faces), axis=1)])
+    cut = np.concatenate([corner_keys(padded(part)) for part in section.facets.values()])
+    keys = np.concatenate([cut, corner_keys(faces)])
     _, group, _ = unique_rows(keys)
     is_cut = np.isin(group[len(cut) :], group[: len(cut)])
     elements, position = np.unique(ids, return_inverse=True)
@@ -218,14 +218,6 @@ def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
             tables.append(padded(block.nodes[near][:, list(local)]))
             ids.append(block.ids[near])
     return np.concatenate(tables), np.concatenate(ids)
-
-
-def corner_nodes(faces: Indices) -> Indices:
-    """Corner nodes (n_face, 4) of padded faces; -1 fills triangles."""
-    corners = padded(faces)[:, :4].copy() if faces.shape[1] < 8 else faces[:, :4].copy()
-    count = (faces >= 0).sum(axis=1)
-    corners[np.isin(count, (3, 6)), 3] = -1
-    return corners
 
 
 def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:

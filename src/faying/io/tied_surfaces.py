@@ -12,7 +12,6 @@ from scipy.spatial import cKDTree
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.interface.across import declared_area, pairs_across
 from faying.interface.candidate_facets import candidates
-from faying.interface.coupling import by_kind
 from faying.interface.facets import gauss_rule
 from faying.interface.mortar import find_couplings
 from faying.interface.projection import nearest_places
@@ -21,9 +20,10 @@ from faying.interface.segment_points import on_side
 from faying.interface.segments import Segments
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly, Bush, Equation
+from faying.model.elements import FACES
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import LINEAR, N_NODES
+from faying.model.surface import rows_by_kind
 
 MOST_OF_IT = 0.99
 """Share of the smaller surface from which on all of it is tied."""
@@ -145,17 +145,17 @@ def _layer_points(mesh: Mesh, segments: Segments) -> Iterator[_LayerPoints]:
     """Yield the Gauss points of the segments between facets of two kinds each."""
     nodes = mesh.nodes
     for (minus, own), (plus, others) in product(
-        by_kind(segments.minus).items(), by_kind(segments.plus).items()
+        rows_by_kind(segments.minus.nodes).items(), rows_by_kind(segments.plus.nodes).items()
     ):
         rows = np.flatnonzero(np.isin(segments.minus_of, own) & np.isin(segments.plus_of, others))
         if not len(rows):
             continue
-        linear = {minus, plus} <= set(LINEAR.values())
+        linear = all(FACES[kind].degree == 1 for kind in (minus, plus))
         rule = gauss_rule("tri3", 2 if linear else 4)
         seen = on_side("minus", minus, nodes, segments, rows, rule)
         facing = on_side("plus", plus, nodes, segments, rows, rule)
-        at = segments.minus.nodes[segments.minus_of[rows], : N_NODES[minus]]
-        partner = segments.plus.nodes[segments.plus_of[rows], : N_NODES[plus]]
+        at = segments.minus.nodes[segments.minus_of[rows], : FACES[minus].n_nodes]
+        partner = segments.plus.nodes[segments.plus_of[rows], : FACES[plus].n_nodes]
         vectors = seen.area_vectors
         slope = np.linalg.norm(vectors, axis=-1)
         frames = segments.frames[segments.minus_of[rows]]

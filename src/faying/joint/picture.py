@@ -22,8 +22,9 @@ from faying.model.assembly import Assembly
 from faying.model.bodies import bodies, body_names
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.elements import FACES
 from faying.model.mesh import CellBlock, Mesh
-from faying.model.outline import RINGS, outline_of
+from faying.model.outline import outline_of
 from faying.model.surface import exterior_faces
 from faying.units import units_of
 
@@ -60,7 +61,7 @@ def plot_bodies(
     polygons: list[Matrix] = []
     colours: list[Matrix] = []
     for faces in exterior_faces(mesh):
-        ring = faces.nodes[:, list(RINGS[faces.kind])]
+        ring = faces.nodes[:, list(FACES[faces.kind].ring)]
         corners = nodes[ring]
         polygons.extend(corners)
         base = np.array([to_rgb(colour) for colour in BODY_COLOURS])

@@ -5,21 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Indices, Matrix
-
-RINGS = {
-    "tri3": (0, 1, 2),
-    "quad4": (0, 1, 2, 3),
-    "tri6": (0, 3, 1, 4, 2, 5),
-    "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
-}
-"""Nodes of a facet around its edge, by its kind."""
+from faying.model.elements import FACES
 
 
 def outline_of(facets: Sequence[tuple[str, Indices]], points: Matrix) -> Matrix:
     """Return the edges (n_edge, 2, 3) that bound facets, given by kind and indices of points."""
     edges = []
     for kind, nodes in facets:
-        ring = nodes[:, list(RINGS[kind])]
+        ring = nodes[:, list(FACES[kind].ring)]
         edges.append(np.stack([ring, np.roll(ring, -1, axis=1)], axis=-1).reshape(-1, 2))
     joined = np.concatenate([*edges, np.empty((0, 2), dtype=np.int64)])
     if not len(joined):

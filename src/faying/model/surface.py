@@ -9,21 +9,11 @@ from faying._typing import Indices, Mask, Matrix, frozen
 from faying.exceptions import ModelError
 from faying.model.assembly import FaceSet
 from faying.model.bodies import labelled
-from faying.model.elements import SOLIDS
+from faying.model.elements import FACES, SOLIDS
 from faying.model.mesh import CellBlock, Mesh
 
-N_NODES = {"tri3": 3, "quad4": 4, "tri6": 6, "quad8": 8}
-"""Nodes of each facet kind; the numbers differ, so they also tell the kind."""
-
-N_CORNERS = {"tri3": 3, "quad4": 4, "tri6": 3, "quad8": 4}
-
-FACE_KINDS = {n: kind for kind, n in N_NODES.items()}
-"""Facet kind by its number of nodes."""
-
-LINEAR = {kind: FACE_KINDS[n] for kind, n in N_CORNERS.items()}
-"""Facet kind of the corners alone: relative displacements between unlike meshes live there."""
-
-WIDTH = max(N_NODES.values())
+WIDTH = max(face.n_nodes for face in FACES.values())
+"""Columns of a table of facets of all kinds."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,9 +22,9 @@ class Facets:
 
     Attributes
     ----------
-    nodes : (n_facet, 8)
-        Node indices, corners then mid-sides, counter-clockwise seen from outside; unused columns
-        hold -1.
+    nodes : (n_facet, width)
+        Node indices in the order of :class:`~faying.model.elements.face_kind.FaceKind`, as many
+        columns as the largest kind needs; unused ones hold -1.
     elements, properties, bodies : (n_facet,)
         Owning element id, its property id and its body; -1 for a facet of no solid element.
     """
@@ -55,33 +45,24 @@ class Facets:
     @property
     def corners(self) -> Indices:
         """Corner nodes (n_facet, 4); triangles repeat their last corner."""
-        corners = self.nodes[:, :4].copy()
-        corners[self.triangular, 3] = corners[self.triangular, 2]
-        return corners
+        return corner_nodes(self.nodes)
 
     @property
     def corner_keys(self) -> Indices:
         """Sorted corner nodes (n_facet, 4), equal for facets on the same corners; -1 fills up."""
-        corners = self.nodes[:, :4].copy()
-        corners[self.triangular, 3] = -1
-        return np.sort(corners, axis=1)
+        return corner_keys(self.nodes)
 
     @property
     def triangular(self) -> Mask:
         """Whether each facet is a triangle."""
-        return np.isin(self.counts, (N_NODES["tri3"], N_NODES["tri6"]))
+        return triangular(self.nodes)
 
-    @property
-    def counts(self) -> Indices:
-        """Number of nodes of each facet."""
-        counts: Indices = (self.nodes >= 0).sum(axis=1)
-        return counts
-
-    def by_kind(self) -> dict[str, "Facets"]:
-        """Split the table by facet kind; kinds without facets are left out."""
-        counts = self.counts
-        split = {kind: self.taken(counts == n) for kind, n in N_NODES.items()}
-        return {kind: facets for kind, facets in split.items() if len(facets)}
+    def by_kind(self) -> dict[str, Indices]:
+        """Return the nodes (n, n_node_per_face) of the facets of each kind present."""
+        return {
+            kind: self.nodes[rows, : FACES[kind].n_nodes]
+            for kind, rows in rows_by_kind(self.nodes).items()
+        }
 
     def taken(self, chosen: Mask | Indices) -> "Facets":
         """Return the chosen facets."""
@@ -105,6 +86,38 @@ class Facets:
 def padded(nodes: Indices) -> Indices:
     """Widen facets of one kind (n_facet, n_node_per_face) to the table's columns."""
     return np.pad(nodes, ((0, 0), (0, WIDTH - nodes.shape[1])), constant_values=-1)
+
+
+def rows_by_kind(nodes: Indices) -> dict[str, Indices]:
+    """Return the rows of each kind of face present in a table of facets (n_facet, width).
+
+    Kinds differ in their numbers of nodes; -1 fills unused columns.
+    """
+    counts = (nodes >= 0).sum(axis=1)
+    rows = {kind: np.flatnonzero(counts == face.n_nodes) for kind, face in FACES.items()}
+    return {kind: chosen for kind, chosen in rows.items() if len(chosen)}
+
+
+def triangular(nodes: Indices) -> Mask:
+    """Tell which facets of a table (n_facet, width) are triangles."""
+    mask = np.zeros(len(nodes), dtype=bool)
+    for kind, rows in rows_by_kind(nodes).items():
+        mask[rows] = FACES[kind].n_corners == 3
+    return mask
+
+
+def corner_nodes(nodes: Indices) -> Indices:
+    """Return the corners (n_facet, 4) of a table of facets; triangles repeat their last one."""
+    triangles = triangular(nodes)[:, None]
+    corners: Indices = np.where(triangles, nodes[:, [0, 1, 2, 2]], nodes[:, :4])
+    return corners
+
+
+def corner_keys(nodes: Indices) -> Indices:
+    """Return the sorted corners (n_facet, 4) of a table of facets; -1 fills up triangles."""
+    corners = nodes[:, :4].copy()
+    corners[triangular(nodes), 3] = -1
+    return np.sort(corners, axis=1)
 
 
 def exterior_facets(mesh: Mesh) -> Facets:
@@ -142,8 +155,8 @@ def _exterior(blocks: tuple[CellBlock, ...], n_node: int) -> Facets:
         if block.kind not in SOLIDS:
             message = f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
             raise ModelError(message)
-        for _, local in SOLIDS[block.kind].faces:
-            corners = list(local[: 4 if len(local) in (4, 8) else 3])
+        for face, local in SOLIDS[block.kind].faces:
+            corners = list(local[: face.n_corners])
             key = np.full((len(block.ids), 4), -1, dtype=np.int64)
             key[:, : len(corners)] = block.nodes[:, corners]
             key.sort(axis=1)
@@ -169,8 +182,7 @@ def _exterior(blocks: tuple[CellBlock, ...], n_node: int) -> Facets:
 def exterior_faces(mesh: Mesh) -> tuple[FaceSet, ...]:
     """Return the facets of :func:`exterior_facets`, one face set per kind present."""
     return tuple(
-        FaceSet(kind=kind, nodes=facets.nodes[:, : N_NODES[kind]])
-        for kind, facets in exterior_facets(mesh).by_kind().items()
+        FaceSet(kind=kind, nodes=nodes) for kind, nodes in exterior_facets(mesh).by_kind().items()
     )
 
 

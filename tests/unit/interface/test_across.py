@@ -17,7 +17,7 @@ from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
 from faying.model.generate import brick_grid, shaped
 from faying.model.mesh import CellBlock, Mesh
-from faying.model.surface import N_NODES, exterior_facets, facet_normals
+from faying.model.surface import exterior_facets, facet_normals
 from mortar_blocks import SIZE, blocks
 
 ANY = fy.InterfaceSpec(
@@ -37,8 +37,8 @@ def faced(assembly):
     }
     faces = {}
     for name, rows in chosen.items():
-        ((kind, part),) = facets.taken(rows).by_kind().items()
-        faces[name] = FaceSet(kind=kind, nodes=part.nodes[:, : N_NODES[kind]])
+        ((kind, nodes),) = facets.taken(rows).by_kind().items()
+        faces[name] = FaceSet(kind=kind, nodes=nodes)
     return replace(assembly, face_sets=faces)
 
 

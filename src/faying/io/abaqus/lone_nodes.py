@@ -18,10 +18,11 @@ from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.surfaces import DeckSurface
 from faying.io.tied_surfaces import equal_motions
 from faying.model.assembly import Assembly, FaceSet
-from faying.model.surface import exterior_facets, facet_area_vectors, facet_frames
+from faying.model.elements import FACES
+from faying.model.surface import exterior_facets, facet_area_vectors, facet_frames, rows_by_kind
 
-_SHARES = {3: (1 / 3, 0.0), 4: (1 / 4, 0.0), 6: (1 / 999, 332 / 999), 8: (0.01, 0.24)}
-"""Of the area of a facet with so many nodes: corners, mid-side nodes."""
+_SHARES = {"tri6": (1 / 999, 332 / 999), "quad8": (0.01, 0.24)}
+"""Of the area of a facet with mid-side nodes, as in CalculiX: corners, mid-side nodes."""
 
 _BELOW = 1e-3
 """How far beside its facet a node may lie, over the size of the facet, as in CalculiX."""
@@ -105,10 +106,11 @@ def _shares(assembly: Assembly) -> Vector:
     exterior = exterior_facets(mesh)
     areas = np.linalg.norm(facet_area_vectors(mesh.nodes, exterior), axis=1)
     shares = np.zeros(len(mesh.nodes))
-    for count, (corner, middle) in _SHARES.items():
-        of_kind = exterior.counts == count
-        share = np.where(np.arange(count) < 3 + (count % 4 == 0), corner, middle)
-        np.add.at(shares, exterior.nodes[of_kind, :count], np.outer(areas[of_kind], share))
+    for kind, rows in rows_by_kind(exterior.nodes).items():
+        face = FACES[kind]
+        corner, middle = _SHARES.get(kind, (1 / face.n_corners, 0.0))
+        share = np.where(np.arange(face.n_nodes) < face.n_corners, corner, middle)
+        np.add.at(shares, exterior.nodes[rows, : face.n_nodes], np.outer(areas[rows], share))
     return shares
 
 

@@ -14,8 +14,8 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Material
+from faying.model.elements import FACES
 from faying.model.shells import ShellBlock, ShellSection, plane_stress
-from faying.model.surface import N_CORNERS
 
 _SHEAR_FACTOR = 5 / 6
 """Shear area over thickness of one layer, for the work of a parabola of shear stress."""
@@ -43,7 +43,7 @@ class Shells:
         heights = [np.empty(0)]
         for block in self.blocks:
             here = np.isin(block.ids, ids)
-            corners = N_CORNERS[block.kind]
+            corners = FACES[block.kind].n_corners
             turned = [*range(corners)][::-1], [*range(corners, block.nodes.shape[1])][::-1]
             # Backwards from the last corner: the middle of the last two corners comes first.
             order = [*turned[0], *turned[1][1:], *turned[1][:1]] if side < 0 else slice(None)

@@ -14,7 +14,7 @@ from faying.io.abaqus.shells import Shells
 from faying.model.assembly import FaceSet
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import N_NODES, exterior_facets
+from faying.model.surface import exterior_facets
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -171,7 +171,7 @@ def _of_elements(
         exterior = exterior_facets(mesh)
         chosen = exterior.taken(np.isin(exterior.elements, ids[whole]))
         for kind, exposed in chosen.by_kind().items():
-            facets.setdefault(kind, []).append(exposed.nodes[:, : N_NODES[kind]])
+            facets.setdefault(kind, []).append(exposed)
         owners.append(chosen.elements)
         _check_all_solid(keyword, mesh, ids[whole], rows[whole])
     ids, faces, rows = ids[~whole], faces[~whole], rows[~whole]
@@ -212,11 +212,11 @@ def facets_of_faces(
             bad = int(over[0])
             message = f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}"
             raise keyword.error(message, int(rows[bad]))
-        for number, (kind, local) in enumerate(table_of_faces, start=1):
+        for number, (face, local) in enumerate(table_of_faces, start=1):
             of_face = here[faces[here] == number]
             if of_face.size:
                 corners = block.nodes[cell[of_face]][:, list(local)]
-                facets.setdefault(kind, []).append(corners)
+                facets.setdefault(face.name, []).append(corners)
     return {kind: np.concatenate(parts) for kind, parts in facets.items()}
 
 

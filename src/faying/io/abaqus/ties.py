@@ -12,8 +12,8 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
 from faying.io.tied_surfaces import following, moving_together, with_elastic_layer
 from faying.model.assembly import Assembly, Equation
+from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import N_CORNERS
 
 DEFAULT_TOLERANCE = 0.05
 """Position tolerance over the mean edge of the master surface where a deck gives none (Abaqus)."""
@@ -159,6 +159,6 @@ def _tolerance(assembly: Assembly, tie: Tie) -> float:
     edges = [
         np.linalg.norm(np.roll(corners, 1, axis=1) - corners, axis=2).ravel()
         for kind, facets in tie.master.facets.items()
-        for corners in [assembly.mesh.nodes[facets[:, : N_CORNERS[kind]]]]
+        for corners in [assembly.mesh.nodes[facets[:, : FACES[kind].n_corners]]]
     ]
     return DEFAULT_TOLERANCE * float(np.concatenate(edges).mean())

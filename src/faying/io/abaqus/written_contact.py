@@ -15,6 +15,7 @@ from faying.io.abaqus.written_nodes import real_text
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
+from faying.model.surface import triangular
 
 # Corners of S1, S2, … counted from zero.
 _FACES = {
@@ -95,7 +96,7 @@ def _behaviour(
 
 def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
     """Element and face number of facets (n_facet, n_node), given by node indices."""
-    n_corner = 3 if facets.shape[1] in (3, 6) else 4
+    n_corner = 3 if triangular(facets).all() else 4
     wanted = {tuple(row) for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
     touched = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     touched[facets] = True

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Vector
 from faying.exceptions import FormatError
 from faying.interface.across import declared
 from faying.io.nastran.cards import Card
@@ -15,7 +15,7 @@ from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import exterior_facets
+from faying.model.surface import corner_nodes, exterior_facets
 
 DEFAULT_ERROR = 1 / 20
 """MSC's contact tolerance over the smallest edge of solids, where none is given."""
@@ -148,15 +148,8 @@ def _edges(region: Region, mesh: Mesh) -> Vector:
     corners = exterior_facets(mesh)
     if region.elements is not None:
         corners = corners.taken(np.isin(corners.elements, region.elements))
-    nodes = corners.corners if region.facets is None else _corners(region.facets)
+    nodes = corners.corners if region.facets is None else corner_nodes(region.facets)
     points = mesh.nodes[nodes]
     lengths = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2)
     positive: Vector = lengths[lengths > 0]
     return positive
-
-
-def _corners(facets: Indices) -> Indices:
-    """Return the corners (n, 4) of faces (n, 8); triangles repeat their last one."""
-    triangular = (facets >= 0).sum(axis=1) % 3 == 0
-    corners: Indices = np.where(triangular[:, None], facets[:, [0, 1, 2, 2]], facets[:, :4])
-    return corners

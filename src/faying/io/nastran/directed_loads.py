@@ -14,13 +14,11 @@ from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
+from faying.model.elements import FACES
 from faying.model.shells import ShellBlock
-from faying.model.surface import N_NODES
 
 DIRECTED = ("FORCE1", "MOMENT1", "FORCE2", "MOMENT2", "PLOAD", "PLOAD2")
 
-# Shape functions times area vectors: as for pressures that vary.
-_ORDERS = {"tri3": 2, "tri6": 6, "quad4": 2, "quad8": 4}
 Part = tuple[Indices, Indices, Matrix]
 
 
@@ -80,7 +78,7 @@ def _on_grids(cards: Cards, grids: Grids) -> list[Part]:
     for kind, chosen in (("tri3", ~square), ("quad4", square)):
         these = cards.take(chosen)
         if len(these):
-            count = N_NODES[kind]
+            count = FACES[kind].n_nodes
             table = np.stack([grids.of_column(these, 2 + j) for j in range(count)], axis=1)
             parts.append(
                 _pressed(these, these.integers(0), kind, table, grids.nodes, these.reals(1))
@@ -108,7 +106,7 @@ def _on_shells(cards: Cards, nodes: Matrix, shells: Sequence[ShellBlock]) -> lis
         here = np.flatnonzero(block.ids[order[at]] == ids)
         if not len(here):
             continue
-        if block.kind not in N_NODES:
+        if block.kind not in FACES:
             text = f"element {ids[here[0]]} takes no pressure; correct the id"
             raise cards.error(int(which[here[0]]), text, 2)
         table = block.nodes[order[at[here]]]
@@ -120,7 +118,7 @@ def _pressed(
     cards: Cards, sets: Indices, kind: str, table: Indices, nodes: Matrix, pressures: Vector
 ) -> Part:
     """Consistent forces of uniform pressures along the normals of facets (n, n_node)."""
-    rule = gauss_rule(kind, _ORDERS[kind])
+    rule = gauss_rule(kind, FACES[kind].pressure_order)
     shape = shape_functions(kind, rule.points)
     area = area_vectors(kind, nodes[table], rule.points)
     forces = np.einsum("f,qa,q,fqd->fad", pressures, shape, rule.weights, area).reshape(-1, 3)

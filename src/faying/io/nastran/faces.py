@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.model.elements import SOLIDS
 from faying.model.mesh import CellBlock
-from faying.model.surface import N_CORNERS, WIDTH, padded
+from faying.model.surface import WIDTH, padded
 
 Fits = Callable[[Indices, str, str, Indices], Mask]
 """Which of some requests (m,) mean a face: the requests, the kinds of the element and of the
@@ -40,9 +40,9 @@ def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tu
         here = np.flatnonzero(block.ids[row] == elements)
         known[here] = True
         nodes = block.nodes[row[here]]
-        for kind, local in SOLIDS[block.kind].faces:
-            corners = nodes[:, list(local[: N_CORNERS[kind]])]
-            chosen = fits(here, block.kind, kind, corners)
+        for face, local in SOLIDS[block.kind].faces:
+            corners = nodes[:, list(local[: face.n_corners])]
+            chosen = fits(here, block.kind, face.name, corners)
             faces[here[chosen]] = padded(nodes[chosen][:, list(local)])
             count[here[chosen]] += 1
     faces[count != 1] = -1

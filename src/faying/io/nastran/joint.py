@@ -24,7 +24,7 @@ from faying.model.assembly import Assembly
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import exterior_facets, unique_rows
+from faying.model.surface import WIDTH, exterior_facets, unique_rows
 
 
 def read_joint(
@@ -205,7 +205,7 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
     faces = {r.name: r.face_set for r in every.values() if r.facets is not None}
     mixed = {name for name, one in faces.items() if one is None}
-    exterior = np.zeros((0, 8), dtype=np.int64)
+    exterior = np.zeros((0, WIDTH), dtype=np.int64)
     if used | mixed:
         exterior = exterior_facets(assembly.mesh).nodes
     for region in every.values():

@@ -16,13 +16,10 @@ from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
+from faying.model.elements import FACES
 from faying.model.mesh import CellBlock
 from faying.model.shells import ShellBlock
-from faying.model.surface import LINEAR, N_NODES
-
-# N times p times the area vector: degree 3 per direction on quad4 (two points), 6 on quad8 (four);
-# on triangles 2 and 5 in all.
-_ORDERS = {"tri3": 2, "tri6": 6, "quad4": 2, "quad8": 4}
+from faying.model.surface import rows_by_kind
 
 
 def read_pressures(
@@ -54,14 +51,12 @@ def read_pressures(
     if len(solids):
         faces, first_corner = _faces(solids, grids, blocks)
         pressures, direction = _pressures(solids), _directions(solids)
-        counts = (faces >= 0).sum(axis=1)
-        for kind, n in N_NODES.items():
-            here = np.flatnonzero(counts == n)
-            if len(here):
-                table, values = faces[here, :n], _turned(kind, pressures[here], first_corner[here])
-                area = _Faces(kind, table, nodes[table], sense=-1.0)
-                forces = _forces(area, grids, values, solids, here, direction)
-                parts.append((solids.integers(0)[here], table, forces))
+        for kind, rows in rows_by_kind(faces).items():
+            table = faces[rows, : FACES[kind].n_nodes]
+            values = _turned(kind, pressures[rows], first_corner[rows])
+            area = _Faces(kind, table, nodes[table], sense=-1.0)
+            forces = _forces(area, grids, values, solids, rows, direction)
+            parts.append((solids.integers(0)[rows], table, forces))
     return (
         np.concatenate([np.repeat(sets, nodes.shape[1]) for sets, nodes, _ in parts]),
         np.concatenate([nodes.ravel() for _, nodes, _ in parts]),
@@ -81,7 +76,7 @@ def _on_shells(
     reached = np.zeros(len(cards), dtype=bool)
     parts = []
     for block in shells:
-        if block.kind not in N_NODES:
+        if block.kind not in FACES:
             continue
         order = np.argsort(block.ids, kind="stable")
         low = np.searchsorted(block.ids, first, sorter=order)
@@ -189,9 +184,9 @@ def _forces(
 ) -> Matrix:
     """Consistent forces (n_face, n_node, 3)."""
     kind, _, coordinates, sense = faces
-    rule = gauss_rule(kind, _ORDERS[kind])
+    rule = gauss_rule(kind, FACES[kind].pressure_order)
     shape = shape_functions(kind, rule.points)
-    intensity = pressures @ shape_functions(LINEAR[kind], rule.points).T
+    intensity = pressures @ shape_functions(FACES[kind].linear, rule.points).T
     area = area_vectors(kind, coordinates, rule.points)
     traction = sense * area * intensity[:, :, None]
     vector = direction[here]

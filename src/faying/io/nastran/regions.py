@@ -18,8 +18,9 @@ from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS, Solids
 from faying.io.solid_cuts import Cut, on_their_sides
 from faying.model.assembly import FaceSet
+from faying.model.elements import FACES
 from faying.model.mesh import Mesh
-from faying.model.surface import N_NODES
+from faying.model.surface import rows_by_kind
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,11 +56,10 @@ class Region:
         """The faces of BSURFS if they are of one kind."""
         if self.facets is None or not len(self.facets):
             return None
-        counts = (self.facets >= 0).sum(axis=1)
-        kinds = [kind for kind, n in N_NODES.items() if n == counts[0]]
-        if (counts != counts[0]).any():
+        kinds = list(rows_by_kind(self.facets))
+        if len(kinds) > 1:
             return None
-        return FaceSet(kind=kinds[0], nodes=self.facets[:, : counts[0]])
+        return FaceSet(kind=kinds[0], nodes=self.facets[:, : FACES[kinds[0]].n_nodes])
 
 
 _SIDES = {

@@ -11,7 +11,7 @@ from faying.io.nastran.contact_pairs import Pair
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.shells import ShellBlock
-from faying.model.surface import exterior_facets, facet_centres, facet_normals
+from faying.model.surface import WIDTH, exterior_facets, facet_centres, facet_normals
 
 _SAME = 1e-6
 """Relative difference of thicknesses that is rounding."""
@@ -114,6 +114,6 @@ def _turned(block: ShellBlock, chosen: Indices, along: Vector) -> Indices:
     # Backwards from the last corner: the middle of the last two corners comes first.
     order = [*range(corners - 1, -1, -1), *middle[1:], *middle[:1]]
     nodes = block.nodes[chosen]
-    facets = np.full((len(chosen), 8), -1, dtype=np.int64)
+    facets = np.full((len(chosen), WIDTH), -1, dtype=np.int64)
     facets[:, :count] = np.where(along[:, None] < 0, nodes[:, order], nodes)
     return facets

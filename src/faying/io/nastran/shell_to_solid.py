@@ -97,8 +97,8 @@ def _faces(card: Card, solids: Solids, number: int) -> list[Indices]:
     """Faces of four corners of a solid, mid-side nodes behind."""
     for block in solids.blocks:
         for nodes in block.nodes[block.ids == number]:
-            local = [one for kind, one in SOLIDS[block.kind].faces if kind.startswith("quad")]
-            return [nodes[list(one)] for one in local]
+            faces = SOLIDS[block.kind].faces
+            return [nodes[list(local)] for face, local in faces if face.n_corners == 4]
     text = f"element {number} is no solid of the deck"
     raise card.error(text, 3)
 

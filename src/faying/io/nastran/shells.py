@@ -12,6 +12,8 @@ from faying.io.nastran.grids import Grids
 from faying.io.nastran.shell_sections import ShellProperty
 from faying.io.nastran.solids import check_distinct, property_ids
 from faying.io.straight_sides import StraightSides
+from faying.model.elements import FACES
+from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock, ShellSection
 
 _DIFFERENT = 1e-6
@@ -55,7 +57,7 @@ CURVED = (
 """What is said of shells with mid-side nodes."""
 
 
-_N_CORNERS = {"tri3": 3, "quad4": 4, "tri6": 3, "quad8": 4, "panel4": 4}
+_N_CORNERS = {**{kind: face.n_corners for kind, face in FACES.items()}, PANEL: 4}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,10 +15,10 @@ from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.contact_parameters import by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
-from faying.io.solid_cuts import Section, corner_nodes
-from faying.model.elements import SOLIDS
+from faying.io.solid_cuts import Section
+from faying.model.elements import FACES, SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import FACE_KINDS, padded, unique_rows
+from faying.model.surface import WIDTH, corner_keys, corner_nodes, padded, rows_by_kind, unique_rows
 
 OF_GRIDS, OF_ELEMENTS = 2, 3
 
@@ -68,7 +68,7 @@ def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     axis = _normal(grids.nodes[nodes]) if given is None else given
     near = [inside[block.nodes].sum(axis=1) > 2 for block in mesh.blocks]
     below, _ = _neighbours(mesh, near, axis)
-    corners = np.where(below.corners < 0, below.corners[:, :1], below.corners)
+    corners = corner_nodes(below.nodes)
     across: Mask = np.asarray(inside[corners].all(axis=1))
     return _section(number, card, below, across, given)
 
@@ -131,8 +131,8 @@ class _Faces:
 
     @property
     def corners(self) -> Indices:
-        """Corner nodes (n_face, 4); -1 fills triangles."""
-        return corner_nodes(self.nodes)
+        """Sorted corner nodes (n_face, 4); -1 fills triangles."""
+        return corner_keys(self.nodes)
 
     def taken(self, which: Indices | Mask) -> "_Faces":
         """Return some of them."""
@@ -141,7 +141,7 @@ class _Faces:
 
 def _neighbours(mesh: Mesh, chosen: list[Mask], axis: Vector) -> tuple[_Faces, _Faces]:
     """Return the faces between two of the chosen elements, as of the lower and of the upper one."""
-    tables, ids = [np.zeros((0, 8), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    tables, ids = [np.zeros((0, WIDTH), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     heights = [np.zeros(0)]
     for block, mask in zip(mesh.blocks, chosen, strict=True):
         cells = block.nodes[mask]
@@ -152,7 +152,7 @@ def _neighbours(mesh: Mesh, chosen: list[Mask], axis: Vector) -> tuple[_Faces, _
     faces = _Faces(
         nodes=np.concatenate(tables), ids=np.concatenate(ids), heights=np.concatenate(heights)
     )
-    _, group, size = unique_rows(np.sort(faces.corners, axis=1))
+    _, group, size = unique_rows(faces.corners)
     shared = np.flatnonzero(size[group] == 2)
     order = shared[np.lexsort((faces.heights[shared], group[shared]))]
     return faces.taken(order[::2]), faces.taken(order[1::2])
@@ -166,14 +166,12 @@ def _section(number: int, card: Card, below: _Faces, across: Mask, axis: Vector 
         )
         raise card.error(text)
     owned = below.taken(across)
-    count = (owned.nodes >= 0).sum(axis=1)
     return Section(
         name=f"bolt-{number}",
         shown="the cross-section of the bolt",
         facets={
-            kind: owned.nodes[count == n][:, :n]
-            for n, kind in FACE_KINDS.items()
-            if (count == n).any()
+            kind: owned.nodes[rows, : FACES[kind].n_nodes]
+            for kind, rows in rows_by_kind(owned.nodes).items()
         },
         elements=np.unique(owned.ids),
         refuse=card.error,

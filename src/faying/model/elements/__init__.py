@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from faying.exceptions import ModelError
+from faying.model.elements.face_kind import FaceKind
 from faying.model.elements.hex8 import HEX8
 from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
 from faying.model.elements.hex8_reduced import HEX8_REDUCED, HEX8_REDUCED_ABAQUS
@@ -25,6 +26,17 @@ SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
     }
 )
 """Mesh cell kind to its standard element."""
+
+FACES: Mapping[str, FaceKind] = MappingProxyType(
+    {
+        face.name: face
+        for face in sorted(
+            {face for element in SOLIDS.values() for face, _ in element.faces},
+            key=lambda face: face.n_nodes,
+        )
+    }
+)
+"""Kinds of faces of the solids by name, those of fewest nodes first."""
 
 HEX8_FORMULATIONS: Mapping[str, SolidElement] = MappingProxyType(
     {
@@ -73,6 +85,7 @@ def block_element(block: CellBlock, formulation: str) -> SolidElement:
 
 __all__ = [
     "ALL_SOLIDS",
+    "FACES",
     "HEX8_FORMULATIONS",
     "SOLIDS",
     "SolidElement",

@@ -7,6 +7,7 @@ meshio and VTK number the top edges before the upright ones.
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import QUAD8
 from faying.model.elements.hex8 import CORNERS, WHOLE
 from faying.model.elements.quadrature import hexahedron
 from faying.model.elements.solid_element import SolidElement
@@ -35,12 +36,12 @@ HEX20 = SolidElement(
     # Degree 2 + 2 from N Nᵀ and 2 from det J of straight edges, in each coordinate.
     mass_quadrature=partial(hexahedron, 7),
     faces=(
-        ("quad8", (0, 3, 2, 1, 11, 10, 9, 8)),
-        ("quad8", (4, 5, 6, 7, 16, 17, 18, 19)),
-        ("quad8", (0, 1, 5, 4, 8, 13, 16, 12)),
-        ("quad8", (1, 2, 6, 5, 9, 14, 17, 13)),
-        ("quad8", (2, 3, 7, 6, 10, 15, 18, 14)),
-        ("quad8", (3, 0, 4, 7, 11, 12, 19, 15)),
+        (QUAD8, (0, 3, 2, 1, 11, 10, 9, 8)),
+        (QUAD8, (4, 5, 6, 7, 16, 17, 18, 19)),
+        (QUAD8, (0, 1, 5, 4, 8, 13, 16, 12)),
+        (QUAD8, (1, 2, 6, 5, 9, 14, 17, 13)),
+        (QUAD8, (2, 3, 7, 6, 10, 15, 18, 14)),
+        (QUAD8, (3, 0, 4, 7, 11, 12, 19, 15)),
     ),
     elsewhere=Elsewhere(
         nastran="CHEXA",

@@ -3,6 +3,7 @@
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import QUAD4
 from faying.model.elements.quadrature import hexahedron
 from faying.model.elements.solid_element import SolidElement
 
@@ -17,12 +18,12 @@ CORNERS = (
     (0.0, 1.0, 1.0),
 )
 FACES = (
-    ("quad4", (0, 3, 2, 1)),
-    ("quad4", (4, 5, 6, 7)),
-    ("quad4", (0, 1, 5, 4)),
-    ("quad4", (1, 2, 6, 5)),
-    ("quad4", (2, 3, 7, 6)),
-    ("quad4", (3, 0, 4, 7)),
+    (QUAD4, (0, 3, 2, 1)),
+    (QUAD4, (4, 5, 6, 7)),
+    (QUAD4, (0, 1, 5, 4)),
+    (QUAD4, (1, 2, 6, 5)),
+    (QUAD4, (2, 3, 7, 6)),
+    (QUAD4, (3, 0, 4, 7)),
 )
 WHOLE = (tuple(range(8)),)
 

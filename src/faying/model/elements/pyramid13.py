@@ -10,6 +10,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import QUAD8, TRI6
 from faying.model.elements.pyramid import BASE, CORNERS, below_apex, corner_functions, pyramid
 from faying.model.elements.solid_element import SolidElement
 
@@ -84,11 +85,11 @@ PYRAMID13 = SolidElement(
     stiffness_quadrature=partial(pyramid, 3),
     mass_quadrature=partial(pyramid, 4),
     faces=(
-        ("quad8", (0, 3, 2, 1, 8, 7, 6, 5)),
-        ("tri6", (0, 1, 4, 5, 10, 9)),
-        ("tri6", (1, 2, 4, 6, 11, 10)),
-        ("tri6", (2, 3, 4, 7, 12, 11)),
-        ("tri6", (3, 0, 4, 8, 9, 12)),
+        (QUAD8, (0, 3, 2, 1, 8, 7, 6, 5)),
+        (TRI6, (0, 1, 4, 5, 10, 9)),
+        (TRI6, (1, 2, 4, 6, 11, 10)),
+        (TRI6, (2, 3, 4, 7, 12, 11)),
+        (TRI6, (3, 0, 4, 8, 9, 12)),
     ),
     elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid13", vtk=27),
     brick_cells=(),

@@ -6,6 +6,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import QUAD4, TRI3
 from faying.model.elements.pyramid import CORNERS, corner_functions, pyramid
 from faying.model.elements.solid_element import SolidElement
 
@@ -25,11 +26,11 @@ PYRAMID5 = SolidElement(
     stiffness_quadrature=partial(pyramid, 2),
     mass_quadrature=partial(pyramid, 3),
     faces=(
-        ("quad4", (0, 3, 2, 1)),
-        ("tri3", (0, 1, 4)),
-        ("tri3", (1, 2, 4)),
-        ("tri3", (2, 3, 4)),
-        ("tri3", (3, 0, 4)),
+        (QUAD4, (0, 3, 2, 1)),
+        (TRI3, (0, 1, 4)),
+        (TRI3, (1, 2, 4)),
+        (TRI3, (2, 3, 4)),
+        (TRI3, (3, 0, 4)),
     ),
     elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid", vtk=14),
     brick_cells=(),

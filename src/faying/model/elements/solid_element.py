@@ -8,9 +8,10 @@ import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import FaceKind
 from faying.model.elements.quadrature import Quadrature
 
-Face = tuple[str, tuple[int, ...]]
+Face = tuple[FaceKind, tuple[int, ...]]
 ShapeFunctions = Callable[[Matrix], tuple[Matrix, Matrix]]
 
 
@@ -35,8 +36,7 @@ class SolidElement:
     stiffness_quadrature, mass_quadrature
         The rules, as functions so that scikit-fem is imported only when needed.
     faces
-        (face kind, local node indices) with corners first, then mid-sides in the same cyclic
-        order (mid-side k between corners k and k + 1), counter-clockwise seen from outside.
+        Kind and local node indices of each face, in the order of :class:`FaceKind`.
     elsewhere
         The element in the files of other programs.
     brick_cells

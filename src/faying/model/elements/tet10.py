@@ -6,6 +6,7 @@ Mid-side nodes 4-9 lie on the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import TRI6
 from faying.model.elements.quadrature import tetrahedron
 from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.tet4 import CORNERS, SIXTHS
@@ -29,10 +30,10 @@ TET10 = SolidElement(
     # curved element must stay positive definite.
     mass_quadrature=partial(tetrahedron, 5),
     faces=(
-        ("tri6", (0, 2, 1, 6, 5, 4)),
-        ("tri6", (0, 1, 3, 4, 8, 7)),
-        ("tri6", (1, 2, 3, 5, 9, 8)),
-        ("tri6", (2, 0, 3, 6, 7, 9)),
+        (TRI6, (0, 2, 1, 6, 5, 4)),
+        (TRI6, (0, 1, 3, 4, 8, 7)),
+        (TRI6, (1, 2, 3, 5, 9, 8)),
+        (TRI6, (2, 0, 3, 6, 7, 9)),
     ),
     elsewhere=Elsewhere(
         nastran="CTETRA",

@@ -3,6 +3,7 @@
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import TRI3
 from faying.model.elements.quadrature import tetrahedron
 from faying.model.elements.solid_element import SolidElement
 
@@ -22,10 +23,10 @@ TET4 = SolidElement(
     stiffness_quadrature=partial(tetrahedron, 1),
     mass_quadrature=partial(tetrahedron, 2),
     faces=(
-        ("tri3", (0, 2, 1)),
-        ("tri3", (0, 1, 3)),
-        ("tri3", (1, 2, 3)),
-        ("tri3", (2, 0, 3)),
+        (TRI3, (0, 2, 1)),
+        (TRI3, (0, 1, 3)),
+        (TRI3, (1, 2, 3)),
+        (TRI3, (2, 0, 3)),
     ),
     elsewhere=Elsewhere(nastran="CTETRA", abaqus={"C3D4": ""}, meshio="tetra", vtk=10),
     brick_cells=SIXTHS,

@@ -10,6 +10,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import QUAD8, TRI6
 from faying.model.elements.quadrature import wedge
 from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.wedge6 import CORNERS, HALVES
@@ -85,11 +86,11 @@ WEDGE15 = SolidElement(
     # Degree 2 + 2 from N Nᵀ and 2 from det J of straight edges, in the triangle and along the axis.
     mass_quadrature=partial(wedge, 6, 7),
     faces=(
-        ("tri6", (0, 2, 1, 8, 7, 6)),
-        ("tri6", (3, 4, 5, 12, 13, 14)),
-        ("quad8", (0, 1, 4, 3, 6, 10, 12, 9)),
-        ("quad8", (1, 2, 5, 4, 7, 11, 13, 10)),
-        ("quad8", (2, 0, 3, 5, 8, 9, 14, 11)),
+        (TRI6, (0, 2, 1, 8, 7, 6)),
+        (TRI6, (3, 4, 5, 12, 13, 14)),
+        (QUAD8, (0, 1, 4, 3, 6, 10, 12, 9)),
+        (QUAD8, (1, 2, 5, 4, 7, 11, 13, 10)),
+        (QUAD8, (2, 0, 3, 5, 8, 9, 14, 11)),
     ),
     elsewhere=Elsewhere(
         nastran="CPENTA",

@@ -3,6 +3,7 @@
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
+from faying.model.elements.face_kind import QUAD4, TRI3
 from faying.model.elements.quadrature import wedge
 from faying.model.elements.solid_element import SolidElement
 
@@ -27,11 +28,11 @@ WEDGE6 = SolidElement(
     # weight, that of order 4 has not.
     mass_quadrature=partial(wedge, 4, 5),
     faces=(
-        ("tri3", (0, 2, 1)),
-        ("tri3", (3, 4, 5)),
-        ("quad4", (0, 1, 4, 3)),
-        ("quad4", (1, 2, 5, 4)),
-        ("quad4", (2, 0, 3, 5)),
+        (TRI3, (0, 2, 1)),
+        (TRI3, (3, 4, 5)),
+        (QUAD4, (0, 1, 4, 3)),
+        (QUAD4, (1, 2, 5, 4)),
+        (QUAD4, (2, 0, 3, 5)),
     ),
     elsewhere=Elsewhere(
         nastran="CPENTA",

@@ -16,7 +16,8 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.facets import shape_functions
-from faying.model.outline import RINGS, outline_of
+from faying.model.elements import FACES
+from faying.model.outline import outline_of
 from faying.report.figures.plane import Map, Unrolled
 from faying.report.style import OPEN_COLOUR
 from faying.study.results.interface_surface import pair_facets
@@ -76,7 +77,7 @@ def covered(record: InterfaceRecord, plane: Map) -> list[Matrix]:
     for kind, nodes in pair_facets(record):
         share = None if record.face_coverage is None else record.face_coverage[first:]
         whole = slice(None) if share is None else share[: len(nodes)] >= 1
-        polygons += list(plane.whole(flat[nodes[:, list(RINGS[kind])]])[whole])
+        polygons += list(plane.whole(flat[nodes[:, list(FACES[kind].ring)]])[whole])
         first += len(nodes)
     if record.overlap is not None:
         polygons += list(plane.project(record.overlap))
@@ -225,7 +226,7 @@ def draw_edges(axes: Axes, record: InterfaceRecord, plane: Map) -> Axes:
     """Draw the facets' edges, thin."""
     flat = plane.project(record.pair_points)
     for kind, nodes in pair_facets(record):
-        ring = plane.whole(flat[nodes[:, list(RINGS[kind])]])
+        ring = plane.whole(flat[nodes[:, list(FACES[kind].ring)]])
         closed = np.concatenate([ring, ring[:, :1]], axis=1)
         axes.add_collection(
             LineCollection(list(closed), colors="k", linewidths=0.25, alpha=0.35, zorder=2)

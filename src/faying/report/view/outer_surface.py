@@ -5,16 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.model.elements import FACES
 from faying.model.mesh import Mesh
 from faying.model.surface import exterior_facets
-
-TRIANGLES = {
-    "tri3": ((0, 1, 2),),
-    "quad4": ((0, 1, 2), (0, 2, 3)),
-    "tri6": ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
-    "quad8": ((0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)),
-}
-"""Triangles of a facet by its kind, turning like the facet."""
 
 SHARP = np.cos(np.radians(30.0))
 """Cosine of the angle between facets from which the edge between them is drawn."""
@@ -59,7 +52,7 @@ def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
         Nodes that are wanted too, wherever they are.
     """
     faces = exterior_facets(mesh).by_kind()
-    parts = [triangles_of(kind, facets.nodes) for kind, facets in faces.items()]
+    parts = [triangles_of(kind, nodes) for kind, nodes in faces.items()]
     triangles = np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
     nodes, first, inverse = np.unique(
         np.concatenate([triangles.ravel(), np.ravel(more)]), return_index=True, return_inverse=True
@@ -75,7 +68,7 @@ def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
 
 def triangles_of(kind: str, facets: Indices) -> Indices:
     """Divide facets of one kind (n_facet, at least n_node_per_face) into triangles (n, 3)."""
-    return np.asarray(facets)[:, np.array(TRIANGLES[kind])].reshape(-1, 3)
+    return np.asarray(facets)[:, np.array(FACES[kind].triangles)].reshape(-1, 3)
 
 
 def sharp_edges(points: Matrix, triangles: Indices) -> Indices:

@@ -12,9 +12,8 @@ import numpy as np
 
 from faying.files.meanings import Meaning
 from faying.interface.interface import FacePairs
-from faying.model.elements import SOLIDS
+from faying.model.elements import FACES, SOLIDS
 from faying.model.mesh import CellBlock
-from faying.model.surface import N_NODES
 from faying.study.results.store_fields import MEANINGS
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 
@@ -128,8 +127,8 @@ def _check_record(value: Any, axes: Axes, place: str) -> None:
         _check_known(value.kind, SOLIDS, f"{place}/kind")
         _check_width(value.nodes, len(SOLIDS[value.kind].reference_nodes), f"{place}/nodes")
     elif isinstance(value, FacePairs):
-        _check_known(value.kind, N_NODES, f"{place}/kind")
-        _check_width(value.minus, N_NODES[value.kind], f"{place}/minus")
+        _check_known(value.kind, FACES, f"{place}/kind")
+        _check_width(value.minus, FACES[value.kind].n_nodes, f"{place}/minus")
     elif isinstance(value, InterfaceRecord):
         _check_interface(value, axes["n_node"], place)
 
