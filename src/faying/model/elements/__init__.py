@@ -10,7 +10,6 @@ from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
 from faying.model.elements.hex8_reduced import HEX8_REDUCED, HEX8_REDUCED_ABAQUS
 from faying.model.elements.hex20 import HEX20
 from faying.model.elements.hex20_reduced import HEX20_REDUCED
-from faying.model.elements.hex27 import HEX27
 from faying.model.elements.pyramid5 import PYRAMID5
 from faying.model.elements.pyramid13 import PYRAMID13
 from faying.model.elements.solid_element import SolidElement
@@ -23,7 +22,7 @@ from faying.model.mesh import CellBlock
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
     {
         element.kind: element
-        for element in (HEX8, HEX20, HEX27, WEDGE6, WEDGE15, PYRAMID5, PYRAMID13, TET4, TET10)
+        for element in (HEX8, HEX20, WEDGE6, WEDGE15, PYRAMID5, PYRAMID13, TET4, TET10)
     }
 )
 """Mesh cell kind to its standard element."""
