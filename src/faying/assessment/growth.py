@@ -113,20 +113,18 @@ def _cut_by_chords(
     is between them.
     """
     values = {factor: left(state, state) for factor, state in sorted(reached.items())}
-    high = next(factor for factor, value in values.items() if value <= 0)
+    nothing = NOTHING * values[min(values)]
+    high = next(factor for factor, value in values.items() if value <= nothing)
     low = max(factor for factor in values if factor < high)
     above, below = values[low], values[high]
-    nothing = NOTHING * values[min(values)]
     passed: bool | None = None
     for _ in range(MOST_CHORDS):
-        if high - low <= CLOSE * high:
+        if high - low <= CLOSE * high or abs(values[high]) <= nothing:
             break
-        # Beyond an end that is as good as there, so that the other one follows.
-        margin = min(CLOSE * high, high - low) / 2
-        chord = low + above / (above - below) * (high - low)
-        middle = float(np.clip(chord, low + margin, high - margin))
+        middle = _chord(low, high, above, below)
         trial = reach(middle, reached[low])
-        value, reached[middle] = left(trial, trial), trial
+        value = left(trial, trial)
+        reached[middle], values[middle] = trial, value
         happened = value <= nothing
         if happened == passed:
             # The other end stays again: it counts less, so that the next chord goes beyond.
@@ -138,9 +136,13 @@ def _cut_by_chords(
             high, below = middle, value
         else:
             low, above = middle, value
-        if abs(value) <= nothing:
-            break
-    return high, (reached[high], reached[low])
+    factor = _chord(low, high, values[low], min(values[high], 0.0))
+    return factor, (reached[high], reached[low])
+
+
+def _chord(low: float, high: float, above: float, below: float) -> float:
+    """Return where a straight line between values at two factors is zero."""
+    return low + above / (above - below) * (high - low)
 
 
 def _cut_by_halves(
