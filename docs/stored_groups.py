@@ -7,7 +7,6 @@ import sys
 
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
-from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.check import Check
 from faying.assessment.choose import JointModeChoice
@@ -84,7 +83,6 @@ GROUPS: dict[str, type] = {
     "/validation": ValidationRecord,
     "/validation/load_space": LoadSpaceRecord,
     "/validation/load_space/methods/METHOD/N": LoadSpaceResult,
-    "/validation/load_space/best_possible": BestPossible,
     "/validation/penalty": PenaltyRecord,
     "/validation/penalty/sweep": PenaltySweep,
     "/validation/choices/METHOD": JointModeChoice,

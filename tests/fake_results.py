@@ -3,7 +3,6 @@
 import numpy as np
 
 from faying.assessment.accuracy import Accuracy
-from faying.assessment.best_possible import BestPossible
 from faying.assessment.check import Check
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.choose_normal_modes import NormalModeChoice
@@ -186,19 +185,6 @@ def _method(count, error, reference, points, nodes, times):
     )
 
 
-def _best(factor):
-    counts = np.array([0, 5, 20])
-    errors = factor / (1.0 + counts)
-    return BestPossible(
-        counts=counts,
-        training_rms=errors / 10,
-        training_max=errors,
-        unseen_rms=errors / 5,
-        unseen_median=errors / 2,
-        unseen_max=2 * errors,
-    )
-
-
 def _validation():
     loads, penalties = ("LC1", "LC2/torsion"), np.array([1e4, 1e5, 1e6])
     fields = np.outer(1.0 / penalties, [1e3, 2e3])
@@ -228,8 +214,6 @@ def _validation():
                 }
                 for name, counts in JOINT_MODES.items()
             },
-            best_possible=_best(0.5),
-            best_possible_gap=_best(0.3),
         ),
         penalty=PenaltyRecord(
             sweep=sweep, recommended=4e5, reached=True, advice="Stiff enough <here>."

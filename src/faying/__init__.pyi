@@ -4,7 +4,6 @@ from faying.assessment.accuracy import Accuracy as Accuracy
 from faying.assessment.accuracy import compare as compare
 from faying.assessment.accuracy import relative_error as relative_error
 from faying.assessment.backbone_response import backbone_response as backbone_response
-from faying.assessment.best_possible import best_possible_errors as best_possible_errors
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes
 from faying.assessment.choose_normal_modes import choose_normal_modes as choose_normal_modes

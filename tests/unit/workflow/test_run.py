@@ -153,7 +153,7 @@ def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
 
 WORK = (
     (offline, "solve_static"),
-    (cases, "certifier"),
+    (offline, "certifier"),
     (comparison, "measure"),
     (cases, "packed"),
     (record, "bodies"),
@@ -262,8 +262,8 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
 
     for module, name in (
         (validation, "penalty_sweep"),
-        (validation, "best_possible_errors"),
-        (cases, "certifier"),
+        (validation, "solve_static_cases"),
+        (offline, "certifier"),
         (transient_judge, "recover_pressure"),
         (transient_judge, "finer_model"),
         (cases, "mesh_errors"),
@@ -478,7 +478,6 @@ def _raise(error: BaseException):
 
 @pytest.mark.long
 def test_hard_contact_with_a_training_box(tmp_path):
-    """Pressures do not follow from gaps there, so one yardstick of unseen loads is absent."""
     text = STUDY.replace(
         "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
     )
@@ -488,7 +487,6 @@ def test_hard_contact_with_a_training_box(tmp_path):
     assert run(read_study(path), tmp_path).converged
     load_space = read_results(tmp_path / "results.h5").validation.load_space
     assert load_space is not None
-    assert load_space.best_possible_gap is None
     assert (
         load_space.methods["compliance"][0].worst_error < 1e-6
     )  # exact, at the digits of hard contact

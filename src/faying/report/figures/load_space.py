@@ -1,10 +1,8 @@
-"""How methods do at loads they have not seen, beside the floors under linear bases."""
+"""How methods do at loads they have not seen."""
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
 
-from faying._typing import Indices, Vector
 from faying.display.style import plain
 from faying.report.figures.convergence import FLOOR
 from faying.report.figures.entry import Drawn
@@ -14,10 +12,7 @@ from faying.study.results.values import Results
 
 
 def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes:
-    """Draw the median or the worst error of each method over its joint modes.
-
-    Grey: what any linear basis of as many vectors could reach at best, of pressures and of gaps.
-    """
+    """Draw the median or the worst error of each method over its joint modes."""
     for name, sizes in record.methods.items():
         found = sorted(sizes)
         errors = [100 * max(_error(sizes[n], worst=worst), FLOOR) for n in found]
@@ -25,15 +20,6 @@ def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes
             axes.axhline(errors[0], color=colour(name), ls="--", label=plain(name))
         elif found:
             axes.plot(found, errors, color=colour(name), marker=marker(name), label=plain(name))
-    for floor, style, label in (
-        (record.best_possible, ":", "best pressure basis"),
-        (record.best_possible_gap, "-.", "best gap basis"),
-    ):
-        if floor is None:
-            continue
-        values = floor.unseen_max if worst else floor.unseen_median
-        if values is not None:
-            _floor(axes, floor.counts, values, style, label)
     counts = sorted({n for sizes in record.methods.values() for n in sizes if n}) or [1]
     axes.set_xticks(counts)
     axes.set_yscale("log")
@@ -47,12 +33,6 @@ def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes
 
 def _error(result: LoadSpaceResult, *, worst: bool) -> float:
     return result.worst_error if worst else result.median_error
-
-
-def _floor(axes: Axes, counts: Indices, values: Vector, style: str, label: str) -> None:
-    keep = counts > 0
-    errors = 100 * np.maximum(values[keep], FLOOR)
-    axes.plot(counts[keep], errors, color="0.45", ls=style, marker=".", label=label)
 
 
 def load_space_figure(results: Results) -> Drawn | None:
@@ -71,9 +51,7 @@ def load_space_figure(results: Results) -> Drawn | None:
     caption = (
         f"Largest relative pressure error of each method at {record.n_loads} random static loads "
         "from the training box, none of which it was trained with: the median load (left) and the "
-        "worst (right). Grey: the best fit of the true pressures (dotted) or gaps (dash-dotted) "
-        "by as many vectors, made of other loads of the same box. Errors below 1e-4 % lie on the "
-        "lower edge."
+        "worst (right). Errors below 1e-4 % lie on the lower edge."
     )
     return Drawn(
         figure=figure,

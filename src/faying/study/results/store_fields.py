@@ -2,7 +2,6 @@
 
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
-from faying.assessment.best_possible import BestPossible
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.check import Check
 from faying.assessment.choose import JointModeChoice
@@ -76,7 +75,6 @@ STORED = (
     ValidationRecord,
     LoadSpaceRecord,
     LoadSpaceResult,
-    BestPossible,
     PenaltyRecord,
     PenaltySweep,
     JointModeChoice,

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from faying.assessment.best_possible import BestPossible
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
 
@@ -34,17 +33,10 @@ class LoadSpaceRecord:
         Random loads from the training box.
     methods
         Method name to joint mode count to errors.
-    best_possible
-        What any linear basis of pressures of as many vectors could reach at best.
-    best_possible_gap
-        The same for displacement bases, which represent the gap and leave the clipping to the
-        law; None where contact is hard, for pressures do not follow from gaps then.
     """
 
     n_loads: int
     methods: Mapping[str, Mapping[int, LoadSpaceResult]]
-    best_possible: BestPossible
-    best_possible_gap: BestPossible | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -5,14 +5,12 @@ from functools import partial
 
 import numpy as np
 
-from faying.assessment.best_possible import best_possible_errors, best_possible_gap_errors
 from faying.assessment.choose import JointModeChoice
 from faying.assessment.penalty_advice import UnitNames, recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep
 from faying.joint.model import Model
 from faying.joint.system import System
-from faying.reduction.basis import Basis
-from faying.reduction.method import CLASSIC, Method
+from faying.reduction.method import Method
 from faying.reduction.methods import METHODS
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import AT_REST, solve_static_cases
@@ -32,9 +30,6 @@ from faying.study.stages.progress import Stages
 from faying.units import units_of
 
 Models = Mapping[str, Mapping[int, System]]
-
-FLOOR_CASES = 2
-"""Cases that the best possible basis is made of, over those that test the methods."""
 
 SEED = 1
 """Of the random loads, fixed so that runs repeat."""
@@ -58,7 +53,7 @@ def validate(
     if study.reduction.training.box and count:
         with stages.stage("unseen loads"), extras.attempt("unseen loads"):
             box = training_box(study.reduction.training)
-            space = _load_space(joint.model, box, count, models, trained.bases[CLASSIC], extras)
+            space = _load_space(joint.model, box, count, models, extras)
     sweep = None
     swept = study.validation.penalty_sweep and not has_friction(joint.model)
     if swept and joint.model.contact.proportional:
@@ -68,13 +63,11 @@ def validate(
 
 
 def _load_space(
-    model: Model, box: LoadBox, count: int, models: Models, classic: Basis, extras: Extras
+    model: Model, box: LoadBox, count: int, models: Models, extras: Extras
 ) -> LoadSpaceRecord:
-    """Errors at random loads of the training box, beside the floor of all linear bases."""
-    loads = box.random_loads(model, (1 + FLOOR_CASES) * count, SEED)
-    unseen, others = loads[:count], loads[count:]
-    exact, training = solve_static_cases(model, unseen), solve_static_cases(model, others)
-    counts = sorted({size for sizes in models.values() for size in sizes if size})
+    """Return errors at random loads of the training box."""
+    unseen = box.random_loads(model, count, SEED)
+    exact = solve_static_cases(model, unseen)
     results: dict[str, dict[int, LoadSpaceResult]] = {}
     for name, sizes in models.items():
         results[name] = {}
@@ -85,17 +78,7 @@ def _load_space(
                 results[name][size] = LoadSpaceResult(
                     median_error=float(np.median(largest)), worst_error=float(largest.max())
                 )
-    return LoadSpaceRecord(
-        n_loads=count,
-        methods=results,
-        best_possible=best_possible_errors(training.pressure, counts or [1], unseen=exact.pressure),
-        # Under hard contact pressures do not follow from gaps, so there is no such yardstick.
-        best_possible_gap=best_possible_gap_errors(
-            training, counts or [1], unseen=exact, classic=classic
-        )
-        if np.isfinite(model.contact.penalty).all()
-        else None,
-    )
+    return LoadSpaceRecord(n_loads=count, methods=results)
 
 
 def _penalty(
