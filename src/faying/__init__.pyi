@@ -20,7 +20,6 @@ from faying.assessment.joint_assessment import assess as assess
 from faying.assessment.load_path import load_path as load_path
 from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.modal_analysis import backbone as backbone
-from faying.assessment.path_sensitivity import path_sensitivity as path_sensitivity
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter

@@ -164,7 +164,7 @@ def test_reduced_and_stored_models_tell_the_same_bolt_force(tmp_path):
     assert linear.feedthrough[row, column] == joint.load_patterns["warm"].bolt_forces["bolt"]
     recovered = fy.recover_pressure(rom, fy.solve_static(rom, load))
     assert recovered.bolt_force("bolt") == pytest.approx(full.bolt_force("bolt"), rel=1e-8)
-    slope = fy.sensitivity(joint, full).load_patterns.bolt_forces[0, 0]
+    slope = fy.sensitivity(joint, full).loads.of("warm").bolt_forces[0, 0]
     step = 1e-3
     ahead = fy.solve_static(joint, fy.Load({"warm": 1.0 + step})).bolt_force("bolt")
     # Linear while the same points touch.

@@ -136,7 +136,7 @@ def test_recovery_certificates_and_frequencies_are_the_same(before, after, name)
     if name == "hard":  # several points on one pair: single pressures have no derivative
         return
     sensitive = [fy.sensitivity(rom, fy.solve_static(rom, LOAD)) for rom in (here, there)]
-    np.testing.assert_array_equal(*(one.boundary_forces.contact_forces for one in sensitive))
+    np.testing.assert_array_equal(*(one.loads.contact_forces for one in sensitive))
 
 
 def test_friction_comes_back(tmp_path):

@@ -1,0 +1,169 @@
+"""Increments of contact about which a solution is linear: (F6) and where it holds."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import scipy.linalg as la
+
+from faying._typing import Indices, Matrix, Vector
+from faying.assessment.slip import slip_history
+from faying.contact.dense_points import SINGULAR_PIVOT
+from faying.contact.frictional import FrictionalContact
+from faying.exceptions import ModelError
+from faying.simulation.path import moved_alone
+from faying.simulation.solution import Solution
+
+LARGEST_RESIDUAL = 1e-7
+"""Natural residual over the largest force above which an increment is not the one of its load.
+
+A hundred times what increments are accepted at, ``SOLVED`` of the solver.
+"""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LinearIncrement:
+    """An increment about which the solution is linear.
+
+    Attributes
+    ----------
+    solver
+        Of the increment.
+    forces, slack : (3, n_point)
+        x and z of (F1).
+    tried : (3, n_point)
+        x − r z, whose projection x is.
+    closed : (n_closed,)
+        Points in contact; the forces of the others stay zero.
+    slope : (n_point, 3, 3)
+        J.
+    lu, pivots
+        Of the system (F6) between the points in contact.
+    """
+
+    solver: FrictionalContact
+    forces: Matrix
+    slack: Matrix
+    tried: Matrix
+    closed: Indices
+    slope: Matrix
+    lu: Matrix
+    pivots: Indices
+
+    def changes(self, dz: Matrix, friction: Matrix | None) -> Matrix:
+        """Solve (F6) for the changes of the forces (3, n_point, n_parameter)."""
+        closed, k, tried = self.closed, self.solver.contact.components, self.tried
+        right = -np.einsum("pij,jpq->ipq", self.slope[closed], self.scaled(dz)[:, closed])
+        if friction is not None:
+            size = np.hypot(tried[1], tried[2])[closed]
+            slips = size > self.solver.friction[closed] * tried[0, closed]
+            pressed = np.where(slips, tried[0, closed] / np.where(size > 0, size, 1.0), 0.0)
+            right[1:] += (pressed * tried[1:, closed])[:, :, None] * friction[closed]
+        dx = np.zeros(dz.shape)
+        if len(closed):
+            columns = right[:k].reshape(k * len(closed), dz.shape[2])
+            solved = la.lu_solve((self.lu, self.pivots), columns)
+            dx[:k, closed] = solved.reshape(k, len(closed), dz.shape[2])
+        return dx
+
+    def scaled(self, dz: Matrix) -> Matrix:
+        """Return r δz (3, n_point, n_parameter)."""
+        return np.asarray(self.solver.scale[:, :, None] * dz)
+
+    def yielded(self, dx: Matrix) -> Matrix:
+        """Return H δx (3, n_point, n_parameter)."""
+        solver = self.solver
+        columns = dx.reshape(3 * dx.shape[1], dx.shape[2])
+        moved = solver.G @ (solver.S @ (solver.steps.transposed @ columns))
+        compliance = solver.laws.closure(self.forces)[1]
+        return np.asarray(moved.reshape(dx.shape) + compliance[:, :, None] * dx)
+
+    def reach(self, rate: Matrix, friction: Matrix | None) -> tuple[Vector, Vector]:
+        """Return changes of the parameters at which a first point changes its state.
+
+        Parameters
+        ----------
+        rate : (3, n_point, n_parameter)
+            Of what is projected.
+        """
+        coefficients, tried = self.solver.friction, self.tried
+        rubbing = self.closed[coefficients[self.closed] > 0]
+        size = np.hypot(tried[1, rubbing], tried[2, rubbing])
+        way = tried[1:, rubbing] / np.where(size > 0, size, 1.0)
+        bound = coefficients[rubbing, None] * rate[0, rubbing]
+        if friction is not None:
+            bound = bound + tried[0, rubbing, None] * friction[rubbing]
+        above = np.einsum("ip,ipq->pq", way, rate[1:, rubbing]) - bound
+        value = np.concatenate([tried[0], size - coefficients[rubbing] * tried[0, rubbing]])
+        rates = np.concatenate([rate[0], above])
+        towards = np.where(value[:, None] > 0, -rates, rates)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.abs(value[:, None] / rates)
+        down = np.where(towards < 0, -reach, -np.inf).max(axis=0, initial=-np.inf)
+        return down, np.where(towards > 0, reach, np.inf).min(axis=0, initial=np.inf)
+
+
+def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[LinearIncrement]:
+    """Linearize every increment of a path, or a static solution.
+
+    Raises
+    ------
+    ModelError
+        If an increment was divided, or its derivative is not unique.
+    """
+    system = solution.system
+    contact, solver = system.contact, system.static_contact.frictional
+    n = contact.n_points
+    slips = slip_history(solution, initial)
+    relative = moved_alone(system, np.atleast_2d(solution.inputs))
+    normal, shear = np.atleast_2d(solution.contact_forces), solution.shear_forces
+    for number, (moved, slip) in enumerate(zip(relative, slips[:-1], strict=True)):
+        x = np.vstack([normal[number][None], np.zeros((2, n))])
+        if shear is not None:
+            x[1:] = shear.reshape(len(normal), 2, n)[number]
+        closure, compliance = solver.laws.closure(x)
+        z = solver.steps.moved(x) + closure + contact.free_slack(moved, slip)
+        tried = x - solver.scale * z
+        residual = np.abs(x - solver.laws.admissible(tried, None)).max()
+        if residual > LARGEST_RESIDUAL * np.abs(x).max():
+            message = (
+                f"load {number + 1} on the path is not one increment from the state before it: "
+                "it was divided, or the path began elsewhere; give smaller increments, or the "
+                "state it began from as initial"
+            )
+            raise ModelError(message)
+        slope = solver.laws.derivative(tried, None)
+        closed = np.flatnonzero(tried[0] > 0)
+        lu, pivots = _factors(solver, slope, compliance, closed)
+        yield LinearIncrement(solver, x, z, tried, closed, slope, lu, pivots)
+
+
+def _factors(
+    solver: FrictionalContact, slope: Matrix, compliance: Matrix, closed: Indices
+) -> tuple[Matrix, Indices]:
+    """Factorize I − J + J r H between the points in contact, component by component."""
+    n, k = solver.contact.n_points, solver.contact.components
+    size, count = k * len(closed), len(closed)
+    rows = (np.arange(k)[:, None] * n + closed).ravel()
+    G = solver.G[rows]
+    H = np.asarray(G @ (G @ solver.S).T) + np.diag(compliance[:k, closed].ravel())
+    scale = solver.scale[:k, closed]
+    own = slope[closed][:, :k, :k]
+    scaled = (scale.ravel()[:, None] * H).reshape(k, count, size)
+    system = np.einsum("pij,jpq->ipq", own, scaled).reshape(size, size)
+    diagonal = np.arange(count)
+    for i in range(k):
+        for j in range(k):
+            system[i * count + diagonal, j * count + diagonal] += (i == j) - own[:, i, j]
+    lu, pivots = la.lu_factor(system) if size else (np.zeros((0, 0)), np.zeros(0, np.int64))
+    sizes = np.abs(np.diag(lu))
+    if sizes.min(initial=1.0) < SINGULAR_PIVOT**2 * sizes.max(initial=1.0):
+        message = (
+            "the derivative is not unique: contact is hard and has more contact points than "
+            "displacements, or friction is so large that there are several solutions; use "
+            "nodal quadrature or a penalty"
+        )
+        raise ModelError(message)
+    return lu, pivots
