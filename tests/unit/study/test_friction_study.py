@@ -16,6 +16,7 @@ from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.display.quantities import number
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.export.formats import export
+from faying.files.flattening import flattened
 from faying.report.figures.slip import plot_slip_states
 from faying.report.html import write_report
 from faying.report.slip import slip_sentence, slipping
@@ -28,7 +29,6 @@ from faying.study.inputs.loads import case_load
 from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.load_factors import read_load_factors
 from faying.study.keys.schema import parse_study, read_study
-from faying.study.results.path_record import packed_record
 from faying.study.results.store import read_results
 from faying.study.stages.path_cases import rest_state
 from faying.units import units_of
@@ -331,8 +331,8 @@ def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_
         if case.reserve is not None:
             assert asdict(case.reserve) == asdict(other.cases[name].reserve)
         for amplitude, one in case.reference.cycles.items():
-            same = packed_record(exact.cycles[amplitude], "cycle")
-            for member, value in packed_record(one, "cycle").items():
+            same = flattened(exact.cycles[amplitude])
+            for member, value in flattened(one).items():
                 np.testing.assert_array_equal(value, same[member], member)
         if exact.path is not None:
             np.testing.assert_array_equal(case.reference.path.slip, exact.path.slip)

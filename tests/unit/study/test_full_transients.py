@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.files.flattening import flattened
 from faying.linalg.machine_memory import VARIABLE
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.study.inputs.loads import case_load
 from faying.study.keys.schema import parse_study
-from faying.study.results.responses import packed, respond
+from faying.study.results.responses import respond
 from faying.study.stages.full_transients import PIECE, FullTransient, full_transients
 from faying.study.stages.offline import prepare_joint
 from faying.study.stages.progress import Stages
@@ -51,8 +52,8 @@ def test_pieces_make_the_response_of_the_whole(tmp_path, joint):
             duration=case.duration,
             initial=prepared_joint.rest,
         )
-        expected = packed(respond(whole, prepared_joint.model, one.seconds, moves=True))
-        mine = packed(one)
+        expected = flattened(respond(whole, prepared_joint.model, one.seconds, moves=True))
+        mine = flattened(one)
         assert mine.keys() == expected.keys()
         for name in mine.keys() - {"iterations", "seconds"}:
             # Round-off, of two responses side by side; the signs of shapes of motion are open.

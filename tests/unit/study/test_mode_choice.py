@@ -12,6 +12,7 @@ from faying.assessment.choose_normal_modes import NormalModeChoice, excited_freq
 from faying.assessment.transient_error import OBSERVED
 from faying.cli import app
 from faying.exceptions import ModelError, StudyError
+from faying.files.flattening import flattened, restored
 from faying.linalg.singular import InertiaError
 from faying.reduction.basis import ModeKind
 from faying.reduction.normal_modes import fixed_interface_normal_modes
@@ -19,7 +20,6 @@ from faying.study.keys.schema import parse_study
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.store import read_results
 from faying.study.stages import normal_modes
-from faying.study.stages.packed_members import packed_members, unpacked_members
 from faying.units import units_of
 from faying.workflow.run import run
 from small_study import TINY_JOINT
@@ -302,5 +302,5 @@ def test_tractions_of_every_number_are_estimated(joint):
     found = fy.choose_normal_modes(rubbing, load, step=1.6e-5, duration=8e-5, tolerance=0.5)
     assert found.tractions.shape == found.counts.shape
     assert 0 < found.traction_error < 1
-    again = unpacked_members(NormalModeChoice, packed_members(found))
+    again = restored(NormalModeChoice, flattened(found))
     assert again.traction_error == found.traction_error

@@ -80,11 +80,13 @@ def test_states_shown_are_even_and_have_the_peak():
 
 
 def test_motion_is_kept_of_the_reference_alone(joint, swing):
-    from faying.study.results.responses import packed, respond, unpacked
+    from faying.files.flattening import flattened, restored
+    from faying.study.results.responses import respond
+    from faying.study.results.values import Response
 
     response = respond(swing, joint, 0.0, moves=True)
-    again = unpacked(packed(response)).motion
+    again = restored(Response, flattened(response)).motion
     for name, value in vars(response.motion).items():
         assert np.array_equal(getattr(again, name), value)
     assert respond(swing, joint, 0.0).motion is None
-    assert unpacked(packed(replace(response, motion=None))).motion is None
+    assert restored(Response, flattened(replace(response, motion=None))).motion is None

@@ -155,7 +155,7 @@ WORK = (
     (offline, "solve_static"),
     (offline, "certifier"),
     (comparison, "measure"),
-    (cases, "packed"),
+    (cases, "flattened"),
     (record, "bodies"),
     (record, "contact_surfaces"),
     (runs, "write_results"),

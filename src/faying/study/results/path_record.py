@@ -1,8 +1,7 @@
 """What a run keeps of load cases that are paths: every increment, cycles and their fretting."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -151,48 +150,3 @@ def _slip_work(path: Solution, before: Solution, joint: Joint) -> Vector:
     change = np.diff(slip_history(path, before), axis=0)
     work: Vector = -(path.shear_forces * change).sum(axis=(0, 1)) / joint.contact.weights
     return work
-
-
-def packed_record(record: SlipRecord | CycleRecord, prefix: str) -> dict[str, Matrix]:
-    """Flatten a record to named arrays."""
-    arrays: dict[str, Matrix] = {}
-    for one in fields(record):
-        value, name = getattr(record, one.name), f"{prefix}/{one.name}"
-        if isinstance(value, PathRecord):
-            arrays |= packed_record(value, name)
-        elif isinstance(value, Mapping):
-            arrays |= {f"{name}/{key}": np.asarray(part) for key, part in value.items()}
-        else:
-            arrays[name] = np.asarray(value)
-    return arrays
-
-
-def unpacked_path(arrays: Mapping[str, Matrix], prefix: str) -> PathRecord:
-    """Return the record that :func:`packed_record` flattened."""
-    values: dict[str, Any] = {}
-    for one in fields(PathRecord):
-        name = f"{prefix}/{one.name}"
-        if one.name in ("displacements", "bolt_forces"):
-            inner = f"{name}/"
-            values[one.name] = {
-                key.removeprefix(inner): part
-                for key, part in arrays.items()
-                if key.startswith(inner)
-            }
-        else:
-            values[one.name] = arrays[name]
-    values["loads"] = tuple(map(str, values["loads"]))
-    return PathRecord(**values)
-
-
-def unpacked_cycles(arrays: Mapping[str, Matrix], prefix: str) -> CycleRecord:
-    """Return the record that :func:`packed_record` flattened."""
-    values: dict[str, Any] = {
-        one.name: arrays[f"{prefix}/{one.name}"]
-        for one in fields(CycleRecord)
-        if one.name != "increments"
-    }
-    for name in ("amplitude", "loop_area", "start_work"):
-        values[name] = float(values[name])
-    values["stationary"] = bool(values["stationary"])
-    return CycleRecord(**values, increments=unpacked_path(arrays, f"{prefix}/increments"))

@@ -6,22 +6,19 @@ from functools import partial
 
 import numpy as np
 
+from faying.assessment.backbone import Backbone
 from faying.assessment.modal_analysis import ModalAnalysis, modal_analysis
 from faying.assessment.modal_cycles import ModalCycle, StillModeError
 from faying.exceptions import naming
 from faying.execution.checkpoint import Arrays
+from faying.files.flattening import flattened, restored
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.solution import Solution
 from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
-from faying.study.results.backbone_record import packed_backbone, unpacked_backbone
 from faying.study.results.responses import respond
 from faying.study.results.values import Response
 from faying.study.stages.checkpointed_steps import SECONDS, Pieces
-from faying.study.stages.packed_members import packed_members, unpacked_members
-
-CURVE = "curve"
-"""Prefix of the arrays of a backbone that is kept."""
 
 
 def backbone_response(
@@ -57,7 +54,7 @@ def backbone_response(
                 still = error
                 progress(len(case.levels))
                 continue
-        curves[str(mode)] = unpacked_backbone(kept, CURVE)
+        curves[str(mode)] = restored(Backbone, kept)
         seconds += float(kept[SECONDS])
     if still is not None and not curves:
         with naming(f"load case '{case.name}'"):
@@ -91,15 +88,15 @@ def _curve(
     for number in range(len(case.levels)):
         name = f"mode {mode}, amplitude {number + 1}"
         kept = pieces.take(name, partial(_amplitude, analysis, number))
-        cycles.append(unpacked_members(ModalCycle, kept))
+        cycles.append(restored(ModalCycle, kept))
         seconds += float(kept[SECONDS])
         progress(1)
-    curve = packed_backbone(analysis.backbone(cycles, masing=case.masing), CURVE)
-    return {**curve, SECONDS: np.asarray(seconds)}
+    curve = analysis.backbone(cycles, masing=case.masing)
+    return {**flattened(curve), SECONDS: np.asarray(seconds)}
 
 
 def _amplitude(analysis: ModalAnalysis, number: int) -> Arrays:
-    return packed_members(analysis.cycle(number))
+    return flattened(analysis.cycle(number))
 
 
 def cycle_increments(case: LoadCaseSection) -> int:

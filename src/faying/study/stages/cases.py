@@ -12,6 +12,7 @@ from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.transient_error import REMEDY
 from faying.exceptions import ConvergenceError
+from faying.files.flattening import flattened, restored
 from faying.interface.smoothing import Smoothing
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -24,7 +25,7 @@ from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import time_span, time_step
 from faying.study.judgement.comparison import accuracy, recovered_error, slip_errors
 from faying.study.keys.tables import LoadCaseSection
-from faying.study.results.responses import FAILED, packed, respond, unpacked
+from faying.study.results.responses import respond
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.case_solution import solve_case
@@ -39,7 +40,6 @@ from faying.study.stages.full_transients import (
 from faying.study.stages.inertia import CURED, InertiaWhenNeeded, remedy_of
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.optional import Extras
-from faying.study.stages.packed_members import packed_members, unpacked_members
 from faying.study.stages.path_cases import (
     advances,
     goes_in_increments,
@@ -53,6 +53,9 @@ from faying.study.stages.reference import REDUCED, Reference, Solved
 from faying.study.stages.transient_judge import TransientJudge
 
 Models = Mapping[str, Mapping[int, System]]
+
+FAILED = "failed"
+"""Name of the sentences about extras that failed, beside the arrays of a response."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -245,11 +248,11 @@ class CaseRunner:
         def compute() -> dict[str, Matrix]:
             with self.stages.stage("slip reserve"):
                 found = reserve_of(self.joint.model, case, self.joint.rest, self.open_below)
-                return packed_members(found)
+                return flattened(found)
 
         with self.stages.timed("checkpoint"):
             kept = self.checkpoint.bundle(f"{case.name} slip reserve", compute)
-        return unpacked_members(SlipReserve, kept)
+        return restored(SlipReserve, kept)
 
     def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
         """Bound the errors of a static case without friction from the compliance alone."""
@@ -304,11 +307,11 @@ class CaseRunner:
         def compute() -> list[dict[str, Matrix]]:
             total = self._steps(first.case, first.refinement) * len(runs)
             with self.stages.stage(f"{first.case.name}{more} {label}", total) as advance:
-                return list(map(packed, full_transients(self.joint, runs, advance)))
+                return list(map(flattened, full_transients(self.joint, runs, advance)))
 
         with self.stages.timed("checkpoint"):
             self.checkpoint.fill(list(group), compute)
-            return unpacked(self.checkpoint.get(key))
+            return restored(Response, self.checkpoint.get(key))
 
     def _response(
         self,
@@ -348,12 +351,12 @@ class CaseRunner:
                     recovered=label != REDUCED,
                 )
             # Kept with the response, for a run that takes it over does not try again.
-            return packed(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
+            return flattened(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
 
         with self.stages.timed("checkpoint"):
             arrays = self.checkpoint.bundle(key, compute)
         self.extras.repeat(arrays.get(FAILED, ()))
-        return unpacked(arrays)
+        return restored(Response, arrays)
 
 
 def _gained(what: str, response: Response) -> list[str]:

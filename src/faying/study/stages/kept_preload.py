@@ -9,6 +9,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import StudyError
 from faying.execution.checkpoint import Checkpoint
+from faying.files.flattening import flattened, restored
 from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.joint.system import System
@@ -63,27 +64,18 @@ def kept_tightening(
         return tightening, tuple(loads)
 
     def arrays() -> dict[str, Matrix]:
-        found, path = compute()
-        turned = [[load.bolt_forces[bolt] for bolt in found.bolts] for load in path]
+        tightening, loads = compute()
+        forces = [[load.bolt_forces[bolt] for bolt in tightening.bolts] for load in loads]
         return {
-            "bolts": np.array(found.bolts, dtype=str),
-            "initial_forces": np.array([found.initial_forces[bolt] for bolt in found.bolts]),
-            "stages": np.array(found.stages, dtype=str),
-            "bolt_forces": found.bolt_forces,
-            "path": np.array(turned, dtype=float).reshape(len(turned), len(found.bolts)),
-            "names": np.array([load.name for load in path], dtype=str),
+            **flattened(tightening),
+            "path": np.array(forces, dtype=float).reshape(len(forces), len(tightening.bolts)),
+            "names": np.array([load.name for load in loads], dtype=str),
         }
 
     kept = checkpoint.bundle(key, arrays)
-    bolts = tuple(kept["bolts"].tolist())
-    tightening = Tightening(
-        initial_forces=dict(zip(bolts, kept["initial_forces"].tolist(), strict=True)),
-        bolts=bolts,
-        stages=tuple(kept["stages"].tolist()),
-        bolt_forces=kept["bolt_forces"],
-    )
+    tightening = restored(Tightening, kept)
     return tightening, tuple(
-        Load(name=name, bolt_forces=dict(zip(bolts, row, strict=True)))
+        Load(name=name, bolt_forces=dict(zip(tightening.bolts, row, strict=True)))
         for name, row in zip(kept["names"].tolist(), kept["path"].tolist(), strict=True)
     )
 

@@ -6,6 +6,7 @@ from functools import cache, partial
 
 from faying._typing import Matrix
 from faying.assessment.choose_normal_modes import NormalModeChoice, choose_normal_modes
+from faying.files.flattening import flattened, restored
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import time_span, time_step
@@ -14,7 +15,6 @@ from faying.study.results.mode_choice import chosen_count
 from faying.study.stages.checkpoint import Checkpoint
 from faying.study.stages.full_transients import integrator_of
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.packed_members import packed_members, unpacked_members
 from faying.study.stages.path_cases import has_friction, rest_state
 from faying.study.stages.progress import Stages
 
@@ -45,7 +45,7 @@ def normal_modes_of(
                 with stages.stage(f"choose normal modes, {case.name}"):
                     choose = partial(_chosen, study, joint, case, known)
                     kept = checkpoint.bundle(f"{case.name} normal modes", choose)
-                choices[case.name] = unpacked_members(NormalModeChoice, kept)
+                choices[case.name] = restored(NormalModeChoice, kept)
         count = chosen_count(choices)
     with stages.stage("normal_modes"):
         # Statics need no mass, and a structure without mass has no vibration modes.
@@ -68,4 +68,4 @@ def _chosen(
         rest=partial(rest_state, tightening=joint.preload_path) if rubs else None,
         modes=known,
     )
-    return packed_members(choice)
+    return flattened(choice)

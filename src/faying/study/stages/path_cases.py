@@ -10,6 +10,7 @@ from faying._typing import Matrix
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
 from faying.assessment.tresca import IncrementCertificate, certify_increments
 from faying.execution.checkpoint import Arrays
+from faying.files.flattening import flattened, restored
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.cycles import Cycles, solve_cycles
@@ -25,9 +26,7 @@ from faying.study.results.nodal_motion import NodalMotion, nodal_motion
 from faying.study.results.path_record import (
     CycleRecord,
     cycle_record,
-    packed_record,
     path_record,
-    unpacked_cycles,
 )
 from faying.study.results.responses import respond
 from faying.study.results.values import Response
@@ -144,12 +143,12 @@ def _cycle_response(
         )
 
     def recorded(amplitude: float) -> Arrays:
-        return packed_record(cycle_record(cycles(amplitude), load), CYCLE)
+        return flattened(cycle_record(cycles(amplitude), load))
 
     *others, largest = sorted(case.amplitudes or (1.0,))
     for amplitude in others:
         kept = pieces.take(f"amplitude {amplitude}", partial(recorded, amplitude))
-        records[str(amplitude)] = unpacked_cycles(kept, CYCLE)
+        records[str(amplitude)] = restored(CycleRecord, kept)
         seconds += float(kept[SECONDS])
         progress(1)
     start = time.perf_counter()
@@ -160,9 +159,6 @@ def _cycle_response(
     motion = _motion(model, last.cycle)
     return respond(last_of(last.cycle), model, seconds, cycles=records, motion=motion)
 
-
-CYCLE = "cycle"
-"""Prefix of the arrays of cycles that are kept."""
 
 MOST_CERTIFIED = 1000
 """Contact points with three components up to which a run factorizes H for every path: seconds."""

@@ -16,11 +16,11 @@ from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
+from faying.files.flattening import flattened
 from faying.study.inputs.load_model import build_loaded, load_model
 from faying.study.inputs.loads import is_trained
 from faying.study.keys.schema import parse_study
 from faying.study.keys.tables import Study
-from faying.study.results.responses import packed
 from faying.study.stages.full_transients import FullTransient, case_groups, full_transients
 from faying.study.stages.offline import PreparedJoint, prepare_joint, step_training
 from faying.study.stages.progress import Stages
@@ -94,4 +94,4 @@ def _computed(joint: PreparedJoint, steps: StepTraining, group: Sequence[Piece])
     transients = [piece for piece in group if not isinstance(piece, int)]
     if numbers:
         return list(steps.forces(numbers))
-    return list(map(packed, full_transients(joint, transients)))
+    return list(map(flattened, full_transients(joint, transients)))
