@@ -13,7 +13,7 @@ import faying as fy
 
 joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
 lift = fy.Load({"tip.Fz": -400.0, "tip.Fx": 2e3}, name="lift")
-path = fy.load_path(joint, lift, most=6.0)
+path = fy.load_path(joint, lift, largest=6.0)
 clamp = path.clamp_force("joint")
 print(f"first opening at {path.first_opening():.3f} times the load, {len(path.factors)} kinks")
 

@@ -118,7 +118,7 @@ def test_paths_of_other_models(joint, kind):
     else:
         basis = fy.craig_bampton(joint, normal_modes=6)
         system = fy.reduce(joint, basis, compliance=kind == "compliance")
-    path = fy.load_path(system, LOAD, most=2.0)
+    path = fy.load_path(system, LOAD, largest=2.0)
     assert path.factors[-1] == 2.0
     assert compared(system, path, np.linspace(0, 2, 20)) < 1e-9
     with pytest.raises(ModelError, match=r"not to 2\.5"):

@@ -43,7 +43,7 @@ def test_less_than_the_share_is_left_from_there_on(pair, open_below):
 
 
 def test_factors_are_those_of_the_path_from_kink_to_kink(pair):
-    path, judged = fy.load_path(pair, BEND, most=8.0), fy.assess(pair, [BEND])
+    path, judged = fy.load_path(pair, BEND, largest=8.0), fy.assess(pair, [BEND])
     areas = areas_that_open(pair.interfaces, pair.contact.slices, pair.bolts)
     shares = pressed_shares(areas, path.closed[0], pair.contact.weights)
     # Half of an area is what its symmetry gives: less is less by more than round-off.

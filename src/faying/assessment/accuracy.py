@@ -129,7 +129,7 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
     True
     """
     boundaries = reference.system.boundaries
-    found = measure(
+    accuracy = measure(
         solution.pressure,
         reference.pressure,
         [
@@ -138,17 +138,17 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
         ],
     )
     if reference.system.contact.components == 1:
-        return found  # tractions would be zeros, three for each pressure
+        return accuracy  # tractions would be zeros, three for each pressure
     return replace(
-        found, max_traction_error=traction_error([solution.traction], [reference.traction])
+        accuracy, max_traction_error=traction_error([solution.traction], [reference.traction])
     )
 
 
 def traction_error(tractions: Sequence[Matrix], references: Sequence[Matrix]) -> float | None:
     """Return the largest difference of tractions (..., 3) over the largest; None if all are 0."""
     apart = _Farthest()
-    for found, reference in zip(tractions, references, strict=True):
-        apart = apart.beside(found, reference)
+    for computed, reference in zip(tractions, references, strict=True):
+        apart = apart.beside(computed, reference)
     return apart.distance / apart.length if apart.length > 0 else None
 
 
@@ -182,13 +182,15 @@ def measure(
 
 def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> float:
     """Largest distance of translations, or of rotations where that is all, over the largest one."""
-    largest = max((float(np.abs(one).max(initial=0.0)) for _, one, _ in displacements), default=0.0)
+    largest = max(
+        (float(np.abs(expected).max(initial=0.0)) for _, expected, _ in displacements), default=0.0
+    )
     moved, turned = _Farthest(), _Farthest()
     for motion, reference, components in displacements:
         shift, turn = components < 3, components >= 3
         moved = moved.beside(motion[..., shift], reference[..., shift])
-        own = float(np.abs(reference).max(initial=0.0))
-        if _lengths(reference[..., shift]).max(initial=0.0) <= NO_MOTION * own:
+        size = float(np.abs(reference).max(initial=0.0))
+        if _lengths(reference[..., shift]).max(initial=0.0) <= NO_MOTION * size:
             turned = turned.beside(motion[..., turn], reference[..., turn])
     return max(moved.error(NO_MOTION * largest), turned.error(NO_MOTION * largest))
 
@@ -200,15 +202,15 @@ class _Farthest:
     distance: float = 0.0
     length: float = 0.0
 
-    def beside(self, found: Matrix, reference: Matrix) -> "_Farthest":
+    def beside(self, computed: Matrix, reference: Matrix) -> "_Farthest":
         """Return the same with more vectors (..., n)."""
-        apart = float(_lengths(found - reference).max(initial=0.0))
+        apart = float(_lengths(computed - reference).max(initial=0.0))
         length = float(_lengths(reference).max(initial=0.0))
         return _Farthest(max(self.distance, apart), max(self.length, length))
 
-    def error(self, least: float) -> float:
+    def error(self, floor: float) -> float:
         """Return one over the other; zero of vectors no longer than what is least."""
-        return self.distance / self.length if self.length > least else 0.0
+        return self.distance / self.length if self.length > floor else 0.0
 
 
 def _lengths(vectors: Matrix) -> Vector:

@@ -147,11 +147,11 @@ class Backbone(Shown):
         from faying.display.axes import new_axes
 
         units = units_of(self.units)
-        known = {
+        columns = {
             "amplitude": f"amplitude at {self.measured_at} [{self._amplitude_unit}]",
             "energy": f"energy of the vibration [{units.of('force·length')}]",
         }
-        if over not in known:
+        if over not in columns:
             message = f"there is no abscissa '{over}'; give 'amplitude' or 'energy'"
             raise ModelError(message)
         abscissa: Vector = getattr(self, over)
@@ -161,7 +161,7 @@ class Backbone(Shown):
         damping, frequency = "#0072B2", "#D55E00"
         left.semilogx(abscissa, 100 * self.damping_ratio, "o-", color=damping)
         right.semilogx(abscissa, self.frequency, "s--", color=frequency)
-        left.set_xlabel(known[over])
+        left.set_xlabel(columns[over])
         left.set_ylabel("damping ratio [%]", color=damping)
         right.set_ylabel(f"frequency [1/{units.time}]", color=frequency)
         left.set_title(f"mode {self.mode}")

@@ -107,8 +107,10 @@ def backbone_response(
     if wrong:
         raise ModelError("; ".join(wrong))
     inputs = harmonic_inputs(system, load)
-    rest = solve_path(system, [Load()]) if initial is None else initial
-    modes = stuck_modes(system, rest, SPAN * max(high, backbone.small_frequency), backbone.mode)
+    preloaded = solve_path(system, [Load()]) if initial is None else initial
+    modes = stuck_modes(
+        system, preloaded, SPAN * max(high, backbone.small_frequency), backbone.mode
+    )
     linear = LinearResponse.of(system, modes, inputs)
     estimate = _Estimate.of(backbone, linear)
     remarks, curves = list[str](), []
@@ -263,8 +265,8 @@ class _Estimate:
             return np.asarray(force - resisted)
 
         sides = 2 * np.pi * np.array([low, high])
-        least = float(np.min(force / np.abs(self.still[0] ** 2 - sides**2)))
-        grid = np.geomspace(min(least, self.smallest) / 2, self.largest, 400)
+        floor = float(np.min(force / np.abs(self.still[0] ** 2 - sides**2)))
+        grid = np.geomspace(min(floor, self.smallest) / 2, self.largest, 400)
         over = beyond(grid)
         if over[0] <= 0:
             message = f"level {level:g}: the mode is damped so far that it has no peak"

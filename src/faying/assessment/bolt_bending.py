@@ -32,21 +32,21 @@ class BoltBending:
     added_case: str
 
 
-def bending_of(rest: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
+def bending_of(preload: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
     """Judge the bending moments of a bolt.
 
     Parameters
     ----------
-    rest : (2, 2) [force·length]
+    preload : (2, 2) [force·length]
         At rest: end, component across the axis.
     cases
         Load case to (n_instant, 2, 2).
     """
-    most = {case: _largest(moments) for case, moments in cases.items()}
-    added = {case: _largest(moments - rest) for case, moments in cases.items()}
-    worst, farthest = max(most, key=most.__getitem__), max(added, key=added.__getitem__)
+    peaks = {case: _largest(moments) for case, moments in cases.items()}
+    added = {case: _largest(moments - preload) for case, moments in cases.items()}
+    worst, farthest = max(peaks, key=peaks.__getitem__), max(added, key=added.__getitem__)
     return BoltBending(
-        most=most[worst], most_case=worst, added=added[farthest], added_case=farthest
+        most=peaks[worst], most_case=worst, added=added[farthest], added_case=farthest
     )
 
 

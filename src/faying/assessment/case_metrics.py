@@ -65,11 +65,11 @@ def metrics_of(
     areas
         Interfaces whose needed friction is wanted, of static cases.
     """
-    found: list[Metric] = []
+    metrics: list[Metric] = []
     for name in interfaces:
-        found += _of_interface(name, certified=certified)
+        metrics += _of_interface(name, certified=certified)
     for name in system.bolts:
-        found += [
+        metrics += [
             Metric(
                 name=f"bolt_force.{name}",
                 description="axial force, tension positive",
@@ -77,7 +77,7 @@ def metrics_of(
                 worst="largest",
             )
         ]
-    found += [
+    metrics += [
         Metric(
             name=f"bolt_bending.{name}",
             description="larger of the bending moments where the beams of the bolt begin and end",
@@ -87,7 +87,7 @@ def metrics_of(
         for name in bent_bolts(system.bolts)
     ]
     for name, boundary in system.boundaries.items():
-        found += [
+        metrics += [
             Metric(
                 name=f"displacement.{name}.{DISPLACEMENT_NAMES[component]}",
                 description="displacement or rotation, average over the nodes of the boundary",
@@ -95,7 +95,7 @@ def metrics_of(
             )
             for component in _components(boundary)
         ]
-    found += [
+    metrics += [
         Metric(
             name=f"{WEAK_SHARE}{body}",
             description="what weak springs between the bodies carry over the contact force",
@@ -104,7 +104,7 @@ def metrics_of(
         )
         for body in system.weak_supports
     ]
-    found += [
+    metrics += [
         Metric(
             name=f"ring_pressure.{name}",
             description="smallest pressure on the best closed ring around a hole",
@@ -113,7 +113,7 @@ def metrics_of(
         )
         for name in rings
     ]
-    found += [
+    metrics += [
         Metric(
             name=f"needed_friction.{name}",
             description="coefficient of friction that carries what acts along the interface",
@@ -123,7 +123,7 @@ def metrics_of(
         for name in areas
     ]
     if certified:
-        found += [
+        metrics += [
             Metric(
                 name="certified_energy_error",
                 description="bound of the error of all contact forces in the energy norm",
@@ -136,7 +136,7 @@ def metrics_of(
                 dimension="1",
             ),
         ]
-    return found
+    return metrics
 
 
 def _of_interface(name: str, *, certified: bool) -> Iterator[Metric]:
@@ -213,7 +213,7 @@ def case_metrics(
         columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
     columns += [weak_share(solution, body) for body in solution.system.weak_supports]
     columns += [ring_pressure(ring, solution.pressure) for ring in rings.values()]
-    columns += [_needed_friction(solution, interfaces[name], one) for name, one in areas.items()]
+    columns += [_needed_friction(solution, interfaces[name], area) for name, area in areas.items()]
     if certificate is not None:
         columns += [certificate.energy_error, certificate.max_relative_error]
     return np.column_stack(columns)

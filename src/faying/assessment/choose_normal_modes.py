@@ -150,7 +150,7 @@ def choose_normal_modes(
     if not tolerance > 0:
         message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"
         raise ModelError(message)
-    found = modes or (lambda count: fixed_interface_normal_modes(model.structure, count))
+    modes_of = modes or (lambda count: fixed_interface_normal_modes(model.structure, count))
     trial = _Trial(
         model=model,
         load=load,
@@ -165,10 +165,10 @@ def choose_normal_modes(
     enough = OBSERVED[0] * tolerance
     steps: Indices | None = None
     for count in _numbers(len(model.structure.interior), _moved(model, excited)):
-        kept = found(count)
-        error, rubbed, steps = trial.estimate(kept, steps)
+        basis = modes_of(count)
+        error, rubbed, steps = trial.estimate(basis, steps)
         counts.append(count)
-        highest.append(float(kept.frequencies.max(initial=0.0)))
+        highest.append(float(basis.frequencies.max(initial=0.0)))
         estimates.append(error)
         tractions.append(rubbed)
         if steps is not None:
@@ -209,10 +209,12 @@ def _hopeless(estimates: list[float], count: int, tolerance: float) -> bool:
     """Say whether errors that go on falling as they last did stay above the tolerance."""
     if len(estimates) < 2 or not np.isfinite(estimates[-1]):
         return False
-    before, now = estimates[-2:]
-    if now >= before:
+    previous, now = estimates[-2:]
+    if now >= previous:
         return len(estimates) > 2  # once may be chance
-    at_most: float = now * (now / before) ** np.log2(MOST / count) if np.isfinite(before) else 0.0
+    at_most: float = (
+        now * (now / previous) ** np.log2(MOST / count) if np.isfinite(previous) else 0.0
+    )
     return bool(at_most > tolerance)
 
 
@@ -270,7 +272,7 @@ class _Trial:
         try:
             motion = self._solved(rom, steps)
             finer = finer_model(self.model, motion)
-            found = transient_error(
+            error = transient_error(
                 finer,
                 motion,
                 self.load,
@@ -279,7 +281,7 @@ class _Trial:
             )
         except ConvergenceError:
             return np.inf, np.inf, steps
-        return found.max_relative_error, found.max_traction_error or 0.0, motion.substeps
+        return error.max_relative_error, error.max_traction_error or 0.0, motion.substeps
 
     def _solved(self, rom: System, steps: Indices | None) -> Solution:
         initial = self._initial(rom)

@@ -71,13 +71,13 @@ def certified_clamps(certificate: Certificate, row: int) -> CertifiedClamps:
 
 
 def clamp_range(
-    rest: float, forces: Mapping[str, Vector], certified: Mapping[str, Vector]
+    preload: float, forces: Mapping[str, Vector], certified: Mapping[str, Vector]
 ) -> ClampRange:
     """Return between which forces an area stays clamped.
 
     Parameters
     ----------
-    rest : [force]
+    preload : [force]
         At rest.
     forces : load case to (n_instant,) [force]
     certified : load case to (2,) [force]
@@ -86,15 +86,15 @@ def clamp_range(
     certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
     lows = {case: float(force.min()) for case, force in forces.items()}
     highs = {case: float(force.max()) for case, force in forces.items()}
-    least, most = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    lowest, highest = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
     return ClampRange(
-        preload=rest,
-        least=lows[least],
-        least_case=least,
-        certified_least=certified.get(least),
-        most=highs[most],
-        most_case=most,
-        certified_most=certified.get(most),
+        preload=preload,
+        least=lows[lowest],
+        least_case=lowest,
+        certified_least=certified.get(lowest),
+        most=highs[highest],
+        most_case=highest,
+        certified_most=certified.get(highest),
         certified_width=max(
             (float(ends[1] - ends[0]) for ends in certified.values()), default=None
         ),

@@ -72,7 +72,7 @@ def free_decay(times: Vector, motion: Vector) -> Decay:
             "each instant"
         )
         raise ModelError(message)
-    at, extremes = _extremes(t, x)
+    instants, extremes = _extremes(t, x)
     swings = np.abs(np.diff(extremes)) / 2
     if len(swings) < FEWEST or not (swings > 0).all():
         message = (
@@ -81,7 +81,7 @@ def free_decay(times: Vector, motion: Vector) -> Decay:
         )
         raise ModelError(message)
     decrement = np.log(swings[:-2] / swings[2:])
-    middle = (at[1:] + at[:-1]) / 2
+    middle = (instants[1:] + instants[:-1]) / 2
     return Decay(
         times=middle[1:-1],
         amplitude=swings[1:-1],
@@ -94,9 +94,12 @@ def _extremes(t: Vector, x: Vector) -> tuple[Vector, Vector]:
     """Return instants and values of the extremes in between, refined by parabolas."""
     if len(x) < FEWEST:
         return t[:0], x[:0]
-    before, after = x[1:-1] - x[:-2], x[2:] - x[1:-1]
-    inner = np.flatnonzero((before * after < 0) | ((before != 0) & (after == 0))) + 1
+    rise_before, rise_after = x[1:-1] - x[:-2], x[2:] - x[1:-1]
+    inner = (
+        np.flatnonzero((rise_before * rise_after < 0) | ((rise_before != 0) & (rise_after == 0)))
+        + 1
+    )
     low, high = x[inner] - x[inner - 1], x[inner + 1] - x[inner]
-    place = 0.5 * (low + high) / (low - high)
+    offset = 0.5 * (low + high) / (low - high)
     step = (t[inner + 1] - t[inner - 1]) / 2
-    return t[inner] + place * step, x[inner] + 0.25 * (low + high) * place
+    return t[inner] + offset * step, x[inner] + 0.25 * (low + high) * offset

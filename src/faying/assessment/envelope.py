@@ -58,26 +58,30 @@ def envelope_of(solution: Solution, rows: Indices) -> Envelope:
 
 def joined(parts: Iterable[Envelope]) -> Envelope:
     """Return the envelope of several, in the order of their cases; there is at least one."""
-    several = list(parts)
-    highest, at_highest = _extreme([one.max_pressure for one in several], largest=True)
-    lowest, at_lowest = _extreme([one.min_pressure for one in several], largest=False)
-    widest, at_widest = _extreme([one.max_gap for one in several], largest=True)
+    envelopes = list(parts)
+    highest, at_highest = _extreme([envelope.max_pressure for envelope in envelopes], largest=True)
+    lowest, at_lowest = _extreme([envelope.min_pressure for envelope in envelopes], largest=False)
+    widest, at_widest = _extreme([envelope.max_gap for envelope in envelopes], largest=True)
     return Envelope(
         max_pressure=highest,
-        max_pressure_case=_chosen([one.max_pressure_case for one in several], at_highest),
+        max_pressure_case=_chosen(
+            [envelope.max_pressure_case for envelope in envelopes], at_highest
+        ),
         min_pressure=lowest,
-        min_pressure_case=_chosen([one.min_pressure_case for one in several], at_lowest),
+        min_pressure_case=_chosen(
+            [envelope.min_pressure_case for envelope in envelopes], at_lowest
+        ),
         max_gap=widest,
-        max_gap_case=_chosen([one.max_gap_case for one in several], at_widest),
+        max_gap_case=_chosen([envelope.max_gap_case for envelope in envelopes], at_widest),
     )
 
 
 def _extreme(rows: list[Vector], *, largest: bool) -> tuple[Vector, Indices]:
     table: Matrix = np.array(rows)
-    at: Indices = table.argmax(axis=0) if largest else table.argmin(axis=0)
-    return np.take_along_axis(table, at[None], axis=0)[0], at
+    which: Indices = table.argmax(axis=0) if largest else table.argmin(axis=0)
+    return np.take_along_axis(table, which[None], axis=0)[0], which
 
 
-def _chosen(rows: list[Indices], at: Indices) -> Indices:
-    chosen: Indices = np.take_along_axis(np.array(rows), at[None], axis=0)[0]
+def _chosen(rows: list[Indices], which: Indices) -> Indices:
+    chosen: Indices = np.take_along_axis(np.array(rows), which[None], axis=0)[0]
     return chosen

@@ -57,11 +57,11 @@ class Flexibility:
     @cached_property
     def point_norms(self) -> Vector:
         """√((H⁺)_kk) (n_point,) [√(force/length)], infinite where a point's force is not unique."""
-        own = np.sqrt((self.half_inverse**2).sum(axis=1))
+        norms = np.sqrt((self.half_inverse**2).sum(axis=1))
         if self.range_basis is None:
-            return np.asarray(own)
+            return np.asarray(norms)
         missed = 1.0 - (self.range_basis**2).sum(axis=1)
-        return np.where(missed > OUT_OF_RANGE, np.inf, own)
+        return np.where(missed > OUT_OF_RANGE, np.inf, norms)
 
     def projected(self, gaps: Matrix) -> Matrix:
         """Return gaps projected onto the range of H."""
@@ -70,15 +70,15 @@ class Flexibility:
         projected: Matrix = (gaps @ self.range_basis) @ self.range_basis.T
         return projected
 
-    def admissible(self, slack: Matrix, wanted: Matrix) -> tuple[Matrix, Matrix]:
-        """Return z ≥ 0 near ``wanted`` with s − z in the range of H, and whether it exists (...).
+    def admissible(self, slack: Matrix, forces: Matrix) -> tuple[Matrix, Matrix]:
+        """Return z ≥ 0 near ``forces`` with s − z in the range of H, and whether it exists (...).
 
         A definite H admits every z. Otherwise the wish is projected and then lifted along the
         uniform opening until no entry is negative, (C16).
         """
         if self.range_basis is None:
-            return wanted, np.ones(wanted.shape[:-1], dtype=bool)
-        z = slack + self.projected(wanted - slack)
+            return forces, np.ones(forces.shape[:-1], dtype=bool)
+        z = slack + self.projected(forces - slack)
         opening = self.projected(np.ones(z.shape[-1]))
         deficit = np.maximum(-z, 0.0).max(axis=-1, keepdims=True)
         possible = (deficit[..., 0] == 0) | bool(opening.min() > 0)
@@ -106,6 +106,6 @@ def flexibility(H: Matrix) -> Flexibility:
         inverse, _ = la.lapack.dtrtri(factor, lower=1)
         return Flexibility(H=H, half_inverse=inverse.T, range_basis=None)
     values, vectors = la.eigh(H)
-    kept = values > NULL * values[-1]
-    basis = vectors[:, kept]
-    return Flexibility(H=H, half_inverse=basis / np.sqrt(values[kept]), range_basis=basis)
+    positive = values > NULL * values[-1]
+    basis = vectors[:, positive]
+    return Flexibility(H=H, half_inverse=basis / np.sqrt(values[positive]), range_basis=basis)

@@ -53,11 +53,11 @@ def friction_figures(solution: Solution, interfaces: Mapping[str, ContactSurface
     bound = (normal > 0) & (force >= (1 - AT_BOUND) * friction * normal)
     traction, far = force / contact.weights, np.linalg.norm(slip, axis=1)
     columns: list[Vector] = []
-    for one in interfaces.values():
-        own = slice(*one.slice)
+    for record in interfaces.values():
+        points = slice(*record.slice)
         columns += [
-            traction[:, own].max(axis=1),
-            bound[:, own] @ one.weights,
-            far[:, own].max(axis=1),
+            traction[:, points].max(axis=1),
+            bound[:, points] @ record.weights,
+            far[:, points].max(axis=1),
         ]
     return np.column_stack(columns)

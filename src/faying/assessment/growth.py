@@ -82,21 +82,21 @@ def first_events(
     """
     factors: dict[str, float] = {}
     states: dict[str, tuple[State, State]] = {}
-    here, factor, stopped = start, 0.0, False
+    state, factor, stopped = start, 0.0, False
     while factor < largest and len(factors) < len(events):
         target = min(_next(factor, increments), largest)
         try:
-            after = reach(target, here)
+            trial = reach(target, state)
         except ConvergenceError:
             stopped = True
             break
-        reached = {factor: here, target: after}
+        reached = {factor: state, target: trial}
         for name, left in events.items():
-            if name not in factors and (value := left(after, here)) <= 0:
-                counts = np.isfinite(value) and left(here, here) > 0
+            if name not in factors and (value := left(trial, state)) <= 0:
+                counts = np.isfinite(value) and left(state, state) > 0
                 cut = _cut_by_chords if counts else _cut_by_halves
                 factors[name], states[name] = cut(reach, left, reached)
-        here, factor = after, target
+        state, factor = trial, target
     return Growth(factors=factors, states=states, largest=factor, stopped=stopped)
 
 
@@ -150,17 +150,17 @@ def _cut_by_halves(
 ) -> tuple[float, tuple[State, State]]:
     """Return the factor at which something happens in an increment, states there and before."""
     low, high = min(reached), max(reached)
-    before, begun = reached[low], reached[high]
+    lower, begun = reached[low], reached[high]
     for _ in range(MOST_HALVINGS):
         if high - low <= PRECISION * high:
             break
         middle = (low + high) / 2
-        trial = reach(middle, before)
-        if left(trial, before) <= 0:
+        trial = reach(middle, lower)
+        if left(trial, lower) <= 0:
             high, begun = middle, trial
         else:
-            low, before = middle, trial
-    return high, (begun, before)
+            low, lower = middle, trial
+    return high, (begun, lower)
 
 
 def _next(factor: float, increments: int) -> float:

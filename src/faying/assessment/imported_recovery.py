@@ -57,8 +57,12 @@ def recover_from_modal(
     """
     times = np.asarray(times, dtype=float)
     shape = (len(times), operator.inertia.shape[1])
-    given = {"coordinates": coordinates, "velocities": velocities, "accelerations": accelerations}
-    for name, values in given.items():
+    histories = {
+        "coordinates": coordinates,
+        "velocities": velocities,
+        "accelerations": accelerations,
+    }
+    for name, values in histories.items():
         if values is not None and np.shape(values) != shape:
             message = (
                 f"the {name} have shape {np.shape(values)}, expected {shape}: "

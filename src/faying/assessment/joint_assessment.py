@@ -103,9 +103,9 @@ def assess(
     if len(set(names)) < len(names):
         message = "two loads have the same name; give each a name of its own, Load(…, name=…)"
         raise ModelError(message)
-    wanted = requirements or Requirements()
-    check_names(wanted, list(system.contact.slices), list(system.contact.slices))
-    rest, cases = solve_static(system), solve_static_cases(system, loads)
+    demanded = requirements or Requirements()
+    check_names(demanded, list(system.contact.slices), list(system.contact.slices))
+    preloaded, cases = solve_static(system), solve_static_cases(system, loads)
     full = system.joint if isinstance(system, ReducedModel) else system
     surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
     certificate = certifier(full).certify_inputs(
@@ -123,14 +123,14 @@ def assess(
         for row, name in enumerate(names)
     }
     at_rest = CaseState(
-        pressure=rest.pressure[None],
-        bolt_forces={name: np.atleast_1d(rest.bolt_force(name)) for name in system.bolts},
-        bolt_moments={name: rest.bolt_bending(name)[None] for name in bent},
+        pressure=preloaded.pressure[None],
+        bolt_forces={name: np.atleast_1d(preloaded.bolt_force(name)) for name in system.bolts},
+        bolt_moments={name: preloaded.bolt_bending(name)[None] for name in bent},
     )
     areas, start = areas_that_open(surfaces, system.contact.slices, system.bolts), np.zeros(1)
     followed = {
         load.name: opening_factors(
-            full, load.inputs(full, start)[0], areas, open_below=wanted.open_share
+            full, load.inputs(full, start)[0], areas, open_below=demanded.open_share
         )
         for load in (loads if paths else ())
     }
@@ -141,9 +141,11 @@ def assess(
         names,
         cases.inputs,
         cases.pressure,
-        slip_coefficients(wanted.slip_friction, list(surfaces)),
+        slip_coefficients(demanded.slip_friction, list(surfaces)),
     )
-    found = judged(surfaces, system.bolts, at_rest, states, wanted, followed, demands=demands)
+    assessment = judged(
+        surfaces, system.bolts, at_rest, states, demanded, followed, demands=demands
+    )
     spreads = [
         spread
         for load in loads
@@ -153,10 +155,10 @@ def assess(
     factor = 1.0 if scatter is None else scatter.tightening_factor
     ranges = dict.fromkeys(system.bolts, PreloadRange(variation=variation_of(factor)))
     ends = preload_ends(system, at_rest, states, {load.name: load for load in loads}, ranges)
-    limits = wanted_clamps(wanted.min_clamp_force, surfaces)
+    limits = wanted_clamps(demanded.min_clamp_force, surfaces)
     clamps = tuple(clamp_checks(ends, surfaces, limits, system.units))
-    found = replace(found, scatter=tuple(spreads), checks=clamps)
-    return with_threads(found, states, threads or {}, system.units, ends)
+    assessment = replace(assessment, scatter=tuple(spreads), checks=clamps)
+    return with_threads(assessment, states, threads or {}, system.units, ends)
 
 
 def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:
@@ -169,7 +171,7 @@ def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution)
 def judged(
     surfaces: Mapping[str, ContactSurface],
     bolts: Mapping[str, Bolt],
-    rest: CaseState,
+    preloaded: CaseState,
     cases: Mapping[str, CaseState],
     requirements: Requirements | None = None,
     paths: Mapping[str, Openings] | None = None,
@@ -182,7 +184,7 @@ def judged(
     ----------
     surfaces
         Geometry of the interfaces.
-    rest
+    preloaded
         The preloaded state.
     paths
         Load case to its openings, of static ones that were followed.
@@ -191,76 +193,89 @@ def judged(
     demands
         Interface and bolt, or no bolt, to the friction that static load cases need.
     """
-    known, wanted = paths or {}, requirements or Requirements()
+    followed_paths, limits = paths or {}, requirements or Requirements()
     needed = demands or {}
     interfaces = {
-        name: replace(_interface(name, surface, rest, cases, known), slip=needed.get((name, "")))
+        name: replace(
+            _interface(name, surface, preloaded, cases, followed_paths), slip=needed.get((name, ""))
+        )
         for name, surface in surfaces.items()
     }
     around = surroundings(surfaces, bolts)
-    nearest = {name: nearest_bolts(one.points, bolts) for name, one in surfaces.items() if bolts}
+    nearest = {name: nearest_bolts(item.points, bolts) for name, item in surfaces.items() if bolts}
     clamps: dict[str, dict[str, ClampRange]] = {name: {} for name in bolts}
     for (interface, bolt), points in around.items():
         surface = surfaces[interface]
         weights = surface.weights * points[slice(*surface.slice)]
         certified = {
-            case: one.certified.areas[interface, bolt]
-            for case, one in cases.items()
-            if one.certified is not None
+            case: item.certified.areas[interface, bolt]
+            for case, item in cases.items()
+            if item.certified is not None
         }
-        clamps[bolt][interface] = _clamp(surface, weights, rest, cases, certified)
+        clamps[bolt][interface] = _clamp(surface, weights, preloaded, cases, certified)
     return Assessment(
         bolts={
             name: replace(
                 _bolt(
                     name,
                     surfaces,
-                    {place: found == number for place, found in nearest.items()},
-                    rest,
+                    {side: closest == number for side, closest in nearest.items()},
+                    preloaded,
                     cases,
                     clamps[name],
                 ),
-                slip_around={place: one for (place, bolt), one in needed.items() if bolt == name},
+                slip_around={side: item for (side, bolt), item in needed.items() if bolt == name},
                 opening_around={
-                    place: factors
-                    for place in surfaces
-                    if (factors := _openings(known, area_name(place, name)))
+                    side: factors
+                    for side in surfaces
+                    if (factors := _openings(followed_paths, area_name(side, name)))
                 },
             )
             for number, name in enumerate(bolts)
         },
         interfaces=interfaces,
         verdicts=tuple(
-            verdicts(wanted, surfaces, bolts, rest, cases, interfaces, known, reserves or {})
+            verdicts(
+                limits,
+                surfaces,
+                bolts,
+                preloaded,
+                cases,
+                interfaces,
+                followed_paths,
+                reserves or {},
+            )
         ),
-        open_below=wanted.open_share,
+        open_below=limits.open_share,
     )
 
 
 def _interface(
     name: str,
     surface: ContactSurface,
-    rest: CaseState,
+    preloaded: CaseState,
     cases: Mapping[str, CaseState],
     paths: Mapping[str, Openings],
 ) -> InterfaceAssessment:
-    own, weights = slice(*surface.slice), surface.weights
+    points, weights = slice(*surface.slice), surface.weights
     certified = {
-        case: one.certified.interfaces[name]
-        for case, one in cases.items()
-        if one.certified is not None
+        case: state.certified.interfaces[name]
+        for case, state in cases.items()
+        if state.certified is not None
     }
-    clamp = _clamp(surface, weights, rest, cases, certified)
-    areas = {case: ((one.pressure[:, own] > 0) @ weights).min() for case, one in cases.items()}
-    peaks = {case: one.pressure[:, own].max() for case, one in cases.items()}
+    clamp = _clamp(surface, weights, preloaded, cases, certified)
+    areas = {
+        case: ((state.pressure[:, points] > 0) @ weights).min() for case, state in cases.items()
+    }
+    peaks = {case: state.pressure[:, points].max() for case, state in cases.items()}
     means = {
-        case: float(surface.nodal_average(one.pressure[:, own].T).max(initial=0.0))
-        for case, one in cases.items()
+        case: float(surface.nodal_average(state.pressure[:, points].T).max(initial=0.0))
+        for case, state in cases.items()
     }
     crushed = max(means, key=means.__getitem__)
     highest = max(peaks, key=peaks.__getitem__)
     smallest = min(areas, key=areas.__getitem__)
-    peak = cases[highest].pressure[:, own].max(axis=0).argmax()
+    peak = cases[highest].pressure[:, points].max(axis=0).argmax()
     return InterfaceAssessment(
         preload=clamp.preload,
         least_clamp=clamp.least,
@@ -291,15 +306,15 @@ def _openings(paths: Mapping[str, Openings], area: str) -> dict[str, float]:
 def _clamp(
     surface: ContactSurface,
     weights: Vector,
-    rest: CaseState,
+    preloaded: CaseState,
     cases: Mapping[str, CaseState],
     certified: Mapping[str, Vector],
 ) -> ClampRange:
     """Return the clamp forces of an interface, or of an area with weights of its points alone."""
-    own = slice(*surface.slice)
+    points = slice(*surface.slice)
     return clamp_range(
-        float(rest.pressure[0, own] @ weights),
-        {case: one.pressure[:, own] @ weights for case, one in cases.items()},
+        float(preloaded.pressure[0, points] @ weights),
+        {case: state.pressure[:, points] @ weights for case, state in cases.items()},
         certified,
     )
 
@@ -307,21 +322,21 @@ def _clamp(
 def _bolt(
     name: str,
     surfaces: Mapping[str, ContactSurface],
-    near: Mapping[str, Mask],
-    rest: CaseState,
+    masks: Mapping[str, Mask],
+    preloaded: CaseState,
     cases: Mapping[str, CaseState],
     clamps: Mapping[str, ClampRange],
 ) -> BoltAssessment:
-    preload = float(rest.bolt_forces[name][0])
-    lows = {case: float(one.bolt_forces[name].min()) for case, one in cases.items()}
-    highs = {case: float(one.bolt_forces[name].max()) for case, one in cases.items()}
-    least, most = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    preload = float(preloaded.bolt_forces[name][0])
+    lows = {case: float(state.bolt_forces[name].min()) for case, state in cases.items()}
+    highs = {case: float(state.bolt_forces[name].max()) for case, state in cases.items()}
+    lowest, highest = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
     axial: dict[str, float] = {}
     factors: dict[str, float] = {}
-    for case, one in cases.items():
-        if one.retightened:
+    for case, state in cases.items():
+        if state.retightened:
             continue
-        load, gain, changed = _axial_load(name, surfaces, near, rest, one)
+        load, gain, changed = _axial_load(name, surfaces, masks, preloaded, state)
         axial[case] = load
         # A share of the load that the bolt takes; its force can change for other reasons too.
         acts = abs(load) > max(NOTHING * abs(preload), AXIAL * changed)
@@ -329,18 +344,18 @@ def _bolt(
             factors[case] = gain / load
     return BoltAssessment(
         preload=preload,
-        least=lows[least],
-        least_case=least,
-        most=highs[most],
-        most_case=most,
+        least=lows[lowest],
+        least_case=lowest,
+        most=highs[highest],
+        most_case=highest,
         axial_loads=axial,
         load_factors=factors,
         clamp_around=clamps,
         bending=bending_of(
-            rest.bolt_moments[name][0],
-            {case: one.bolt_moments[name] for case, one in cases.items()},
+            preloaded.bolt_moments[name][0],
+            {case: state.bolt_moments[name] for case, state in cases.items()},
         )
-        if name in rest.bolt_moments
+        if name in preloaded.bolt_moments
         else None,
     )
 
@@ -348,18 +363,18 @@ def _bolt(
 def _axial_load(
     name: str,
     surfaces: Mapping[str, ContactSurface],
-    near: Mapping[str, Mask],
-    rest: CaseState,
+    masks: Mapping[str, Mask],
+    preloaded: CaseState,
     case: CaseState,
 ) -> tuple[float, float, float]:
     """Return F_A = ΔF_S − ΔF_K, ΔF_S and |ΔF_S| + Σ |ΔF_i| of all points where F_A is largest."""
-    gains = case.bolt_forces[name] - rest.bolt_forces[name]
-    found = [(0.0, 0.0, 0.0)]
-    for place, surface in surfaces.items():
-        own, area = slice(*surface.slice), surface.weights * near[place]
-        change = case.pressure[:, own] - rest.pressure[:, own]
+    gains = case.bolt_forces[name] - preloaded.bolt_forces[name]
+    candidates = [(0.0, 0.0, 0.0)]
+    for interface, surface in surfaces.items():
+        points, area = slice(*surface.slice), surface.weights * masks[interface]
+        change = case.pressure[:, points] - preloaded.pressure[:, points]
         loads = gains - change @ area
         worst = int(np.abs(loads).argmax())
         changed = np.abs(change[worst]) @ area + abs(gains[worst])
-        found.append((float(loads[worst]), float(gains[worst]), float(changed)))
-    return max(found, key=lambda one: abs(one[0]))
+        candidates.append((float(loads[worst]), float(gains[worst]), float(changed)))
+    return max(candidates, key=lambda candidate: abs(candidate[0]))

@@ -193,4 +193,4 @@ class Assessment:
     @property
     def met(self) -> bool:
         """Whether every requirement is known to be met."""
-        return all(one.met is True for one in self.verdicts)
+        return all(verdict.met is True for verdict in self.verdicts)

@@ -150,13 +150,13 @@ def _factors(
     G = solver.G[rows]
     H = np.asarray(G @ (G @ solver.S).T) + np.diag(compliance[:k, closed].ravel())
     scale = solver.scale[:k, closed]
-    own = slope[closed][:, :k, :k]
+    local = slope[closed][:, :k, :k]
     scaled = (scale.ravel()[:, None] * H).reshape(k, count, size)
-    system = np.einsum("pij,jpq->ipq", own, scaled).reshape(size, size)
+    system = np.einsum("pij,jpq->ipq", local, scaled).reshape(size, size)
     diagonal = np.arange(count)
     for i in range(k):
         for j in range(k):
-            system[i * count + diagonal, j * count + diagonal] += (i == j) - own[:, i, j]
+            system[i * count + diagonal, j * count + diagonal] += (i == j) - local[:, i, j]
     lu, pivots = la.lu_factor(system) if size else (np.zeros((0, 0)), np.zeros(0, np.int64))
     sizes = np.abs(np.diag(lu))
     if sizes.min(initial=1.0) < SINGULAR_PIVOT**2 * sizes.max(initial=1.0):

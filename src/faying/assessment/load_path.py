@@ -87,12 +87,12 @@ class LoadPath:
                 "follow it further"
             )
             raise ModelError(message)
-        before = int(np.searchsorted(self.factors, factor, side="right")) - 1
-        if before + 1 == len(self.factors):
+        index = int(np.searchsorted(self.factors, factor, side="right")) - 1
+        if index + 1 == len(self.factors):
             return np.asarray(self.forces[-1] + (factor - self.factors[-1]) * self.rate)
-        low, high = self.factors[before : before + 2]
+        low, high = self.factors[index : index + 2]
         share = (factor - low) / (high - low)
-        between: Vector = (1 - share) * self.forces[before] + share * self.forces[before + 1]
+        between: Vector = (1 - share) * self.forces[index] + share * self.forces[index + 1]
         return between
 
     def first_opening(self, points: Mask | None = None) -> float:
@@ -103,13 +103,13 @@ class LoadPath:
         points : (n_point,), optional
             Points that count, for instance those near a bolt; all unless given.
         """
-        wanted = self.closed[0] if points is None else self.closed[0] & points
-        return self.factor_of(np.asarray((~self.closed & wanted).any(axis=1)))
+        watched = self.closed[0] if points is None else self.closed[0] & points
+        return self.factor_of(np.asarray((~self.closed & watched).any(axis=1)))
 
     def loss_of_clamp(self, interface: str) -> float:
         """Return the factor from which an interface carries no force; infinite if always some."""
-        own = self.system.contact.slices[interface]
-        return self.factor_of(np.asarray(~self.closed[:, own].any(axis=1)))
+        points = self.system.contact.slices[interface]
+        return self.factor_of(np.asarray(~self.closed[:, points].any(axis=1)))
 
     def factor_of(self, kinks: Mask) -> float:
         """Return the factor of the first kink of a choice (n_kink,); infinite if it has none."""
@@ -117,11 +117,11 @@ class LoadPath:
 
     def clamp_force(self, interface: str) -> Vector:
         """Return the total normal force of an interface at the kinks (n_kink,) [force]."""
-        own = self.system.contact.slices[interface]
-        return np.asarray(self.forces[:, own].sum(axis=1))
+        points = self.system.contact.slices[interface]
+        return np.asarray(self.forces[:, points].sum(axis=1))
 
 
-def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
+def load_path(system: Joint, load: Load, *, largest: float = np.inf) -> LoadPath:
     """Follow the contact of a static load from zero, exactly from kink to kink.
 
     Parameters
@@ -131,7 +131,7 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
     load
         What is multiplied by the factor: boundary forces and load patterns; histories are taken at
         time zero. Initial bolt forces stay what they are.
-    most
+    largest
         Factor to stop at; by default the path is followed until nothing changes any more.
 
     Raises
@@ -147,17 +147,17 @@ def load_path(system: Joint, load: Load, *, most: float = np.inf) -> LoadPath:
     A kink for each point that opens or closes, some hundreds on a joint: products with H, and a
     factorization of the closed points at every thirtieth.
     """
-    return input_path(system, load.inputs(system, np.zeros(1))[0], most=most)
+    return input_path(system, load.inputs(system, np.zeros(1))[0], largest=largest)
 
 
-def input_path(system: Joint, inputs: Vector, *, most: float = np.inf) -> LoadPath:
+def input_path(system: Joint, inputs: Vector, *, largest: float = np.inf) -> LoadPath:
     """Follow the contact as :func:`load_path`, of a load given by its inputs (n_input,)."""
     fixed, growing = growing_displacements(system, inputs)
     a, b = system.contact.free_gap(fixed), np.asarray(system.contact.interpolation @ growing)
     at_rest = solved_case(system, fixed).forces
-    piece = PointPiece.of(system.static_contact.flexibility, np.column_stack([a, b]))
+    segment = PointPiece.of(system.static_contact.flexibility, np.column_stack([a, b]))
     walk = Walk(a=a, b=b, at_rest=at_rest)
-    factors, forces, closed, rate, ended = walk.followed(piece, most)
+    factors, forces, closed, rate, ended = walk.followed(segment, largest)
     return LoadPath(
         system=system,
         factors=np.array(factors),
@@ -190,7 +190,7 @@ class Walk:
     b: Vector
     at_rest: Vector
 
-    def followed(self, piece: PointPiece, most: float) -> Followed:
+    def followed(self, segment: PointPiece, largest: float) -> Followed:
         """Go from piece to piece, starting from any.
 
         Raises
@@ -199,33 +199,33 @@ class Walk:
             If the kinks do not end.
         """
         a, t, forces = self.a, 0.0, self.at_rest
-        piece = piece.moved_to(forces > 0)
-        slack = np.where(forces > 0, 0.0, np.maximum(piece.slack[:, 0], 0.0))
-        piece = self._onward(t, forces, slack, forces > 0, piece)
-        factors, kept, closed = [0.0], [forces], [piece.active]
+        segment = segment.moved_to(forces > 0)
+        slack = np.where(forces > 0, 0.0, np.maximum(segment.slack[:, 0], 0.0))
+        segment = self._onward(t, forces, slack, forces > 0, segment)
+        factors, forces_at, closed = [0.0], [forces], [segment.active]
         for _ in range(50 * len(a) + 200):
-            active, (base, rate) = piece.active, piece.forces.T
+            active, (base, rate) = segment.active, segment.forces.T
             opening = _roots(base, rate, t, active)
-            gap_base, gap_rate = piece.slack.T
+            gap_base, gap_rate = segment.slack.T
             closing = _roots(gap_base, gap_rate, t, ~active)
             following = float(min(opening.min(initial=np.inf), closing.min(initial=np.inf)))
-            if following > most or not np.isfinite(following):
-                if np.isfinite(most):
-                    factors.append(most)
-                    kept.append(np.maximum(base + most * rate, 0.0))
+            if following > largest or not np.isfinite(following):
+                if np.isfinite(largest):
+                    factors.append(largest)
+                    forces_at.append(np.maximum(base + largest * rate, 0.0))
                     closed.append(active)
-                return factors, kept, closed, rate.copy(), not np.isfinite(following)
+                return factors, forces_at, closed, rate.copy(), not np.isfinite(following)
             t = following
             forces = np.where(active, np.maximum(base + t * rate, 0.0), 0.0)
             slack = np.where(active, 0.0, np.maximum(gap_base + t * gap_rate, 0.0))
             turned = active ^ ((opening <= t) | (closing <= t))
-            piece = self._onward(t, forces, slack, turned, piece)
+            segment = self._onward(t, forces, slack, turned, segment)
             if t > factors[-1]:
                 factors.append(t)
-                kept.append(forces)
-                closed.append(piece.active)
+                forces_at.append(forces)
+                closed.append(segment.active)
             else:
-                kept[-1], closed[-1] = forces, piece.active
+                forces_at[-1], closed[-1] = forces, segment.active
         message = (
             f"the contact of {len(a)} points does not settle as the load grows beyond factor "
             f"{t:g}; check that the stiffness matrix is symmetric and the structure held"
@@ -233,7 +233,7 @@ class Walk:
         raise ConvergenceError(message)
 
     def _onward(
-        self, t: float, forces: Vector, slack: Vector, turned: Mask, piece: PointPiece
+        self, t: float, forces: Vector, slack: Vector, turned: Mask, segment: PointPiece
     ) -> PointPiece:
         """Return the piece right after a kink.
 
@@ -244,16 +244,16 @@ class Walk:
         """
         # Of what cancels: where all points let go at once, gap and forces themselves vanish.
         gap = (np.abs(self.a) + t * np.abs(self.b)).max(initial=0.0)
-        small = TOGETHER * max(gap, np.abs(forces * piece.own).max(initial=0.0))
-        at_once = (forces * piece.own <= small) & (slack <= small)
+        small = TOGETHER * max(gap, np.abs(forces * segment.own).max(initial=0.0))
+        at_once = (forces * segment.own <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
-            return piece.moved_to(turned)
-        found, both = (forces > 0) & ~at_once, np.flatnonzero(at_once)
-        pressed = piece.moved_to(found)
+            return segment.moved_to(turned)
+        closed, both = (forces > 0) & ~at_once, np.flatnonzero(at_once)
+        pressed = segment.moved_to(closed)
         H, q = pressed.between(both), pressed.slack[both, 1]
-        found = found.copy()
-        found[both] = solve_complementarity(DensePoints(H=(H + H.T) / 2), q).forces > 0
-        return pressed.moved_to(found)
+        closed = closed.copy()
+        closed[both] = solve_complementarity(DensePoints(H=(H + H.T) / 2), q).forces > 0
+        return pressed.moved_to(closed)
 
 
 def _roots(base: Vector, rate: Vector, t: float, chosen: Mask) -> Vector:

@@ -71,20 +71,20 @@ def deviations(measured: MeasuredCurve, computed: Backbone) -> Deviations:
     Linear over the logarithm of the amplitude: frequencies, and logarithms of damping ratios.
     """
     order = np.argsort(computed.amplitude)
-    known = np.log(computed.amplitude[order])
-    at = np.log(measured.amplitude)
+    computed_at = np.log(computed.amplitude[order])
+    measured_at = np.log(measured.amplitude)
     # The least and the largest amplitude count, whose last digits are round-off.
-    within = (at >= known[0] - 1e-9) & (at <= known[-1] + 1e-9)
+    within = (measured_at >= computed_at[0] - 1e-9) & (measured_at <= computed_at[-1] + 1e-9)
 
     def interpolated(values: Vector) -> Vector:
-        return np.where(within, np.interp(at, known, values[order]), np.nan)
+        return np.where(within, np.interp(measured_at, computed_at, values[order]), np.nan)
 
     frequency = interpolated(computed.frequency)
     with np.errstate(divide="ignore"):
         damping = np.exp(interpolated(np.log(computed.damping_ratio)))
 
-    def error(found: Vector, truth: Vector | None) -> Vector:
-        return np.full(len(at), np.nan) if truth is None else found / truth - 1
+    def error(value: Vector, truth: Vector | None) -> Vector:
+        return np.full(len(measured_at), np.nan) if truth is None else value / truth - 1
 
     return Deviations(
         within=within,

@@ -91,13 +91,13 @@ def mesh_errors(
         )
         raise ModelError(message)
     rows = np.reshape(pressure, (-1, model.contact.n_points))
-    found = {}
+    errors = {}
     for name, interface in model.interfaces.items():
-        own = rows[:, model.contact.slices[name]]
-        if own.size and own.max() > 0:
-            largest = own[int(own.max(axis=1).argmax())]
-            found[name] = _estimate(smooth[name], interface.weights, largest)
-    return found
+        pressures = rows[:, model.contact.slices[name]]
+        if pressures.size and pressures.max() > 0:
+            largest = pressures[int(pressures.max(axis=1).argmax())]
+            errors[name] = _estimate(smooth[name], interface.weights, largest)
+    return errors
 
 
 def _estimate(smoothing: Smoothing, weights: Vector, pressure: Vector) -> MeshError:

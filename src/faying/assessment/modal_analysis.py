@@ -98,8 +98,8 @@ class ModalAnalysis:
         energy, first = column("energy"), column("first_modal")
         circular = np.sqrt(load / modal)
         # A cycle that does not repeat settles besides, by energy that the vibration does not lose.
-        taken = np.where(column("stationary"), energy, column("loop"))
-        friction = taken / (2 * np.pi * load * modal)
+        dissipated = np.where(column("stationary"), energy, column("loop"))
+        friction = dissipated / (2 * np.pi * load * modal)
         linear = float(self.shape.shape @ (system.C @ self.shape.shape)) / (2 * circular)
         # Masing: both halves of a loop are its first loading, twice as large.
         lost = 8 * column("first_loop") - 4 * load * first
@@ -237,25 +237,25 @@ def modal_analysis(
         If nothing rubs, a number is out of range, or the mode does not move what should measure it.
     """
     levels = _checked(system, mode, amplitudes, increments, over)
-    rest = solve_path(system, [Load()]) if initial is None else initial
-    found = stuck_mode(system, rest, mode)
+    preloaded = solve_path(system, [Load()]) if initial is None else initial
+    stuck = stuck_mode(system, preloaded, mode)
     with naming(f"mode {mode}"):
-        found, measure = measured(system, found, at)
-    start = path_start(system, rest)
+        stuck, measure = measured(system, stuck, at)
+    start = path_start(system, preloaded)
     return ModalAnalysis(
         mode=mode,
         levels=levels,
         over=over,
         increments=increments,
-        shape=found,
+        shape=stuck,
         measure=measure,
         swing=Swing.of(
             system,
             start,
             system.static_contact.increments,
-            found,
+            stuck,
             measure,
-            Neighbours.of(system, rest, found, mode),
+            Neighbours.of(system, preloaded, stuck, mode),
         ),
     )
 
@@ -285,18 +285,18 @@ def _checked(
 
 
 def _remarks(
-    found: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measured_at: str
+    stuck: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measured_at: str
 ) -> tuple[str, ...]:
     remarks, unit = [], amplitude_unit(measured_at, swing.system.units)
-    if found.contact_share < AWAY:
+    if stuck.contact_share < AWAY:
         remarks.append(
-            f"mode {mode} does not move the joint: its contact holds {found.contact_share:.1e} of "
+            f"mode {mode} does not move the joint: its contact holds {stuck.contact_share:.1e} of "
             "the strain energy, so friction does not damp it"
         )
     elif not any(row.energy > 0 for row in rows):
         remarks.append(f"nothing slips in mode {mode} up to the largest amplitude")
     bound = 1.0 - swing.sticking(swing.start)[0]
-    if bound > 0 and found.contact_share >= AWAY:
+    if bound > 0 and stuck.contact_share >= AWAY:
         remarks.append(
             f"{100 * bound:.2g} % of the area in contact lies on its friction bound before the "
             "first load, which is softer for it than small vibrations are; their frequency is that "

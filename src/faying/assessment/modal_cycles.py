@@ -83,7 +83,7 @@ def measured(system: System, mode: StuckMode, at: str | None) -> tuple[StuckMode
         message = "the model has no boundary, where amplitudes are measured; give it one"
         raise ModelError(message)
     moved = [_direction(system, name, rows, mode.shape) for name in names]
-    sizes = np.array([np.linalg.norm(one) for one in moved])
+    sizes = np.array([np.linalg.norm(motion) for motion in moved])
     best = _first(sizes, ALIKE)
     name, direction, unit = names[best], moved[best], float(sizes[best])
     moves = np.abs(mode.shape).max(initial=0.0)
@@ -163,7 +163,7 @@ class Neighbours:
             own=np.asarray((system.M @ mode.shape) @ answers),
         )
 
-    def swung(self, cycle: Matrix, factors: Vector, circular: float, least: float) -> Matrix:
+    def swung(self, cycle: Matrix, factors: Vector, circular: float, lowest: float) -> Matrix:
         """Return how far each swings in each multiple of a frequency that meets it (n_multiple, n).
 
         Parameters
@@ -172,7 +172,7 @@ class Neighbours:
             How far each goes quasi-statically along a cycle.
         factors : (n_step,)
             cos θ of the load, down and up again.
-        least
+        lowest
             Damping ratio that each has at least.
         """
         turn = np.arccos(np.clip(factors, -1.0, 1.0))
@@ -184,7 +184,7 @@ class Neighbours:
         multiples = np.array(MULTIPLES)
         wave = 2 / SAMPLES * np.exp(-1j * np.outer(even, multiples))
         ratio = multiples[:, None] * circular / self.circular
-        damping = np.maximum(self.damping, least)
+        damping = np.maximum(self.damping, lowest)
         far = np.abs((along @ wave).T / (1 - ratio**2 + 2j * damping * ratio))
         return np.where(np.abs(1 - ratio**2) < MEETS, far, 0.0)
 
@@ -256,7 +256,9 @@ class Swing:
         answer = system.factorize_static().solve(force)
         ports = system.port_compliance
         at = measure.rows @ ports.contact_columns[: ports.n_boundary]
-        boundary = np.concatenate([answer[one.dofs] for one in system.boundaries.values()])
+        boundary = np.concatenate(
+            [answer[boundary_of.dofs] for boundary_of in system.boundaries.values()]
+        )
         return cls(
             system=system,
             start=start,
@@ -278,8 +280,8 @@ class Swing:
         along = np.outer(loads, others.own) + self._pairs(steps) @ others.moved
         load = float(loads[0])
         lost = -float(np.trapezoid(self._modal(steps, loads), loads))
-        least = max(lost / (2 * np.pi * load * swing), 0.0)
-        far = others.swung(along, loads / load, float(np.sqrt(load / swing)), least)
+        ratio = max(lost / (2 * np.pi * load * swing), 0.0)
+        far = others.swung(along, loads / load, float(np.sqrt(load / swing)), ratio)
         return np.asarray(np.array(MULTIPLES)[:, None] * far / swing)
 
     def cycle(self, load: float, half: int) -> ModalCycle:
@@ -287,9 +289,9 @@ class Swing:
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
 
-        def walk(shares: Vector, here: PathStep) -> list[PathStep]:
+        def walk(shares: Vector, state: PathStep) -> list[PathStep]:
             targets = self.start.relative + load * np.outer(shares, self.moved)
-            return list(follow(self.solver, targets, here))
+            return list(follow(self.solver, targets, state))
 
         steps = walk(rise, self.start)
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
@@ -298,18 +300,18 @@ class Swing:
         loads = load * np.concatenate([[1.0], factors])
         stationary, count, energy = False, 0, np.inf
         while not stationary and count < MOST_CYCLES:
-            before, last = steps[-1], energy
-            steps, count = walk(factors, before), count + 1
-            modal = self._modal([before, *steps], loads)
+            previous, last = steps[-1], energy
+            steps, count = walk(factors, previous), count + 1
+            modal = self._modal([previous, *steps], loads)
             energy = sum(step.dissipation for step in steps)
-            left = np.abs(steps[-1].slip - before.slip) * np.abs(steps[-1].increment.forces[1:])
+            left = np.abs(steps[-1].slip - previous.slip) * np.abs(steps[-1].increment.forces[1:])
             change = min(abs(energy - last), float(left.sum()))
             stationary = change <= max(STATIONARY * energy, NO_LOSS * load * np.ptp(modal))
         sticking = np.array([self.sticking(step) for step in steps])
         return ModalCycle(
             load=load,
             modal=(modal[-1] - modal[half]) / 2,
-            reached=np.ptp(self._at([before, *steps], loads)) / 2,
+            reached=np.ptp(self._at([previous, *steps], loads)) / 2,
             energy=energy if energy > NO_LOSS * load * np.ptp(modal) else 0.0,
             loop=-float(np.trapezoid(modal, loads)),
             stick_share=float(sticking[:, 0].min()),
@@ -320,8 +322,8 @@ class Swing:
             first_loop=first_loop,
             loads=loads,
             modals=modal,
-            slip_distance=_distance([before, *steps]),
-            met=self.met([before, *steps], loads, (modal[-1] - modal[half]) / 2),
+            slip_distance=_distance([previous, *steps]),
+            met=self.met([previous, *steps], loads, (modal[-1] - modal[half]) / 2),
         )
 
     def _pairs(self, steps: Sequence[PathStep]) -> Matrix:

@@ -61,23 +61,23 @@ def areas_that_open(
     interfaces: Mapping[str, Placed], slices: Mapping[str, slice], bolts: Mapping[str, Bolt]
 ) -> dict[str, Mask]:
     """Return the points (n_point,) of every interface and, of several bolts, nearest to each."""
-    numbers = np.arange(max((own.stop for own in slices.values()), default=0))
-    found: dict[str, Mask] = {}
-    for name, own in slices.items():
-        found[area_name(name)] = (numbers >= own.start) & (numbers < own.stop)
+    numbers = np.arange(max((points.stop for points in slices.values()), default=0))
+    areas: dict[str, Mask] = {}
+    for name, points in slices.items():
+        areas[area_name(name)] = (numbers >= points.start) & (numbers < points.stop)
         if len(bolts) > 1 and told_apart(bolts):
             nearest = np.full(len(numbers), -1)
-            nearest[own] = nearest_bolts(interfaces[name].points, bolts)
+            nearest[points] = nearest_bolts(interfaces[name].points, bolts)
             for number, bolt in enumerate(bolts):
                 if (nearest == number).any():
-                    found[area_name(name, bolt)] = nearest == number
-    return found
+                    areas[area_name(name, bolt)] = nearest == number
+    return areas
 
 
 def pressed_shares(areas: Mapping[str, Mask], pressed: Mask, weights: Vector) -> dict[str, Vector]:
     """Return the share of each point (n_point,) in what is pressed of an area at rest."""
     shares = {name: np.where(points & pressed, weights, 0.0) for name, points in areas.items()}
-    return {name: one / one.sum() for name, one in shares.items() if one.sum() > 0}
+    return {name: share / share.sum() for name, share in shares.items() if share.sum() > 0}
 
 
 def opening_factors(
@@ -118,9 +118,9 @@ def opening_factors(
     fixed, growing = growing_displacements(system, inputs)
     touching = TOUCHING * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
 
-    def reach(factor: float, here: SolvedCase | None) -> SolvedCase:
-        before = None if here is None else here.state
-        return solved_case(system, fixed + factor * growing, before)
+    def reach(factor: float, solved: SolvedCase | None) -> SolvedCase:
+        state = None if solved is None else solved.state
+        return solved_case(system, fixed + factor * growing, state)
 
     def pressed(case: SolvedCase) -> Vector:
         return pressed_depth(contact, case.gap, touching)
@@ -128,28 +128,28 @@ def opening_factors(
     start = reach(0.0, None)
     shares = pressed_shares(areas, pressed(start) > 0, contact.weights)
     every = {name: np.zeros(contact.n_points) for name in contact.slices}
-    for name, own in contact.slices.items():
-        every[name][own] = 1.0 / (own.stop - own.start)
+    for name, points in contact.slices.items():
+        every[name][points] = 1.0 / (points.stop - points.start)
     asked = [
         *((OPENED, name, share, enough(open_below)) for name, share in shares.items()),
         *((FIRST, name, shares[name], enough(1.0)) for name in every if name in shares),
         *((LAST, name, share, enough(0.0)) for name, share in every.items()),
     ]
-    found = first_events(
+    events = first_events(
         reach,
         start,
         {
-            f"{what} {name}": opening_event(pressed, share, least)
-            for what, name, share, least in asked
+            f"{what} {name}": opening_event(pressed, share, limit)
+            for what, name, share, limit in asked
         },
         increments=INCREMENTS,
         largest=largest,
     )
     factors: dict[str, dict[str, float]] = {what: {} for what in (OPENED, FIRST, LAST)}
     for what, name, _, _ in asked:
-        factors[what][name] = found.factors.get(f"{what} {name}", np.inf)
+        factors[what][name] = events.factors.get(f"{what} {name}", np.inf)
     return Openings(
-        opened=factors[OPENED], first=factors[FIRST], last=factors[LAST], followed=found.largest
+        opened=factors[OPENED], first=factors[FIRST], last=factors[LAST], followed=events.largest
     )
 
 
@@ -193,8 +193,8 @@ def opening_event(
     """
     points = np.flatnonzero(shares)
 
-    def left(after: State, _: State) -> float:
-        depth = pressed(after)
+    def left(state: State, _: State) -> float:
+        depth = pressed(state)
         order = points[np.argsort(-depth[points])]
         return float(depth[order[np.searchsorted(np.cumsum(shares[order]), open_below)]])
 

@@ -121,12 +121,12 @@ def _choice(
 
 
 def _automatic_text(sweep: PenaltySweep, units: UnitNames) -> str:
-    near = _nearest_automatic(sweep)
+    nearest = _nearest_automatic(sweep)
     return (
         f"The automatic value {PENALTY_FACTOR:g} E/h is {_stiffness(sweep.automatic, units)}; at "
-        f"{_stiffness(sweep.penalties[near], units)} pressures are off hard contact by "
-        f"{sweep.deviation[near].max():.1%} at most and by {sweep.rms_deviation[near].max():.1%} "
-        "in the root mean square."
+        f"{_stiffness(sweep.penalties[nearest], units)} pressures are off hard contact by "
+        f"{sweep.deviation[nearest].max():.1%} at most and by "
+        f"{sweep.rms_deviation[nearest].max():.1%} in the root mean square."
     )
 
 

@@ -195,15 +195,15 @@ def _automatic(model: Model) -> float:
     try:
         return min(automatic_penalty_of(model.assembly, i) for i in model.interfaces.values())
     except ModelError:
-        own = min(interface.penalty for interface in model.interfaces.values())
-        if np.isfinite(own):
-            return float(own)
+        smallest = min(interface.penalty for interface in model.interfaces.values())
+        if np.isfinite(smallest):
+            return float(smallest)
         raise
 
 
 def _final_forces(model: Model) -> dict[str, float]:
-    rest = solve_static(model)
-    forces = {name: float(rest.bolt_force(name)) for name in model.bolts}
+    preloaded = solve_static(model)
+    forces = {name: float(preloaded.bolt_force(name)) for name in model.bolts}
     return {name: force for name, force in forces.items() if force > 0}
 
 

@@ -180,16 +180,18 @@ def _tightened(
 ) -> Matrix:
     """Return the inputs (n_sample, n_input) of all tightenings."""
     bolts, count = system.port_compliance.bolts, scatter.samples
-    most = scatter.tightening_factor
+    factor = scatter.tightening_factor
     shares = _shares(rng, count, bolts.stop - bolts.start)
-    factors = 2 * (1 + (most - 1) * shares) / (1 + most)
+    factors = 2 * (1 + (factor - 1) * shares) / (1 + factor)
     if scatter.thread_friction is not None and scatter.head_friction is not None:
         ranges = (scatter.thread_friction, scatter.head_friction)
         # What is meant first, the middle of both, then what is drawn.
         middle = np.full((1, shares.shape[1]), 0.5)
-        drawn = [_within(one, np.vstack([middle, _shares(rng, *shares.shape)])) for one in ranges]
+        drawn = [
+            _within(limits, np.vstack([middle, _shares(rng, *shares.shape)])) for limits in ranges
+        ]
         for column, name in enumerate(system.bolts):
-            torque = _torque(name, threads, *(one[:, column] for one in drawn))
+            torque = _torque(name, threads, *(limits[:, column] for limits in drawn))
             factors[:, column] *= torque[0] / torque[1:]
     stiffness = np.array([bolt.stiffness for bolt in system.bolts.values()])
     inputs = np.repeat(meant, count, axis=0)
@@ -211,11 +213,13 @@ def _coefficients(
     system: System, scatter: PreloadScatter, rng: np.random.Generator
 ) -> list[dict[str, float]]:
     """Return the coefficients of the interfaces, as they are and then of each sample."""
-    own = {name: law.friction for name, law in system.contact.laws.items() if law.friction > 0}
+    coefficients = {
+        name: law.friction for name, law in system.contact.laws.items() if law.friction > 0
+    }
     if scatter.surface_friction is None:
-        return [own] * (scatter.samples + 1)
-    drawn = _within(scatter.surface_friction, _shares(rng, scatter.samples, len(own)))
-    return [own, *(dict(zip(own, row, strict=True)) for row in drawn.tolist())]
+        return [coefficients] * (scatter.samples + 1)
+    drawn = _within(scatter.surface_friction, _shares(rng, scatter.samples, len(coefficients)))
+    return [coefficients, *(dict(zip(coefficients, row, strict=True)) for row in drawn.tolist())]
 
 
 def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:

@@ -55,7 +55,7 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
         slip = np.reshape(begin.shear_slip, (-1, *slip.shape))[0]
         forces[0] = np.atleast_2d(begin.contact_forces)[0]
         forces[1:] = np.reshape(begin.shear_forces, (-1, *slip.shape))[0]
-    here = PathStep(
+    state = PathStep(
         relative=free[0],
         increment=Increment(
             forces=forces,
@@ -66,7 +66,7 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
         ),
         slip=slip,
     )
-    steps, laws = list(follow(solver, free, here)), LawsAtPoints(contact=contact)
+    steps, laws = list(follow(solver, free, state)), LawsAtPoints(contact=contact)
     return ContactPath(
         forces=np.array([step.increment.forces[0] for step in steps]),
         gap=np.array([step.increment.gap(laws) for step in steps]),

@@ -89,14 +89,14 @@ class Recovered(ContactFields):
 
     def displacement(self, boundary: str) -> Matrix:
         """Return the recovered displacements at a boundary (..., n) in its components' order."""
-        place = boundary_slices(self.system.boundaries)[boundary]
-        displacement: Matrix = self._outer_ports[..., place]
+        columns = boundary_slices(self.system.boundaries)[boundary]
+        displacement: Matrix = self._outer_ports[..., columns]
         return displacement
 
     def bolt_force(self, bolt: str) -> Matrix:
         """Return the axial force of a bolt (...) [force], tension positive."""
-        place = bolt_input(self.system, bolt)
-        elongation = self._outer_ports[..., place]
+        column = bolt_input(self.system, bolt)
+        elongation = self._outer_ports[..., column]
         unstretched = unstretched_bolt_forces(self.system, self.inputs)
         number = list(self.system.bolts).index(bolt)
         stiffness = self.system.bolts[bolt].stiffness
@@ -153,10 +153,10 @@ def recover_pressure(
     The first takes its slip from the solution. What a poor trajectory says of the way to an
     instant stays in the slip there; recovery corrects forces, not the past.
     """
-    at = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
+    picked = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
     joint = model.joint if isinstance(model, ReducedModel) else model
     rubs = joint.contact.components > 1
-    chosen = solution if rubs else _selected(solution, at)
+    chosen = solution if rubs else _selected(solution, picked)
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
@@ -167,7 +167,7 @@ def recover_pressure(
     if not rubs:
         return solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
-    return path if instants is None or free.ndim == 1 else _taken(path, at)
+    return path if instants is None or free.ndim == 1 else _taken(path, picked)
 
 
 def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
@@ -184,21 +184,21 @@ def solve_cases_at_ports(joint: Joint, loads: Sequence[Load]) -> Recovered:
     return solve_instants(joint, "cases", inputs, free, None)
 
 
-def _selected(solution: Solution, at: slice | Indices) -> Solution:
+def _selected(solution: Solution, chosen: slice | Indices) -> Solution:
     """Take some instants; nothing to choose from in a single static solution."""
     if solution.contact_forces.ndim == 1:
         return solution
     return Solution(
         name=solution.name,
         system=solution.system,
-        states=solution.states[at],
-        contact_forces=solution.contact_forces[at],
-        gap=solution.gap[at],
-        inputs=solution.inputs[at],
-        iterations=solution.iterations[at],
-        times=None if solution.times is None else solution.times[at],
-        velocities=None if solution.velocities is None else solution.velocities[at],
-        accelerations=None if solution.accelerations is None else solution.accelerations[at],
+        states=solution.states[chosen],
+        contact_forces=solution.contact_forces[chosen],
+        gap=solution.gap[chosen],
+        inputs=solution.inputs[chosen],
+        iterations=solution.iterations[chosen],
+        times=None if solution.times is None else solution.times[chosen],
+        velocities=None if solution.velocities is None else solution.velocities[chosen],
+        accelerations=None if solution.accelerations is None else solution.accelerations[chosen],
     )
 
 
@@ -212,17 +212,18 @@ def _free_from_reduced(
     """Port displacements without contact forces, from a solution of a reduced model."""
     if solution.velocities is None:
         return static_displacements(joint.port_compliance, solution.inputs)
-    known = _matrices(model, rom) if operator is None else operator
+    matrices = _matrices(model, rom) if operator is None else operator
     n_port = joint.port_compliance.n_port
-    if known.inertia.shape != (n_port, len(rom.K)):
+    if matrices.inertia.shape != (n_port, len(rom.K)):
         message = (
-            f"the recovery matrices have shape {known.inertia.shape}, but the model has {n_port} "
-            f"ports and the solution {len(rom.K)} coordinates; recover with the model that was "
+            f"the recovery matrices have shape {matrices.inertia.shape}, but the model has "
+            f"{n_port} ports and the solution {len(rom.K)}"
+            " coordinates; recover with the model that was "
             "solved, or the one it was reduced from"
         )
         raise ModelError(message)
     accelerations = balanced_accelerations(rom, solution)
-    moving = accelerations @ known.inertia.T + solution.velocities @ known.damping.T
+    moving = accelerations @ matrices.inertia.T + solution.velocities @ matrices.damping.T
     free: Matrix = static_displacements(joint.port_compliance, solution.inputs) - moving
     return free
 
@@ -255,15 +256,15 @@ def balanced_accelerations(system: System, solution: Solution) -> Matrix:
 
     Massless coordinates, which feel no inertia force, get the least-norm value.
     """
-    known = solution.velocities
-    velocities = np.zeros_like(solution.states) if known is None else known
+    rates = solution.velocities
+    velocities = np.zeros_like(solution.states) if rates is None else rates
     contact = relative_forces(system, solution.contact_forces, solution.shear_forces)
     force = input_forces(system, solution.inputs) + contact
     elastic, damping, mass = (np.asarray(matrix) for matrix in (system.K, system.C, system.M))
     unbalanced = force - solution.states @ elastic - velocities @ damping
     # Masses of coordinates differ by many orders; unscaled, the pseudoinverse mixes their errors.
-    own = np.diag(mass)
-    scale = 1 / np.sqrt(np.where(own > 0, own, 1.0))
+    diagonal = np.diag(mass)
+    scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     scaled = np.linalg.lstsq(mass * scale[:, None] * scale, (unbalanced * scale).T, rcond=None)[0]
     return np.asarray(scaled.T * scale, dtype=np.float64)
 
@@ -285,41 +286,43 @@ def solve_instants(
         friction; by default nothing has.
     """
     rows = np.atleast_2d(free)[:, : model.port_compliance.n_relative]
-    one = 0 if free.ndim == 1 else slice(None)
+    index = 0 if free.ndim == 1 else slice(None)
     if not model.contact.forgets:
         path = solve_increments(model, rows, begin)
         return Recovered(
             name=name,
             system=model,
-            contact_forces=path.forces[one],
-            gap=path.gap[one],
+            contact_forces=path.forces[index],
+            gap=path.gap[index],
             port_displacements=free
-            + _contact_displacements(model, path.forces[one], path.shear_forces[one]),
+            + _contact_displacements(model, path.forces[index], path.shear_forces[index]),
             inputs=inputs,
-            iterations=path.iterations[one],
+            iterations=path.iterations[index],
             times=times,
-            shear_forces=path.shear_forces[one],
-            shear_slip=path.slip[one],
+            shear_forces=path.shear_forces[index],
+            shear_slip=path.slip[index],
         )
     forces, gaps, iterations, _ = solved_cases(model, rows)
     return Recovered(
         name=name,
         system=model,
-        contact_forces=forces[one],
-        gap=gaps[one],
-        port_displacements=free + _contact_displacements(model, forces[one], None),
+        contact_forces=forces[index],
+        gap=gaps[index],
+        port_displacements=free + _contact_displacements(model, forces[index], None),
         inputs=inputs,
-        iterations=iterations[one],
+        iterations=iterations[index],
         times=times,
     )
 
 
-def _taken(recovered: Recovered, at: slice | Indices) -> Recovered:
+def _taken(recovered: Recovered, chosen: slice | Indices) -> Recovered:
     """Take some instants."""
-    taken: dict[str, Any] = {
-        name: value[at] for name, value in vars(recovered).items() if isinstance(value, np.ndarray)
+    members: dict[str, Any] = {
+        name: value[chosen]
+        for name, value in vars(recovered).items()
+        if isinstance(value, np.ndarray)
     }
-    return replace(recovered, **taken)
+    return replace(recovered, **members)
 
 
 def _contact_displacements(model: Joint, forces: Matrix, shear: Matrix | None) -> Matrix:

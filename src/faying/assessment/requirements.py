@@ -76,7 +76,7 @@ class Requirements:
 
 
 def misnamed(
-    wanted: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
+    requirements: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
 ) -> Iterator[tuple[str, str]]:
     """Yield the requirements that name an interface that is not there, and what is wrong.
 
@@ -85,26 +85,28 @@ def misnamed(
     frictionless
         Interfaces without a friction law.
     """
-    limits, given = wanted.min_clamp_force, wanted.slip_friction
+    limits, frictions = requirements.min_clamp_force, requirements.slip_friction
     named = [("min_clamp_force", n) for n in (limits if isinstance(limits, Mapping) else ())]
-    named += [("closed_ring", ring.interface) for ring in wanted.closed_ring if ring.interface]
+    named += [
+        ("closed_ring", ring.interface) for ring in requirements.closed_ring if ring.interface
+    ]
     for key, name in named:
         if name not in interfaces:
             yield key, f"there is no interface '{name}'; there are {', '.join(interfaces)}"
-    if len(interfaces) > 1 and any(ring.interface is None for ring in wanted.closed_ring):
-        known = ", ".join(interfaces)
-        yield "closed_ring", f"there are several interfaces, {known}; add 'interface'"
-    for name in given if isinstance(given, Mapping) else ():
+    if len(interfaces) > 1 and any(ring.interface is None for ring in requirements.closed_ring):
+        names = ", ".join(interfaces)
+        yield "closed_ring", f"there are several interfaces, {names}; add 'interface'"
+    for name in frictions if isinstance(frictions, Mapping) else ():
         if name not in frictionless:
-            known = ", ".join(frictionless) or "none"
+            names = ", ".join(frictionless) or "none"
             yield (
                 "slip_friction",
-                f"there is no interface '{name}' without friction; there are {known}",
+                f"there is no interface '{name}' without friction; there are {names}",
             )
 
 
 def check_names(
-    wanted: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
+    requirements: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
 ) -> None:
     """Refuse requirements on interfaces that are not there.
 
@@ -113,7 +115,7 @@ def check_names(
     ModelError
         One message with all of them.
     """
-    wrong = [f"{key}: {text}" for key, text in misnamed(wanted, interfaces, frictionless)]
+    wrong = [f"{key}: {text}" for key, text in misnamed(requirements, interfaces, frictionless)]
     if wrong:
         raise ModelError("\n".join(wrong))
 

@@ -135,20 +135,20 @@ def ring_down(
     True
     """
     _check(system, mode, amplitude, increments, cycles, periods, steps_per_period)
-    rest = solve_path(system, path)
-    found = stuck_mode(system, rest, mode)
+    preloaded = solve_path(system, path)
+    stuck = stuck_mode(system, preloaded, mode)
     with naming(f"mode {mode}"):
-        found, measure = measured(system, found, at)
+        stuck, measure = measured(system, stuck, at)
     name = _unused(system, f"mode {mode}")
-    inertia = LoadPattern(name=name, forces=np.asarray(system.M @ found.shape))
+    inertia = LoadPattern(name=name, forces=np.asarray(system.M @ stuck.shape))
     pushed = replace(system, load_patterns={**system.load_patterns, name: inertia})
-    circular, last = 2 * np.pi * found.frequency, path[-1]
+    circular, last = 2 * np.pi * stuck.frequency, path[-1]
     load = circular**2 * amplitude / measure.unit
     shares = np.arange(1, increments + 1) / increments
     rise = [replace(last, forces={**last.forces, name: load * share}) for share in shares.tolist()]
     displaced = solve_path(pushed, [*path, *rise])
     to_and_fro = np.concatenate([1 - shares, -shares, shares - 1, shares]) * load
-    cycle = [replace(last, forces={**last.forces, name: one}) for one in to_and_fro.tolist()]
+    cycle = [replace(last, forces={**last.forces, name: force}) for force in to_and_fro.tolist()]
     energies = list[float]()
     while len(energies) < (MOST_CYCLES if cycles is None else cycles):
         displaced = solve_path(pushed, cycle, initial=displaced, compiled=compiled)
@@ -159,16 +159,16 @@ def ring_down(
         pushed,
         last,
         initial=displaced,
-        step=1 / found.frequency / steps_per_period,
-        duration=periods / found.frequency,
+        step=1 / stuck.frequency / steps_per_period,
+        duration=periods / stuck.frequency,
         integrator=EnergyDecaying(0.8) if integrator is None else integrator,
         compiled=compiled,
     )
-    motion = measure.unit * ((solution.states - rest.states[-1]) @ inertia.forces)
+    motion = measure.unit * ((solution.states - preloaded.states[-1]) @ inertia.forces)
     decay = free_decay(np.asarray(solution.times), motion)
     return RingDown(
         mode=mode,
-        small_frequency=found.frequency,
+        small_frequency=stuck.frequency,
         measured_at=measure.name,
         motion=motion,
         decay=decay,
@@ -180,8 +180,8 @@ def ring_down(
 
 def _repeats(energies: Sequence[float], work: float) -> bool:
     """Say whether the last cycle took what the one before did, or nothing."""
-    before, now = [np.inf, *energies][-2:]
-    return bool(abs(now - before) <= STATIONARY * now or now <= NO_LOSS * work)
+    previous, now = [np.inf, *energies][-2:]
+    return bool(abs(now - previous) <= STATIONARY * now or now <= NO_LOSS * work)
 
 
 def _remarks(

@@ -69,8 +69,8 @@ def rubbed_metrics(
     """
     return np.array(
         [
-            _case(_with_coefficients(system, own), interfaces, row, name)
-            for row, own in zip(inputs, coefficients, strict=True)
+            _case(_with_coefficients(system, frictions), interfaces, row, name)
+            for row, frictions in zip(inputs, coefficients, strict=True)
         ]
     )
 
@@ -93,11 +93,11 @@ def _slip(path: Solution, interfaces: Mapping[str, ContactSurface]) -> Vector:
     far = np.zeros(slips.shape)
     if path.shear_slip is not None:
         far = np.linalg.norm(path.shear_slip[-1], axis=0)
-    found = [
-        (slips[slice(*one.slice)] @ one.weights, far[slice(*one.slice)].max())
-        for one in interfaces.values()
+    metrics = [
+        (slips[slice(*interface.slice)] @ interface.weights, far[slice(*interface.slice)].max())
+        for interface in interfaces.values()
     ]
-    return np.ravel(found)
+    return np.ravel(metrics)
 
 
 def _with_coefficients(system: System, coefficients: Mapping[str, float]) -> System:
@@ -111,7 +111,10 @@ def _with_coefficients(system: System, coefficients: Mapping[str, float]) -> Sys
         return system
     if isinstance(system, Model):
         return system.with_interfaces(
-            {name: one.with_law(laws.get(name, one.law)) for name, one in system.interfaces.items()}
+            {
+                name: interface.with_law(laws.get(name, interface.law))
+                for name, interface in system.interfaces.items()
+            }
         )
     if isinstance(system, ReducedModel):
         contact = replace(system.contact, laws={**system.contact.laws, **laws})

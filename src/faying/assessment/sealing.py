@@ -56,12 +56,12 @@ def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
     for pairs in surface.faces:
         nodes, corners = rows[pairs.minus], FACES[pairs.kind].n_corners
         width = nodes.shape[1]
-        one, other = np.divmod(np.arange(width**2), width)
-        links.append(np.stack([nodes[:, one], nodes[:, other]], axis=2).reshape(-1, 2))
-        here, following = nodes[:, :corners], np.roll(nodes[:, :corners], -1, axis=1)
+        first, second = np.divmod(np.arange(width**2), width)
+        links.append(np.stack([nodes[:, first], nodes[:, second]], axis=2).reshape(-1, 2))
+        starts, following = nodes[:, :corners], np.roll(nodes[:, :corners], -1, axis=1)
         # Mid-side nodes belong to the edge of the corners before and behind them.
-        middle = nodes[:, corners : 2 * corners] if width > corners else here
-        edges.append(np.stack([here, following, middle], axis=2).reshape(-1, 3))
+        middle = nodes[:, corners : 2 * corners] if width > corners else starts
+        edges.append(np.stack([starts, following, middle], axis=2).reshape(-1, 3))
     rim = _rim(np.concatenate(edges))
     loop = _loops(rim, len(surface.pairs))
     distance = np.linalg.norm(surface.pair_points - np.asarray(around, dtype=float), axis=1)
@@ -69,9 +69,9 @@ def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
     nearest = loop[on_rim[distance[on_rim].argmin()]]
     outside = np.flatnonzero((loop >= 0) & (loop != nearest))
     if not len(outside):
-        place = ", ".join(f"{x:g}" for x in around)
+        position = ", ".join(f"{x:g}" for x in around)
         message = (
-            f"the edge of the interface nearest to ({place}) is its only one, so no ring goes "
+            f"the edge of the interface nearest to ({position}) is its only one, so no ring goes "
             "around a hole there; give a point inside a hole"
         )
         raise ModelError(message)
@@ -99,8 +99,8 @@ def ring_pressure(ring: Ring, pressure: Matrix) -> Vector:
     """
     nodal = np.asarray((ring.averaging @ pressure[:, ring.points].T).T)
     parts = max(1, len(nodal) * len(ring.links) // AT_ONCE)
-    found = [_least_barrier(ring, some) for some in np.array_split(nodal, parts)]
-    return np.concatenate(found)
+    barriers = [_least_barrier(ring, part) for part in np.array_split(nodal, parts)]
+    return np.concatenate(barriers)
 
 
 def _least_barrier(ring: Ring, nodal: Matrix) -> Vector:
@@ -109,8 +109,8 @@ def _least_barrier(ring: Ring, nodal: Matrix) -> Vector:
     barrier = np.full(nodal.shape, np.inf)
     barrier[:, ring.inside] = nodal[:, ring.inside]
     while True:
-        near = np.minimum.reduceat(barrier[:, ring.links[:, 1]], starts, axis=1)
-        better = np.maximum(near, nodal)
+        neighbours = np.minimum.reduceat(barrier[:, ring.links[:, 1]], starts, axis=1)
+        better = np.maximum(neighbours, nodal)
         if np.array_equal(better, barrier):
             return np.asarray(barrier[:, ring.outside].min(axis=1))
         barrier = better

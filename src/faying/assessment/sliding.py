@@ -67,10 +67,10 @@ def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vec
         motion = np.linalg.pinv(np.einsum("n,inm,ink->mk", weights, moves, moves)) @ load
         speeds = np.linalg.norm(moves @ motion, axis=0)
         resisted = float(bounds @ speeds)
-        before, used = used, float(load @ motion) / resisted if resisted > 0 else 0.0
-        if used <= before * (1 + SETTLED):
+        previous, used = used, float(load @ motion) / resisted if resisted > 0 else 0.0
+        if used <= previous * (1 + SETTLED):
             break
-    return max(before, used)
+    return max(previous, used)
 
 
 def _moves(directions: Matrix, arms: Matrix) -> Matrix:
@@ -80,7 +80,9 @@ def _moves(directions: Matrix, arms: Matrix) -> Matrix:
 
 def _sliding(along: Matrix, across: Matrix, bounds: Vector) -> Matrix:
     """Return rigid motions (6, n_motion) that go along an interface at points that are pressed."""
-    sums = [np.einsum("n,inm,ink->mk", bounds, one, one) for one in (along, across)]
+    sums = [
+        np.einsum("n,inm,ink->mk", bounds, direction, direction) for direction in (along, across)
+    ]
     sizes, axes = np.linalg.eigh(sum(sums))
     moving = sizes > np.finfo(float).eps * len(sizes) * sizes.max()
     scaled = axes[:, moving] / np.sqrt(sizes[moving])

@@ -102,8 +102,8 @@ def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
     first = np.zeros((1, 2, path.system.contact.n_points))
     if initial is not None:
         check_points(path.system, initial)
-    before = first if initial is None else _slip(initial)[-1:]
-    return np.concatenate([before, _slip(path)])
+    earlier = first if initial is None else _slip(initial)[-1:]
+    return np.concatenate([earlier, _slip(path)])
 
 
 def _slip(path: Solution) -> Matrix:
@@ -131,9 +131,9 @@ def on_the_bound(normal: Matrix, shear: Matrix, friction: Vector) -> Mask:
 
 def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
     """Return the shares of area (3, n_increment) in each state, of points with friction."""
-    own, area = status[:, rubbing], weights[rubbing]
+    statuses, area = status[:, rubbing], weights[rubbing]
     total = float(area.sum()) or 1.0
-    return np.array([(own == state) @ area / total for state in (OPEN, STICK, SLIP)])
+    return np.array([(statuses == state) @ area / total for state in (OPEN, STICK, SLIP)])
 
 
 def all_slip(status: Indices) -> Mask:

@@ -135,25 +135,25 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
     pour lequel la somme des distances de n points donnés est minimum", Tohoku Math. J. 43 (1937)
     355-386. Distances change in the second order only; a few passes do.
     """
-    near = NEAR * float(np.ptp(places, axis=0).max(initial=0.0))
+    reach = NEAR * float(np.ptp(places, axis=0).max(initial=0.0))
     point = shares @ places
     arms, left = _mean_arms(places, shares, point), np.arange(len(shares))
     for _ in range(MOST_PASSES):
-        fast, slow = _nearer(places, shares[left], point[left], near)
-        found = _mean_arms(places, shares[left], fast)
-        worse = ~(found < arms[left])
-        found[worse] = _mean_arms(places, shares[left[worse]], slow[worse])
-        better = arms[left] - found > SETTLED * arms[left]
+        fast, slow = _nearer(places, shares[left], point[left], reach)
+        arms_found = _mean_arms(places, shares[left], fast)
+        worse = ~(arms_found < arms[left])
+        arms_found[worse] = _mean_arms(places, shares[left[worse]], slow[worse])
+        better = arms[left] - arms_found > SETTLED * arms[left]
         point[left] = np.where(worse[:, None], slow, fast)
-        arms[left] = np.minimum(arms[left], found)
+        arms[left] = np.minimum(arms[left], arms_found)
         left = left[better]
         if not len(left):
             break
     # Where a place itself is the point, the search ends beside it.
     away = np.hypot(*(places - point[:, None]).transpose(2, 0, 1))
     at_place = _mean_arms(places, shares, places[away.argmin(axis=1)])
-    least: Vector = np.minimum(arms, at_place)
-    return least
+    shortest: Vector = np.minimum(arms, at_place)
+    return shortest
 
 
 def _mean_arms(places: Matrix, shares: Matrix, point: Matrix) -> Vector:
@@ -162,15 +162,15 @@ def _mean_arms(places: Matrix, shares: Matrix, point: Matrix) -> Vector:
     return np.asarray((shares * np.hypot(x, y)).sum(axis=1))
 
 
-def _nearer(places: Matrix, shares: Matrix, point: Matrix, near: float) -> tuple[Matrix, Matrix]:
+def _nearer(places: Matrix, shares: Matrix, point: Matrix, reach: float) -> tuple[Matrix, Matrix]:
     """Return Newton's next points (n_case, 2), and Weiszfeld's."""
     x, y = (places - point[:, None]).transpose(2, 0, 1)
-    arms = np.maximum(np.hypot(x, y), near)
+    arms = np.maximum(np.hypot(x, y), reach)
     pulls = shares / arms
     total = np.maximum(pulls.sum(axis=1), np.finfo(float).tiny)
     pull = np.stack([(pulls * x).sum(axis=1), (pulls * y).sum(axis=1)], axis=1)
     bends = pulls / arms**2
-    xx, xy, yy = ((bends * one).sum(axis=1) for one in (y * y, -x * y, x * x))
+    xx, xy, yy = ((bends * factor).sum(axis=1) for factor in (y * y, -x * y, x * x))
     size = xx * yy - xy**2
     solvable = size > SINGULAR * total**2
     scale = np.where(solvable, size, 1.0)
@@ -181,7 +181,7 @@ def _nearer(places: Matrix, shares: Matrix, point: Matrix, near: float) -> tuple
 
 
 def slip_coefficients(
-    given: float | Mapping[str, float] | None, frictionless: Sequence[str]
+    friction: float | Mapping[str, float] | None, frictionless: Sequence[str]
 ) -> dict[str, float]:
     """Return the coefficient that each interface is judged with, of those that have one.
 
@@ -190,9 +190,11 @@ def slip_coefficients(
     frictionless
         Interfaces without a friction law.
     """
-    if given is None:
+    if friction is None:
         return {}
-    return dict(given) if isinstance(given, Mapping) else dict.fromkeys(frictionless, given)
+    return (
+        dict(friction) if isinstance(friction, Mapping) else dict.fromkeys(frictionless, friction)
+    )
 
 
 def slip_demands(
@@ -221,21 +223,24 @@ def slip_demands(
     """
     forces = pressure * joint.contact.weights
     pairs, around = joint.contact.at_pairs(forces).T, surroundings(surfaces, joint.bolts)
-    found = {}
+    demands = {}
     for area in rows:
         coefficient = coefficients.get(area.interface)
         if area.unknown:
             demand = SlipDemand(coefficient=coefficient, unknown=area.unknown)
         else:
             surface = surfaces[area.interface]
-            own = slice(*surface.slice)
-            points = around[area.interface, area.bolt][own] if area.bolt else slice(None)
+            columns = slice(*surface.slice)
+            points = around[area.interface, area.bolt][columns] if area.bolt else slice(None)
             sums = area_sums(
-                area, surface.points[points], forces[:, own][:, points], area.carried(inputs, pairs)
+                area,
+                surface.points[points],
+                forces[:, columns][:, points],
+                area.carried(inputs, pairs),
             )
             demand = _demand(sums, cases, coefficient)
-        found[area.interface, area.bolt] = demand
-    return found
+        demands[area.interface, area.bolt] = demand
+    return demands
 
 
 def _demand(sums: AreaSums, cases: Sequence[str], coefficient: float | None) -> SlipDemand:
@@ -244,7 +249,9 @@ def _demand(sums: AreaSums, cases: Sequence[str], coefficient: float | None) -> 
 
     needed = sums.needed_friction
     rubbed = {} if coefficient is None else by_case(needed)
-    safety = {n: (coefficient or 0.0) / one for n, one in rubbed.items() if one > NO_FRICTION}
+    safety = {
+        n: (coefficient or 0.0) / rubbing for n, rubbing in rubbed.items() if rubbing > NO_FRICTION
+    }
     return SlipDemand(
         tangential_force=by_case(sums.tangential_force),
         moment=by_case(sums.moment),

@@ -155,23 +155,25 @@ def slip_reserve(
     load, so that ``first_slip`` can be next to nothing: ``onset`` counts the others.
     """
     _check(system, load, share, increments, largest)
-    rest = solve_path(system, [Load()]) if initial is None else initial
-    search = _Search.of(system, load, rest)
+    preloaded = solve_path(system, [Load()]) if initial is None else initial
+    search = _Search.of(system, load, preloaded)
     stuck = search.stuck()
     opens = {} if open_below is None else search.opening(open_below)
     events: dict[str, Event[PathStep]] = {
         **{f"{AREA}{name}": happens for name, happens in opens.items()},
-        "first": _whether(lambda after, here: search.states(after, here).slip_share[-1] > 0),
+        "first": _whether(lambda trial, state: search.states(trial, state).slip_share[-1] > 0),
         "onset": _whether(
-            lambda after, here: search.share(search.states(after, here), stuck) >= ONSET
+            lambda trial, state: search.share(search.states(trial, state), stuck) >= ONSET
         ),
         "share": _whether(
-            lambda after, here: search.states(after, here).slip_of_closed[-1] >= share
+            lambda trial, state: search.states(trial, state).slip_of_closed[-1] >= share
         ),
-        "gross": _whether(lambda after, _: bool(search.sliding(after))),
+        "gross": _whether(lambda trial, _: bool(search.sliding(trial))),
     }
-    found = first_events(search.at, search.start, events, increments=increments, largest=largest)
-    factors, states = found.factors, found.states
+    events_found = first_events(
+        search.at, search.start, events, increments=increments, largest=largest
+    )
+    factors, states = events_found.factors, events_found.states
     interface, point = search.farthest(*states["first"]) if "first" in states else ("", -1)
     return SlipReserve(
         first_slip=factors.get("first"),
@@ -181,8 +183,8 @@ def slip_reserve(
         share=share,
         share_slip=factors.get("share"),
         gross_slip=factors.get("gross"),
-        largest=found.largest,
-        stopped=found.stopped,
+        largest=events_found.largest,
+        stopped=events_found.stopped,
         slides=search.sliding(states["gross"][0]) if "gross" in states else "",
         areas=tuple(opens),
         openings=tuple(factors.get(f"{AREA}{name}", np.inf) for name in opens),
@@ -211,7 +213,7 @@ def _check(system: System, load: Load, share: float, increments: int, largest: f
 
 def _whether(happens: Callable[[PathStep, PathStep], bool]) -> Event[PathStep]:
     """Return the event that happens or not in the increment to the first step from the second."""
-    return lambda after, here: -np.inf if happens(after, here) else np.inf
+    return lambda trial, state: -np.inf if happens(trial, state) else np.inf
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -232,21 +234,21 @@ class _Search:
     growing: Vector
 
     @classmethod
-    def of(cls, system: System, load: Load, rest: Solution) -> Self:
+    def of(cls, system: System, load: Load, preloaded: Solution) -> Self:
         """Begin at a preloaded state."""
         inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
         fixed, full = moved_alone(system, inputs)
-        start = path_start(system, rest)
+        start = path_start(system, preloaded)
         return cls(system=system, start=start, fixed=fixed, growing=full - fixed)
 
-    def at(self, factor: float, here: PathStep) -> PathStep:
+    def at(self, factor: float, state: PathStep) -> PathStep:
         """Go on to a load factor in one increment."""
         target = self.fixed + factor * self.growing
-        return next(follow(self.system.static_contact.increments, target[None], here))
+        return next(follow(self.system.static_contact.increments, target[None], state))
 
-    def states(self, after: PathStep, here: PathStep) -> SlipStates:
+    def states(self, trial: PathStep, state: PathStep) -> SlipStates:
         """Tell what the points do in one increment."""
-        forces, slip = after.increment.forces, np.array([here.slip, after.slip])
+        forces, slip = trial.increment.forces, np.array([state.slip, trial.slip])
         return point_states(self.system.contact, forces[:1], forces[None, 1:], slip)
 
     def stuck(self) -> Mask:
@@ -263,9 +265,9 @@ class _Search:
         slipping = float(area[(status == SLIP) & points[contact.rubbing]].sum())
         return slipping / touching if touching > 0 else 0.0
 
-    def sliding(self, after: PathStep) -> str:
+    def sliding(self, trial: PathStep) -> str:
         """Return the interface on which all that is closed slips along one motion; none if ''."""
-        contact, forces = self.system.contact, after.increment.forces
+        contact, forces = self.system.contact, trial.increment.forces
         if contact.tangents is None:
             return ""
         for name, points in contact.slices.items():
@@ -273,11 +275,11 @@ class _Search:
             if not np.hypot(*forces[1:, points]).sum() > SPENT * bounds.sum():
                 continue
             pressed = np.flatnonzero(forces[0, points] > 0)
-            own = pressed + points.start
+            points_pressed = pressed + points.start
             used = resistance_used(
                 self.system.interfaces[name].points[pressed],
-                contact.tangents[:, own],
-                forces[1:, own],
+                contact.tangents[:, points_pressed],
+                forces[1:, points_pressed],
                 bounds[pressed],
             )
             if used >= WHOLE:
@@ -294,13 +296,14 @@ class _Search:
 
         shares = pressed_shares(areas, pressed(self.start) > 0, contact.weights)
         return {
-            name: opening_event(pressed, own, enough(open_below)) for name, own in shares.items()
+            name: opening_event(pressed, share, enough(open_below))
+            for name, share in shares.items()
         }
 
-    def farthest(self, after: PathStep, here: PathStep) -> tuple[str, int]:
+    def farthest(self, trial: PathStep, state: PathStep) -> tuple[str, int]:
         """Return the interface, and the point of it, that slips farthest in an increment."""
-        change = np.hypot(*(after.slip - here.slip))
-        change[self.states(after, here).status[-1] != SLIP] = 0.0
+        change = np.hypot(*(trial.slip - state.slip))
+        change[self.states(trial, state).status[-1] != SLIP] = 0.0
         point = int(change.argmax())
         for name, points in self.system.contact.slices.items():
             if points.start <= point < points.stop:

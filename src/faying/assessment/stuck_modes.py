@@ -79,7 +79,7 @@ class StuckModes:
     factor: Factorization
 
 
-def stuck_modes(system: System, state: Solution, highest: float, least: int = 1) -> StuckModes:
+def stuck_modes(system: System, state: Solution, highest: float, at_least: int = 1) -> StuckModes:
     """Return the modes of small vibrations up to a frequency, and so many at least.
 
     Notes
@@ -91,7 +91,7 @@ def stuck_modes(system: System, state: Solution, highest: float, least: int = 1)
     rigid = system.rigid_motions
     factor = factorize_relieved(tangent, system.M, rigid)
     below = count_negative(tangent - (2 * np.pi * highest) ** 2 * system.M) - rigid.shape[1]
-    count = min(max(below, least), system.K.shape[0] - rigid.shape[1])
+    count = min(max(below, at_least), system.K.shape[0] - rigid.shape[1])
     squares, shapes = lowest_modes(tangent, system.M, factor, count)
     usable = np.isfinite(squares) & (squares > 0)
     return StuckModes(

@@ -93,11 +93,11 @@ def certify_increments(
     slip = slip_history(path, initial)[:-1]
     z_free = np.array([contact.free_slack(*row) for row in zip(free, slip, strict=True)])
     shear = path.shear_forces.reshape(-1, 2, n)
-    given = np.concatenate([np.atleast_2d(path.contact_forces)[:, None], shear], axis=1)
-    forces = np.array([solver.laws.admissible(one, None) for one in given])
+    forces_given = np.concatenate([np.atleast_2d(path.contact_forces)[:, None], shear], axis=1)
+    forces = np.array([solver.laws.admissible(force, None) for force in forces_given])
     slack = np.array([solver.steps.moved(x) + solver.laws.closure(x)[0] for x in forces]) + z_free
     tried = forces - solver.scale * slack
-    wrong = forces - np.array([solver.laws.admissible(one, None) for one in tried])
+    wrong = forces - np.array([solver.laws.admissible(force, None) for force in tried])
     largest = np.maximum(np.abs(forces).max(axis=(1, 2)), np.finfo(float).tiny)
     used = np.concatenate([np.arange(n), n + contact.rubbing, 2 * n + contact.rubbing])
     half = solver.G[used] @ solver.S
@@ -107,10 +107,10 @@ def certify_increments(
     stored = forces.reshape(len(forces), -1)[:, used]
     norm = np.sqrt(np.maximum(((stored @ H) * stored).sum(axis=1), 0.0))
     apart = np.sqrt(2 * energy)
-    known = norm > apart
+    resolved = norm > apart
     return IncrementCertificate(
         energy=energy,
-        energy_error=np.where(known, apart / np.where(known, norm - apart, 1.0), np.inf),
+        energy_error=np.where(resolved, apart / np.where(resolved, norm - apart, 1.0), np.inf),
         residual=np.abs(wrong).max(axis=(1, 2)) / largest,
     )
 

@@ -15,10 +15,10 @@ from faying.model.bolt import Bolt
 
 
 def verdicts(
-    wanted: Requirements,
+    requirements: Requirements,
     surfaces: Mapping[str, ContactSurface],
     bolts: Mapping[str, Bolt],
-    rest: CaseState,
+    preloaded: CaseState,
     cases: Mapping[str, CaseState],
     interfaces: Mapping[str, InterfaceAssessment],
     paths: Mapping[str, Openings],
@@ -33,22 +33,22 @@ def verdicts(
     reserves
         Load case to its slip reserve, of joints with friction.
     """
-    yield from _clamp_verdict(wanted.min_clamp_force, interfaces)
-    peaks = {name: (one.max_pressure_case, one.max_pressure) for name, one in interfaces.items()}
-    yield from pressure_verdict("max_pressure", wanted.max_pressure, peaks)
+    yield from _clamp_verdict(requirements.min_clamp_force, interfaces)
+    peaks = {name: (item.max_pressure_case, item.max_pressure) for name, item in interfaces.items()}
+    yield from pressure_verdict("max_pressure", requirements.max_pressure, peaks)
     means = {
-        name: (one.max_nodal_pressure_case, one.max_nodal_pressure)
-        for name, one in interfaces.items()
+        name: (item.max_nodal_pressure_case, item.max_nodal_pressure)
+        for name, item in interfaces.items()
     }
-    yield from pressure_verdict("max_nodal_pressure", wanted.max_nodal_pressure, means)
-    yield from _opening_verdict(wanted.no_opening_within, surfaces, bolts, rest, cases)
-    yield from opening_verdicts(wanted.min_opening_factor, paths)
+    yield from pressure_verdict("max_nodal_pressure", requirements.max_nodal_pressure, means)
+    yield from _opening_verdict(requirements.no_opening_within, surfaces, bolts, preloaded, cases)
+    yield from opening_verdicts(requirements.min_opening_factor, paths)
     if bolts or not reserves:
-        yield from _slip_verdict(wanted.min_slip_safety, interfaces)
+        yield from _slip_verdict(requirements.min_slip_safety, interfaces)
     else:
-        yield from _sliding_verdict("min_slip_safety", wanted.min_slip_safety, reserves)
-    yield from _sliding_verdict("min_sliding_factor", wanted.min_sliding_factor, reserves)
-    for ring in wanted.closed_ring:
+        yield from _sliding_verdict("min_slip_safety", requirements.min_slip_safety, reserves)
+    yield from _sliding_verdict("min_sliding_factor", requirements.min_sliding_factor, reserves)
+    for ring in requirements.closed_ring:
         yield _ring_verdict(ring, surfaces, cases)
 
 
@@ -56,10 +56,12 @@ def _clamp_verdict(
     limit: float | Mapping[str, float] | None, interfaces: Mapping[str, InterfaceAssessment]
 ) -> Iterator[Verdict]:
     """Judge the least clamp force by the lower end of its certified interval, where it has one."""
-    for name, least in wanted_clamps(limit, interfaces).items():
-        one = interfaces[name]
-        value = one.least_clamp if one.certified is None else float(one.certified[0])
-        yield Verdict.at_least("min_clamp_force", name, one.least_clamp_case, value, least)
+    for name, demanded in wanted_clamps(limit, interfaces).items():
+        interface = interfaces[name]
+        value = (
+            interface.least_clamp if interface.certified is None else float(interface.certified[0])
+        )
+        yield Verdict.at_least("min_clamp_force", name, interface.least_clamp_case, value, demanded)
 
 
 def wanted_clamps(
@@ -72,13 +74,13 @@ def wanted_clamps(
 
 
 def pressure_verdict(
-    requirement: str, limit: float | None, found: Mapping[str, tuple[str, float]]
+    requirement: str, limit: float | None, peaks: Mapping[str, tuple[str, float]]
 ) -> Iterator[Verdict]:
     """Judge the largest pressures of the interfaces, each with its case."""
     if limit is None:
         return
-    name = max(found, key=lambda one: found[one][1])
-    case, value = found[name]
+    name = max(peaks, key=lambda name_of: peaks[name_of][1])
+    case, value = peaks[name]
     yield Verdict(
         requirement=requirement,
         met=value <= limit,
@@ -93,16 +95,18 @@ def _opening_verdict(
     radius: float | None,
     surfaces: Mapping[str, ContactSurface],
     bolts: Mapping[str, Bolt],
-    rest: CaseState,
+    preloaded: CaseState,
     cases: Mapping[str, CaseState],
 ) -> Iterator[Verdict]:
     """Judge the smallest pressure near each bolt of points that the preload presses."""
     if radius is None:
         return
     for bolt_name, bolt in bolts.items():
-        near = pressed_near(surfaces, bolt, radius, rest.pressure[0])
+        masked = pressed_near(surfaces, bolt, radius, preloaded.pressure[0])
         lows = [
-            (case, float(one.pressure[:, near].min())) for case, one in cases.items() if near.any()
+            (case, float(state.pressure[:, masked].min()))
+            for case, state in cases.items()
+            if masked.any()
         ]
         yield no_opening(bolt_name, radius, lows)
 
@@ -115,7 +119,7 @@ def no_opening(bolt: str, radius: float, lows: Sequence[tuple[str, float]]) -> V
             "nothing can open there; give a larger radius for no_opening_within"
         )
         return Verdict.unknown("no_opening_within", radius, reason, bolt)
-    case, value = min(lows, key=lambda one: one[1])
+    case, value = min(lows, key=lambda item: item[1])
     return Verdict(
         requirement="no_opening_within",
         met=value > 0,
@@ -131,14 +135,16 @@ def opening_verdicts(limit: float | None, paths: Mapping[str, Openings]) -> Iter
     if limit is None:
         return
     factors = {
-        (area, case): factor for case, one in paths.items() for area, factor in one.opened.items()
+        (area, case): factor for case, path in paths.items() for area, factor in path.opened.items()
     }
-    short = [name for name, one in paths.items() if one.followed < limit and np.isinf(_least(one))]
+    short = [
+        name for name, path in paths.items() if path.followed < limit and np.isinf(_least(path))
+    ]
     if factors:
-        place, case = min(factors, key=factors.__getitem__)
-        value = factors[place, case]
+        area_name, case = min(factors, key=factors.__getitem__)
+        value = factors[area_name, case]
         if value < limit or not short:
-            yield Verdict.at_least("min_opening_factor", place, case, value, limit)
+            yield Verdict.at_least("min_opening_factor", area_name, case, value, limit)
             return
     reason = "no static load was followed to its opening"
     if short:
@@ -156,20 +162,20 @@ def _slip_verdict(
     """Judge S_G of interfaces with a coefficient, all that acts along them carried by friction."""
     if limit is None:
         return
-    found: dict[tuple[str, str], float] = {}
+    safeties: dict[tuple[str, str], float] = {}
     asked = {
-        name: one.slip
-        for name, one in interfaces.items()
-        if one.slip is not None and one.slip.coefficient is not None
+        name: interface.slip
+        for name, interface in interfaces.items()
+        if interface.slip is not None and interface.slip.coefficient is not None
     }
     for name, slip in asked.items():
         if slip.unknown:
             reason = f"what is carried along it is not known: {slip.unknown}"
             yield Verdict.unknown("min_slip_safety", limit, f"{reason}; {NO_SUMS}", name)
-        found |= {(name, case): safety for case, safety in slip.safety.items()}
-    if found:
-        place, case = min(found, key=found.__getitem__)
-        yield Verdict.at_least("min_slip_safety", place, case, found[place, case], limit)
+        safeties |= {(name, case): safety for case, safety in slip.safety.items()}
+    if safeties:
+        area_name, case = min(safeties, key=safeties.__getitem__)
+        yield Verdict.at_least("min_slip_safety", area_name, case, safeties[area_name, case], limit)
     elif not asked:
         yield Verdict.unknown("min_slip_safety", limit, NO_SLIP)
     elif all(not slip.unknown for slip in asked.values()):
@@ -183,9 +189,12 @@ def _sliding_verdict(
     if limit is None:
         return
     factors = {
-        name: np.inf if one.gross_slip is None else one.gross_slip for name, one in reserves.items()
+        name: np.inf if reserve.gross_slip is None else reserve.gross_slip
+        for name, reserve in reserves.items()
     }
-    short = [n for n, one in reserves.items() if np.isinf(factors[n]) and one.largest < limit]
+    short = [
+        n for n, reserve in reserves.items() if np.isinf(factors[n]) and reserve.largest < limit
+    ]
     case = min(factors, key=factors.__getitem__, default="")
     if case and (factors[case] < limit or not short):
         yield Verdict.at_least(requirement, reserves[case].slides, case, factors[case], limit)
@@ -218,12 +227,12 @@ def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> st
     return ring.interface or next(iter(surfaces))
 
 
-def ring_verdict(ring: ClosedRing, place: str, case: str, value: float) -> Verdict:
+def ring_verdict(ring: ClosedRing, ring_name: str, case: str, value: float) -> Verdict:
     """Judge the smallest pressure on a ring."""
     return Verdict(
         requirement="closed_ring",
         met=0 < value >= ring.pressure,
-        place=place,
+        place=ring_name,
         case=case,
         value=value,
         limit=ring.pressure,
@@ -231,10 +240,10 @@ def ring_verdict(ring: ClosedRing, place: str, case: str, value: float) -> Verdi
 
 
 def _ring_verdict(
-    wanted: ClosedRing, surfaces: Mapping[str, ContactSurface], cases: Mapping[str, CaseState]
+    ring_limit: ClosedRing, surfaces: Mapping[str, ContactSurface], cases: Mapping[str, CaseState]
 ) -> Verdict:
-    name = ring_surface(wanted, surfaces)
-    ring = ring_around(surfaces[name], wanted.around)
-    lows = {case: float(ring_pressure(ring, one.pressure).min()) for case, one in cases.items()}
-    least = min(lows, key=lows.__getitem__)
-    return ring_verdict(wanted, name, least, lows[least])
+    name = ring_surface(ring_limit, surfaces)
+    ring = ring_around(surfaces[name], ring_limit.around)
+    lows = {case: float(ring_pressure(ring, state.pressure).min()) for case, state in cases.items()}
+    lowest = min(lows, key=lows.__getitem__)
+    return ring_verdict(ring_limit, name, lowest, lows[lowest])

@@ -47,8 +47,8 @@ def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
     ]
     if not worst:
         return []
-    (share, bodies, case), *rest = sorted(worst, reverse=True)
-    also = "".join(f", those of {bodies} {share:.2g} in {case}" for share, bodies, case in rest)
+    (share, bodies, case), *others = sorted(worst, reverse=True)
+    also = "".join(f", those of {bodies} {share:.2g} in {case}" for share, bodies, case in others)
     return [
         f"{case}: the weak springs {bodies} carry {share:.2g} of the contact force{also}; neither "
         "contact nor friction holds these bodies together there, so that displacements, and what "

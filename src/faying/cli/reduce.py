@@ -47,7 +47,7 @@ def reduce(
             joint_modes=joint_modes,
             shapes=shapes,
             progress=bar,
-            told=typer.echo,
+            report=typer.echo,
         )
     typer.echo(model_sizes(rom))
     typer.echo(f"Wrote {target} ({target.stat().st_size / 1e6:.3g} MB)")

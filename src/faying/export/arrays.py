@@ -35,7 +35,7 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
     """
     refuse_expanding_bolts(rom)
     contact, bolts, n_mode = rom.contact, rom.bolts, len(rom.K)
-    rest, recovery = last_of(at_rest(rom)), rom.recovery
+    preloaded, recovery = last_of(at_rest(rom)), rom.recovery
     at_points = np.zeros((2, contact.n_points, 3)) if contact.tangents is None else contact.tangents
     return {
         "M": rom.M,
@@ -57,10 +57,10 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
         "bolt_stiffness": np.array([bolt.stiffness for bolt in bolts.values()], dtype=float),
         "N0": initial_bolt_forces(rom),
         "L": pattern_forces(rom.load_patterns, n_mode),
-        "q0": rest.states,
-        "lambda0": rest.contact_forces,
-        "shear0": _tangential(rom, rest.shear_forces),
-        "slip0": _tangential(rom, rest.shear_slip),
+        "q0": preloaded.states,
+        "lambda0": preloaded.contact_forces,
+        "shear0": _tangential(rom, preloaded.shear_forces),
+        "slip0": _tangential(rom, preloaded.shear_slip),
         "recovery_inertia": recovery.inertia,
         "recovery_damping": recovery.damping,
         "recovery_compliance": recovery.joint.port_compliance.whole,
@@ -111,15 +111,15 @@ def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:
 
 def numpy_variables(rom: ReducedModel) -> dict[str, Any]:
     """Return all variables as plain arrays, N as ``N_rows``, ``N_columns``, ``N_values``, T too."""
-    found = variables(rom)
+    arrays = variables(rom)
     for name, matrix in sparse_variables(rom).items():
         entries = matrix.tocoo()
-        found |= {
+        arrays |= {
             f"{name}_rows": np.asarray(entries.row, dtype=np.int64),
             f"{name}_columns": np.asarray(entries.col, dtype=np.int64),
             f"{name}_values": np.asarray(entries.data, dtype=np.float64),
         }
-    return found
+    return arrays
 
 
 def _at_rubbing(rom: ReducedModel, values: Vector, elsewhere: float) -> Vector:
@@ -132,8 +132,8 @@ def _at_rubbing(rom: ReducedModel, values: Vector, elsewhere: float) -> Vector:
 def _tangential_penalty(rom: ReducedModel) -> Vector:
     """Return c_t (n_point,); infinite where nothing gives that sticks, and without friction."""
     rigid = rom.contact.tangential_flexibility == 0
-    given = rom.contact.weights[rom.contact.rubbing] * rom.contact.tangential_flexibility
-    return _at_rubbing(rom, np.where(rigid, np.inf, 1.0 / np.where(rigid, 1.0, given)), np.inf)
+    relative = rom.contact.weights[rom.contact.rubbing] * rom.contact.tangential_flexibility
+    return _at_rubbing(rom, np.where(rigid, np.inf, 1.0 / np.where(rigid, 1.0, relative)), np.inf)
 
 
 def _tangential(rom: ReducedModel, components: Matrix | None) -> Matrix:
@@ -169,6 +169,8 @@ def _boundary_names(rom: ReducedModel) -> list[str]:
     """Name every boundary degree of freedom: boundary, node id and component."""
     return [
         f"{name}.{node}.{DISPLACEMENT_NAMES[component]}"
-        for name, one in rom.boundaries.items()
-        for node, component in zip(one.nodes.tolist(), one.components.tolist(), strict=True)
+        for name, boundary in rom.boundaries.items()
+        for node, component in zip(
+            boundary.nodes.tolist(), boundary.components.tolist(), strict=True
+        )
     ]

@@ -47,8 +47,8 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
 def _source() -> str:
     """Return the text of the module, one file that does not import faying."""
     whole, contact = (Path(__file__).with_name(name).read_text(encoding="utf-8") for name in PARTS)
-    head, _, rest = whole.partition("from faying.")
-    body = rest.split("\n", 1)[1]
+    head, _, tail = whole.partition("from faying.")
+    body = tail.split("\n", 1)[1]
     return head + contact[contact.index("Array = ") :] + body
 
 

@@ -80,9 +80,9 @@ class CoupledPoints:
             P[opened], P[:, opened] = 0.0, 0.0
         if len(closed):
             columns = P @ H[:, closed]
-            own = H[np.ix_(closed, closed)] - H[closed] @ columns
+            between = H[np.ix_(closed, closed)] - H[closed] @ columns
             columns[closed] -= np.eye(len(closed))
-            P += columns @ np.linalg.solve(own, columns.T)
+            P += columns @ np.linalg.solve(between, columns.T)
         self._held = active.copy()
         return P
 
@@ -126,12 +126,12 @@ class ReducedJoint:
         return [str(name) for name in self.data["load_names"]]
 
     def _law(self, flexibility: Array) -> CoupledPoints:
-        own = np.diag(flexibility)
-        penalty = np.maximum(1.0 / (self.data["cn"] * self.weights), NEARLY_RIGID * own)
+        diagonal = np.diag(flexibility)
+        penalty = np.maximum(1.0 / (self.data["cn"] * self.weights), NEARLY_RIGID * diagonal)
         if not penalty.all():
             message = "hard contact needs a model with the compliance its trial vectors lack"
             raise ValueError(message)
-        kind = CoupledPoints if own.any() else Springs
+        kind = CoupledPoints if diagonal.any() else Springs
         return kind(flexibility + np.diag(penalty))
 
     def contact_forces(self, q: Array) -> Array:
@@ -181,14 +181,14 @@ class ReducedJoint:
         """
         parts = [text.rsplit(".", 2) for text in self.data["boundary_names"]]
         names = [(boundary, node, FORCES[COMPONENTS.index(c)]) for boundary, node, c in parts]
-        known = sorted({f"{boundary}.{force}" for boundary, _, force in names})
+        choices = sorted({f"{boundary}.{force}" for boundary, _, force in names})
         chosen = [
-            place
-            for place, (boundary, node, force) in enumerate(names)
+            index
+            for index, (boundary, node, force) in enumerate(names)
             if name in (f"{boundary}.{force}", f"{boundary}.{node}.{force}")
         ]
         if not chosen:
-            takes = ", ".join([*known, *self.load_names])
+            takes = ", ".join([*choices, *self.load_names])
             message = f"the joint takes no load '{name}'; it takes {takes}"
             raise ValueError(message)
         return chosen

@@ -113,7 +113,7 @@ def add_body(
             "for_moving_supports(model, rom) returned"
         )
         raise ValueError(message)
-    at = np.asarray(frame, dtype=float)
+    placement = np.asarray(frame, dtype=float)
     start = frame if position is None else position
     rigid = mbs.AddNode(
         bodies.GetRigidBodyNode(
@@ -132,8 +132,8 @@ def add_body(
             stiffnessMatrixReduced=_container(data["K"]),
             dampingMatrixReduced=_container(data["C"]),
             modeBasis=np.ascontiguousarray(data["modes"].reshape(joint().n_mode, -1).T),
-            referencePositions=(data["nodes"] - at).ravel(),
-            **inertia(data["invariants"], at),
+            referencePositions=(data["nodes"] - placement).ravel(),
+            **inertia(data["invariants"], placement),
         )
     )
     if np.any(gravity):
@@ -163,13 +163,17 @@ def add_load(
     share = 1.0 / len(places)
     if added.body is None:
         coordinates = joint().data["boundary"][places].tolist()
-        return [_coordinate_load(mbs, added.node, place, load, share) for place in coordinates]
+        return [
+            _coordinate_load(mbs, added.node, coordinate, load, share) for coordinate in coordinates
+        ]
     axis = FORCES.index(name.rsplit(".", 1)[1])
     if axis > 2:
         message = f"'{name}' is a moment; on a body only forces can be added here"
         raise ValueError(message)
     direction = share * np.eye(3)[axis]
-    nodes = [int(joint().data["boundary_names"][place].split(".")[-2]) for place in places]
+    nodes = [
+        int(joint().data["boundary_names"][coordinate].split(".")[-2]) for coordinate in places
+    ]
     return [_force(mbs, boundary_marker(mbs, added, node), load, direction) for node in nodes]
 
 
@@ -184,8 +188,8 @@ def _deck_load(
         raise ValueError(message)
     shares = joint().data["L"][joint().load_names.index(name)]
     return [
-        _coordinate_load(mbs, added.node, place, load, float(shares[place]))
-        for place in np.flatnonzero(shares).tolist()
+        _coordinate_load(mbs, added.node, coordinate, load, float(shares[coordinate]))
+        for coordinate in np.flatnonzero(shares).tolist()
     ]
 
 
@@ -206,10 +210,14 @@ def add_sensors(mbs: Any, added: Added, **options: Any) -> Watched:
     options
         Of Exudyn's sensors; ``storeInternal=True`` unless given.
     """
-    kept = {"storeInternal": True, "writeToFile": False, **options}
+    settings = {"storeInternal": True, "writeToFile": False, **options}
     kinds = exu.OutputVariableType
     position, velocity, acceleration = (
-        int(mbs.AddSensor(eii.SensorNode(nodeNumber=added.node, outputVariableType=kind, **kept)))
+        int(
+            mbs.AddSensor(
+                eii.SensorNode(nodeNumber=added.node, outputVariableType=kind, **settings)
+            )
+        )
         for kind in (kinds.Coordinates, kinds.Coordinates_t, kinds.Coordinates_tt)
     )
 
@@ -217,7 +225,7 @@ def add_sensors(mbs: Any, added: Added, **options: Any) -> Watched:
         return joint().outputs(np.asarray(mbs.GetSensorValues(numbers[0], configuration)))
 
     sensor = eii.SensorUserFunction(
-        sensorNumbers=[position], factors=[1.0], sensorUserFunction=outputs, **kept
+        sensorNumbers=[position], factors=[1.0], sensorUserFunction=outputs, **settings
     )
     return Watched(position, velocity, acceleration, int(mbs.AddSensor(sensor)))
 
@@ -292,24 +300,24 @@ def _coordinates(mbs: Any) -> int:
 def _contact(mbs: Any, node: int, M: Array, C: Array, K: Array, *, jacobian: bool) -> int:
     """Mass, damping, stiffness, bolts and contact on one node."""
     # Several joints in one system each remember their own active set.
-    own = copy(joint())
-    own.contact = type(own.contact)(own.contact.flexibility)
+    joint_copy = copy(joint())
+    joint_copy.contact = type(joint_copy.contact)(joint_copy.contact.flexibility)
     item = eii.ObjectGenericODE2(
         nodeNumbers=[node],
         massMatrix=M,
         dampingMatrix=C,
         stiffnessMatrix=K,
         forceVector=joint().bolt_forces,
-        forceUserFunction=own.force,
-        jacobianUserFunction=own.jacobian if jacobian else 0,
+        forceUserFunction=joint_copy.force,
+        jacobianUserFunction=joint_copy.jacobian if jacobian else 0,
     )
     return int(mbs.AddObject(item))
 
 
 def _coordinate_load(
-    mbs: Any, node: int, place: int, load: float | Callable[[float], float], share: float
+    mbs: Any, node: int, coordinate: int, load: float | Callable[[float], float], share: float
 ) -> int:
-    marker = mbs.AddMarker(eii.MarkerNodeCoordinate(nodeNumber=node, coordinate=place))
+    marker = mbs.AddMarker(eii.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
     if not callable(load):
         return int(mbs.AddLoad(eii.LoadCoordinate(markerNumber=marker, load=share * load)))
 

@@ -187,7 +187,7 @@ def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
     rubbing = [name for name, law in rom.contact.laws.items() if law.friction > 0]
     if rubbing and not chosen.friction:
         whole, linear = (
-            ", ".join(name for name, one in FORMATS.items() if one.friction == what)
+            ", ".join(name for name, entry in FORMATS.items() if entry.friction == what)
             for what in (RUBS, STICKS)
         )
         message = (
@@ -244,6 +244,6 @@ def _written(
         raise StudyError(message) from None
 
 
-def _moved(file: Path, place: Path) -> Path:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    return moved(file, place)
+def _moved(file: Path, target: Path) -> Path:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    return moved(file, target)

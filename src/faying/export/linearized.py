@@ -214,12 +214,12 @@ def boundary_names(system: System, components: tuple[str, ...]) -> tuple[str, ..
     """Name every boundary degree of freedom."""
     names: list[str] = []
     for name, boundary in system.boundaries.items():
-        several = len(np.unique(boundary.nodes)) > 1
+        many_nodes = len(np.unique(boundary.nodes)) > 1
         for node, component in zip(
             boundary.nodes.tolist(), boundary.components.tolist(), strict=True
         ):
-            place = f"{name}.{node}" if several else name
-            names.append(f"{place}.{components[component]}")
+            label = f"{name}.{node}" if many_nodes else name
+            names.append(f"{label}.{components[component]}")
     return tuple(names)
 
 

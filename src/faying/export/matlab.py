@@ -39,15 +39,15 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     FormatError
         If a matrix is too large for the format.
     """
-    held = variables(rom)
-    for name, array in held.items():
+    members = variables(rom)
+    for name, array in members.items():
         if array.nbytes >= MOST_BYTES:
             message = (
                 f"the matrix {name} of shape {array.shape} exceeds the 2 GiB a .mat file can hold; "
                 "export to npz, or use a coarser interface"
             )
             raise FormatError(message)
-    content = {name: _as_matlab_has_it(array) for name, array in held.items()}
+    content = {name: _as_matlab_has_it(array) for name, array in members.items()}
     content |= {name: matrix.tocsc() for name, matrix in sparse_variables(rom).items()}
     scipy.io.savemat(path, content, format="5", do_compression=True, long_field_names=True)
     return (path, *(_copied(name, path.parent) for name in FUNCTIONS))

@@ -57,10 +57,10 @@ class Rows:
     @property
     def grids(self) -> dict[int, str]:
         """Grid id to its components, such as "123456"."""
-        found: dict[int, str] = {}
+        grids: dict[int, str] = {}
         for grid, component in self.dofs[self.dofs[:, 1] > 0].tolist():
-            found[grid] = found.get(grid, "") + str(component)
-        return found
+            grids[grid] = grids.get(grid, "") + str(component)
+        return grids
 
 
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
@@ -110,13 +110,15 @@ def superelement_rows(rom: ReducedModel) -> Rows:
         If there is no room for scalar points above the ids of the grids.
     """
     boundaries = rom.boundaries.values()
-    known = {
-        (int(node), int(component) + 1): int(place)
-        for one in boundaries
-        for node, component, place in zip(one.nodes, one.components, one.dofs, strict=True)
+    existing = {
+        (int(node), int(component) + 1): int(row)
+        for boundary in boundaries
+        for node, component, row in zip(
+            boundary.nodes, boundary.components, boundary.dofs, strict=True
+        )
     }
-    dofs = sorted(known)
-    outer = [known[dof] for dof in dofs]
+    dofs = sorted(existing)
+    outer = [existing[dof] for dof in dofs]
     inner = np.setdiff1d(np.arange(len(rom.K)), outer)
     first = max(FIRST_POINT, int(rom.mesh.node_ids.max(initial=0)) + 1)
     if first + len(inner) > LARGEST_ID:
@@ -142,7 +144,7 @@ def recovery_matrices(
     order = rows.order
     contact, ports = rom.contact, rom.joint.port_compliance
     bolts = list(rom.bolts.values())
-    found: dict[str, Matrix | Vector] = {
+    matrices: dict[str, Matrix | Vector] = {
         "QREF": linear.state[order],
         "LAMROW": linear.force_rows[:, order],
         "LAM0": linear.force_offsets,
@@ -161,14 +163,14 @@ def recovery_matrices(
         "BOLTK": np.array([bolt.stiffness for bolt in bolts], dtype=float),
         "BOLTN0": initial_bolt_forces(rom),
     }
-    return {name: matrix for name, matrix in found.items() if np.size(matrix)}
+    return {name: matrix for name, matrix in matrices.items() if np.size(matrix)}
 
 
 def _write_superelement(
     rom: ReducedModel, linear: LinearModel, rows: Rows, path: Path
 ) -> tuple[Path, ...]:
     title = f"{rom.name}, {rom.method}, faying {version('faying')}"
-    place = _places(rom, rows)
+    grid_rows = _places(rom, rows)
     assembly, punch = path.with_suffix(".asm"), path.with_suffix(".pch")
     nothing = np.zeros((1, 1))
     write_op4(
@@ -180,8 +182,8 @@ def _write_superelement(
             **{name + end: nothing for name in _OUTPUTS for end in ("", "O")},
         },
     )
-    assembly.write_text(assembly_cards(title, SUPERELEMENT, rows.grids, place, rows.points))
-    punch.write_text(punch_cards(title, SUPERELEMENT, rows.grids, place, rows.points))
+    assembly.write_text(assembly_cards(title, SUPERELEMENT, rows.grids, grid_rows, rows.points))
+    punch.write_text(punch_cards(title, SUPERELEMENT, rows.grids, grid_rows, rows.points))
     return path, assembly, punch
 
 
@@ -202,14 +204,14 @@ def _write_dmig(rom: ReducedModel, linear: LinearModel, rows: Rows, path: Path) 
 
 
 def _ordered(linear: LinearModel, rows: Rows, end: str) -> dict[str, Matrix]:
-    at = np.ix_(rows.order, rows.order)
+    block = np.ix_(rows.order, rows.order)
     matrices = {"K": linear.K, "M": linear.M, "B": linear.C}
-    return {name + end: (matrix[at] + matrix[at].T) / 2 for name, matrix in matrices.items()}
+    return {name + end: (matrix[block] + matrix[block].T) / 2 for name, matrix in matrices.items()}
 
 
 def _places(rom: ReducedModel, rows: Rows) -> dict[int, Sequence[float]]:
     """Grid id to coordinates."""
-    where = {int(node): place for place, node in enumerate(rom.mesh.node_ids.tolist())}
+    where = {int(node): row for row, node in enumerate(rom.mesh.node_ids.tolist())}
     return {grid: rom.mesh.nodes[where[grid]].tolist() for grid in rows.grids}
 
 
@@ -274,8 +276,8 @@ def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
         "",
         "Rows (grid or scalar point, component, generalized coordinate q counted from zero, kind):",
         *(
-            f"{row + 1:7} {point:9} {component:2} {place:7}  {kinds[place]}"
-            for row, ((point, component), place) in enumerate(
+            f"{row + 1:7} {point:9} {component:2} {grid:7}  {kinds[grid]}"
+            for row, ((point, component), grid) in enumerate(
                 zip(rows.dofs.tolist(), rows.order.tolist(), strict=True)
             )
         ),

@@ -21,7 +21,7 @@ def assembly_cards(
     points : (n,)
         Ids of the scalar points, consecutive.
     """
-    pairs: list[Value] = [grid for one in grids for grid in (one, one)]
+    pairs: list[Value] = [grid for repeated in grids for grid in (repeated, repeated)]
     # The pairs of equal ids begin on the second line.
     connected: list[Value] = [superelement, 0, None, "NO", None, None, None, None, *pairs]
     cards = [

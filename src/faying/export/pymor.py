@@ -65,14 +65,14 @@ def second_order_model(
     )
 
 
-def _places(kind: str, wanted: Sequence[str] | None, known: tuple[str, ...]) -> list[int]:
-    if wanted is None:
-        return list(range(len(known)))
-    for name in wanted:
-        if name not in known:
-            message = f"the joint has no {kind} '{name}'; {nearest(name, known)}"
+def _places(kind: str, chosen: Sequence[str] | None, names: tuple[str, ...]) -> list[int]:
+    if chosen is None:
+        return list(range(len(names)))
+    for name in chosen:
+        if name not in names:
+            message = f"the joint has no {kind} '{name}'; {nearest(name, names)}"
             raise StudyError(message)
-    return [known.index(name) for name in wanted]
+    return [names.index(name) for name in chosen]
 
 
 def _linear(source: Linearizable) -> LinearModel:

@@ -116,8 +116,8 @@ def stream_transient(
         raise ModelError(message)
     target = Path(path)
     scheme = ImplicitEuler() if integrator is None else integrator
-    kept = {name: FIELDS[name] for name in (*ALWAYS, *fields)}
-    kept |= {} if tolerance is None else DIVIDED
+    columns = {name: FIELDS[name] for name in (*ALWAYS, *fields)}
+    columns |= {} if tolerance is None else DIVIDED
     check_times(step, duration)
     solver: Steps
     if tolerance is None:
@@ -139,7 +139,7 @@ def stream_transient(
             restart = _resumed(file, system, began) if resume and len(file) else None
             if restart is None:
                 file.attrs.update({**began, "load": load.name, "complete": False})
-            pieces = transient_pieces(
+            segments = transient_pieces(
                 solver,
                 [load],
                 duration=duration,
@@ -147,8 +147,8 @@ def stream_transient(
                 restarts=None if restart is None else [restart],
                 progress=progress,
             )
-            for (piece,), (end,) in pieces:
-                _append(file, piece, kept)
+            for (segment,), (end,) in segments:
+                _append(file, segment, columns)
                 _mark(file, end)
             file.attrs["complete"] = True
     except OSError as error:
@@ -159,19 +159,19 @@ def stream_transient(
 
 
 def _append(
-    file: h5py.File, piece: Solution, kept: Mapping[str, Callable[[Solution], Matrix]]
+    file: h5py.File, segment: Solution, columns: Mapping[str, Callable[[Solution], Matrix]]
 ) -> None:
     """Add the rows of a piece to every dataset."""
-    rows: dict[str, Matrix] = {name: of(piece) for name, of in kept.items()}
-    system = piece.system
+    rows: dict[str, Matrix] = {name: of(segment) for name, of in columns.items()}
+    system = segment.system
     for name in system.boundaries:
-        rows[f"displacements/{member_name(name)}"] = piece.displacement(name)
+        rows[f"displacements/{member_name(name)}"] = segment.displacement(name)
     for name in system.contact.slices:
-        rows[f"contact_forces/{member_name(name)}"] = piece.contact_force(name)
+        rows[f"contact_forces/{member_name(name)}"] = segment.contact_force(name)
     for name in system.bolts:
-        rows[f"bolt_forces/{member_name(name)}"] = piece.bolt_force(name)
+        rows[f"bolt_forces/{member_name(name)}"] = segment.bolt_force(name)
     # A chunk more of each, for those that are begun are allocated whole.
-    reserve(file, sum(one.nbytes + CHUNK * one[:1].nbytes for one in rows.values()))
+    reserve(file, sum(table.nbytes + CHUNK * table[:1].nbytes for table in rows.values()))
     for name, values in rows.items():
         if name not in file:
             file.create_dataset(
@@ -193,16 +193,16 @@ def _mark(file: h5py.File, end: Restart) -> None:
     """
     places = file.require_group("restart")
     slot = 1 - int(places.attrs.get("slot", 1))
-    place = places.require_group(str(slot))
-    kept = kept_restart(end)
-    reserve(file, sum(values.nbytes for values in kept.values()))
-    for name, values in kept.items():
+    slot_group = places.require_group(str(slot))
+    restart = kept_restart(end)
+    reserve(file, sum(values.nbytes for values in restart.values()))
+    for name, values in restart.items():
         if values.ndim == 0:
-            place.attrs[name] = values[()]
+            slot_group.attrs[name] = values[()]
             continue
-        if name not in place:
-            place.create_dataset(name, data=values)
-        place[name][...] = values
+        if name not in slot_group:
+            slot_group.create_dataset(name, data=values)
+        slot_group[name][...] = values
     if end.ledger is not None:
         file.attrs["energy_gain"] = end.ledger.gain
     file.flush()
@@ -234,26 +234,28 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
         for name in list(file):
             del file[name]  # of a run that was stopped in its first piece
         return None
-    place = places[str(places.attrs["slot"])]
+    slot_group = places[str(places.attrs["slot"])]
     n_dof, n_force = system.K.shape[0], system.contact.components * system.contact.n_points
-    sizes = [data.size for data in place.values()]
-    known = place["u"].shape == (n_dof,) and place["contact"].shape == (n_force,)
-    if not known or max(sizes) > MOST_LEVELS * max(n_dof, n_force):
+    sizes = [data.size for data in slot_group.values()]
+    fitting = slot_group["u"].shape == (n_dof,) and slot_group["contact"].shape == (n_force,)
+    if not fitting or max(sizes) > MOST_LEVELS * max(n_dof, n_force):
         message = f"{file.filename} is of another model; start anew without resume"
         raise FormatError(message)
-    done = int(place.attrs["done"])
+    done = int(slot_group.attrs["done"])
     for data in _datasets(file):
         data.resize(done + 1, axis=0)  # rows of a piece that was cut short
     file.attrs["complete"] = False
-    return restart_from({name: data[()] for name, data in place.items()} | dict(place.attrs))
+    return restart_from(
+        {name: data[()] for name, data in slot_group.items()} | dict(slot_group.attrs)
+    )
 
 
 def _datasets(file: h5py.File) -> list[h5py.Dataset]:
-    found: list[h5py.Dataset] = []
+    datasets: list[h5py.Dataset] = []
 
     def visit(name: str, node: h5py.HLObject) -> None:
         if isinstance(node, h5py.Dataset) and not name.startswith("restart/"):
-            found.append(node)
+            datasets.append(node)
 
     file.visititems(visit)
-    return found
+    return datasets

@@ -60,8 +60,8 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
         If a file cannot be written.
     """
     path.mkdir(parents=True, exist_ok=True)
-    made = (_structure(rom, run, path), _bolts(run, path), _interfaces(rom, run, path))
-    return tuple(file for files in made for file in files)
+    written = (_structure(rom, run, path), _bolts(run, path), _interfaces(rom, run, path))
+    return tuple(file for files in written for file in files)
 
 
 def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
@@ -148,18 +148,18 @@ def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
 def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
     units = units_of(rom.units)
     stems = file_names(rom.interfaces)
-    rest = solve_at_ports(rom.joint).pressure
+    preloaded = solve_at_ports(rom.joint).pressure
     moving = [case for case in _cases(run, static=False) if case.times is not None]
     labels = file_names([case.name for case in moving])
     for name, record in rom.interfaces.items():
         stem = f"interface_{stems[name]}"
-        known = (
+        records = (
             record
             if isinstance(record, InterfaceRecord)
-            else interface_record(record, rest[slice(*record.slice)])
+            else interface_record(record, preloaded[slice(*record.slice)])
         )
         responses = partial(_responses, rom, run)
-        fields = static_fields(known, _cases(run, static=True), responses, units)
+        fields = static_fields(records, _cases(run, static=True), responses, units)
         yield _written(surface(record, fields, None), folder / f"{stem}.vtu")
         for case in moving:
             yield from _series(rom, run, record, case, folder / f"{stem}_{labels[case.name]}")
@@ -197,10 +197,10 @@ def _responses(
     """Yield the full model's response, then that of the model that is handed over."""
     yield "", case.reference
     sizes = {} if run is None else run.reduced.get(rom.method, {})
-    count = next((count for count, one in sizes.items() if one is rom), None)
-    own = case.methods.get(rom.method, {}).get(-1 if count is None else count)
-    if own is not None:
-        yield f" {rom.method}", own.response
+    count = next((count for count, model in sizes.items() if model is rom), None)
+    errors = case.methods.get(rom.method, {}).get(-1 if count is None else count)
+    if errors is not None:
+        yield f" {rom.method}", errors.response
 
 
 def _written(grid: Grid, path: Path) -> Path:

@@ -81,8 +81,8 @@ def write_pvd(entries: Sequence[tuple[float, Path]], path: Path) -> None:
     root = ET.Element("VTKFile", type="Collection", version="1.0", byte_order="LittleEndian")
     collection = ET.SubElement(root, "Collection")
     for time, file in entries:
-        place = Path(os.path.relpath(file, path.parent)).as_posix()
-        ET.SubElement(collection, "DataSet", timestep=repr(float(time)), part="0", file=place)
+        source = Path(os.path.relpath(file, path.parent)).as_posix()
+        ET.SubElement(collection, "DataSet", timestep=repr(float(time)), part="0", file=source)
     _write(root, path)
 
 
@@ -112,17 +112,17 @@ def _grid_document(grid: Grid) -> ET.Element:
             ET.SubElement(body, "FieldData"), "TimeValue", np.array([grid.time]), "f8"
         )
         instant.set("NumberOfTuples", "1")
-    piece = ET.SubElement(
+    element = ET.SubElement(
         body, "Piece", NumberOfPoints=str(len(grid.points)), NumberOfCells=str(len(lengths))
     )
-    _add_array(ET.SubElement(piece, "Points"), "Points", grid.points, "f8")
-    cells = ET.SubElement(piece, "Cells")
+    _add_array(ET.SubElement(element, "Points"), "Points", grid.points, "f8")
+    cells = ET.SubElement(element, "Cells")
     _add_array(cells, "connectivity", _joined([nodes.ravel() for _, nodes in blocks]), "i8")
     _add_array(cells, "offsets", np.cumsum(lengths), "i8")
     types = _joined([np.full(len(nodes), kind) for kind, nodes in blocks])
     _add_array(cells, "types", types, "u1")
     for name, data in (("PointData", grid.point_data), ("CellData", grid.cell_data)):
-        holder = ET.SubElement(piece, name)
+        holder = ET.SubElement(element, name)
         for label, values in data.items():
             _add_array(holder, label, values, _kind(values))
     return root

@@ -51,7 +51,7 @@ def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ..
     nodes = assembly.mesh.nodes
     facets, side = candidates(assembly, spec)
     extended = np.linalg.norm(facet_area_vectors(nodes, facets), axis=1) > 0
-    minus, plus = (facets.taken(extended & (side == one)) for one in (0, 1))
+    minus, plus = (facets.taken(extended & (side == number)) for number in (0, 1))
     segments = find_segments(nodes, minus, plus, 0.0, reach_of(assembly, spec, minus, plus))
     minus_of, plus_of = _partners(nodes, segments)
     minus, plus = segments.minus.taken(minus_of), segments.plus.taken(plus_of)
@@ -77,23 +77,23 @@ def _same_kinds(minus: Facets, plus: Facets) -> bool:
 def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
     """Return the pairs of facets that cover more of each other than rounding does."""
     code = segments.minus_of * len(segments.plus) + segments.plus_of
-    pairs, at = np.unique(code, return_inverse=True)
-    common = np.bincount(at.ravel(), segments.areas, len(pairs))
+    pairs, which = np.unique(code, return_inverse=True)
+    common = np.bincount(which.ravel(), segments.areas, len(pairs))
     minus_of, plus_of = np.divmod(pairs, len(segments.plus)) if len(pairs) else (pairs, pairs)
     sizes: list[Vector] = [
         np.linalg.norm(facet_area_vectors(nodes, facets), axis=1)[of]
         for facets, of in ((segments.minus, minus_of), (segments.plus, plus_of))
     ]
-    kept = common > _SHARE * np.minimum(*sizes)
-    return minus_of[kept], plus_of[kept]
+    covered = common > _SHARE * np.minimum(*sizes)
+    return minus_of[covered], plus_of[covered]
 
 
 def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices | None:
     """Find the plus node (n, k) above each minus node; None where one has none, or not its own."""
-    own, other = (np.einsum("nkd,nad->nka", x, frames[:, :2]) for x in (minus, plus))
-    apart = np.linalg.norm(own[:, :, None] - other[:, None], axis=3)
+    below, above = (np.einsum("nkd,nad->nka", x, frames[:, :2]) for x in (minus, plus))
+    apart = np.linalg.norm(below[:, :, None] - above[:, None], axis=3)
     nearest: Indices = apart.argmin(axis=2)
-    corners = own[:, : FACES[kind].n_corners]
+    corners = below[:, : FACES[kind].n_corners]
     edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     miss = np.take_along_axis(apart, nearest[..., None], axis=2)[..., 0]
     single = (np.sort(nearest, axis=1) == np.arange(minus.shape[1])).all()

@@ -40,8 +40,8 @@ def averaging_operator(
     if unseen.any():
         columns = np.flatnonzero(unseen)
         ones = np.ones(len(columns))
-        place = (np.arange(len(columns)), columns)
-        into = sp.csr_array((ones, place), shape=(len(columns), shape.shape[1]))
+        indices = (np.arange(len(columns)), columns)
+        into = sp.csr_array((ones, indices), shape=(len(columns), shape.shape[1]))
         values = values + shape @ corner_functions(facets, shape.shape[1])[:, columns] @ into
     share = values.power(2).multiply(weights[:, None]).T.tocsr()
     total = np.asarray(share.sum(axis=1)).ravel()
@@ -67,9 +67,9 @@ def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> Spar
         rows.append(pairs[:, node].ravel())
         columns.append(pairs[:, corner].ravel())
         values.append(np.tile(linear[node, corner], len(pairs)))
-    place = np.concatenate(rows) * n_pair + np.concatenate(columns)
+    positions = np.concatenate(rows) * n_pair + np.concatenate(columns)
     # Facets that share an edge give the same values there.
-    unique, first = np.unique(place, return_index=True)
+    unique, first = np.unique(positions, return_index=True)
     entries = np.concatenate(values)[first]
     return sp.csc_array((entries, np.divmod(unique, n_pair)), shape=(n_pair, n_pair))
 

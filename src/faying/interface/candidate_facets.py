@@ -30,9 +30,9 @@ def _all_bodies(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indice
     facets = exterior_facets(assembly.mesh)
     count = len(np.unique(facets.bodies))
     if count < 2:
-        found = "is one body" if count else "has no solid elements"
+        state = "is one body" if count else "has no solid elements"
         message = (
-            f"interface '{spec.name}': the mesh {found}, so no facets of different bodies can be "
+            f"interface '{spec.name}': the mesh {state}, so no facets of different bodies can be "
             "found; parts that touch must not share nodes, and a model given as matrices needs "
             "face sets named as 'minus' and 'plus'"
         )
@@ -44,8 +44,8 @@ def _one_side_and_the_rest(assembly: Assembly, spec: InterfaceSpec) -> tuple[Fac
     named = _selected(assembly, spec, "plus" if spec.minus == "auto" else "minus")
     exterior = exterior_facets(assembly.mesh)
     first, group, _ = unique_rows(named.joined(exterior).corner_keys)
-    rest = exterior.taken(first[group[len(named) :]] >= len(named))
-    return (rest, named) if spec.minus == "auto" else (named, rest)
+    unnamed = exterior.taken(first[group[len(named) :]] >= len(named))
+    return (unnamed, named) if spec.minus == "auto" else (named, unnamed)
 
 
 def _selected(assembly: Assembly, spec: InterfaceSpec, name: str) -> Facets:

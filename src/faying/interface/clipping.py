@@ -62,12 +62,12 @@ def _half_plane(
     cut = polygons + share[..., None] * (next_corner - polygons)
     # A corner is followed by the point where its edge leaves or enters.
     every = np.stack([polygons, cut], axis=2).reshape(n, 2 * width, 2)
-    kept = np.stack([inside, crossing], axis=2).reshape(n, 2 * width)
-    counts = kept.sum(axis=1)
-    most = max(int(counts.max(initial=0)), 3)
-    first = np.argsort(~kept, axis=1, kind="stable")[:, :most]
+    used_corners = np.stack([inside, crossing], axis=2).reshape(n, 2 * width)
+    counts = used_corners.sum(axis=1)
+    width_after = max(int(counts.max(initial=0)), 3)
+    first = np.argsort(~used_corners, axis=1, kind="stable")[:, :width_after]
     left_over = np.take_along_axis(every, first[..., None], axis=1)
-    left_over[np.arange(most) >= counts[:, None]] = 0.0
+    left_over[np.arange(width_after) >= counts[:, None]] = 0.0
     return left_over, counts
 
 
@@ -94,6 +94,6 @@ def fans(polygons: Matrix, counts: Indices) -> tuple[Matrix, Indices]:
         Polygon of each.
     """
     second = np.arange(1, polygons.shape[1] - 1)
-    owners, place = np.nonzero(second < counts[:, None] - 1)
-    corners = np.stack([np.zeros_like(place), place + 1, place + 2], axis=1)
+    owners, corner_number = np.nonzero(second < counts[:, None] - 1)
+    corners = np.stack([np.zeros_like(corner_number), corner_number + 1, corner_number + 2], axis=1)
     return polygons[owners[:, None], corners], owners

@@ -141,8 +141,8 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
     }
     gap = np.zeros(len(pairs))
     for part in parts:
-        own = owner[part.rows]
-        np.add.at(gap, columns[own], np.einsum("nab,nb->na", dual[own], part.gap))
+        owners = owner[part.rows]
+        np.add.at(gap, columns[owners], np.einsum("nab,nb->na", dual[owners], part.gap))
     return Coupling(
         segments=segments,
         pairs=pairs,
@@ -168,10 +168,10 @@ def whole_weights(nodes: Matrix, facets: Facets) -> Matrix:
 
 def _pairs(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
     """Corner nodes with their nearest partners (n_pair, 2), and the pair of every corner."""
-    own, columns = np.unique(segments.minus.corners, return_inverse=True)
+    corners, columns = np.unique(segments.minus.corners, return_inverse=True)
     others = np.unique(segments.plus.nodes[segments.plus.nodes >= 0])
-    nearest = others[cKDTree(nodes[others]).query(nodes[own])[1]]
-    return np.column_stack([own, nearest]), columns.reshape(-1, 4)
+    nearest = others[cKDTree(nodes[others]).query(nodes[corners])[1]]
+    return np.column_stack([corners, nearest]), columns.reshape(-1, 4)
 
 
 def _at_pairs(columns: Indices, values: Matrix, n_pair: int) -> Vector:
@@ -212,11 +212,11 @@ def _operator(
     }[side]
     entries, places = [], []
     for part in parts:
-        own = segments.minus_of[part.rows]
-        block = dual[own] @ getattr(part, side)
-        found = facets.nodes[of[part.rows], : block.shape[2]]
-        row = np.broadcast_to(columns[own][:, :, None], block.shape)
-        column = np.broadcast_to(found[:, None, :], block.shape)
+        minus_rows = segments.minus_of[part.rows]
+        block = dual[minus_rows] @ getattr(part, side)
+        facet_nodes = facets.nodes[of[part.rows], : block.shape[2]]
+        row = np.broadcast_to(columns[minus_rows][:, :, None], block.shape)
+        column = np.broadcast_to(facet_nodes[:, None, :], block.shape)
         entries.append(block.ravel())
         places.append(np.stack([row.ravel(), column.ravel()]))
     table = (np.concatenate(entries), tuple(np.concatenate(places, axis=1)))
@@ -235,14 +235,16 @@ def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
     sides = (segments.minus, segments.plus)
     flat = all(_is_flat(nodes, facets) for facets in sides)
     normals = [None if flat else corner_normals(nodes, facets) for facets in sides]
-    for (one, minus_rows), (other, plus_rows) in product(kinds[0].items(), kinds[1].items()):
+    for (minus_kind, minus_rows), (plus_kind, plus_rows) in product(
+        kinds[0].items(), kinds[1].items()
+    ):
         chosen = np.isin(segments.minus_of, minus_rows) & np.isin(segments.plus_of, plus_rows)
         rows = np.flatnonzero(chosen)
         if not len(rows):
             continue
-        rule = gauss_rule("tri3", _degree(nodes, segments, (one, other), rows))
+        rule = gauss_rule("tri3", _degree(nodes, segments, (minus_kind, plus_kind), rows))
         for part in np.array_split(rows, 1 + len(rows) * len(rule.weights) // _AT_ONCE):
-            yield _of_kinds(nodes, segments, (one, other), part, rule, normals)
+            yield _of_kinds(nodes, segments, (minus_kind, plus_kind), part, rule, normals)
 
 
 def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
@@ -263,7 +265,7 @@ def _of_kinds(
     rule: Rule,
     normals: list[Matrix | None],
 ) -> _Integrals:
-    own, other = segments.minus_of[rows], segments.plus_of[rows]
+    minus_facets, plus_facets = segments.minus_of[rows], segments.plus_of[rows]
     minus, plus = (
         on_side(side, kind, nodes, segments, rows, rule)
         for side, kind in zip(("minus", "plus"), kinds, strict=True)
@@ -272,8 +274,8 @@ def _of_kinds(
     size = size * np.linalg.norm(minus.area_vectors, axis=-1)
     gap = plus.heights - minus.heights
     if normals[0] is not None and normals[1] is not None:
-        gap -= _arc(minus, nodes, segments.minus, own, normals[0])
-        gap -= _arc(plus, nodes, segments.plus, other, normals[1])
+        gap -= _arc(minus, nodes, segments.minus, minus_facets, normals[0])
+        gap -= _arc(plus, nodes, segments.plus, plus_facets, normals[1])
     linear = minus.linear
     linear = np.pad(linear, ((0, 0), (0, 0), (0, 4 - linear.shape[2])))
     weighted = (size[..., None] * linear).transpose(0, 2, 1)
@@ -304,13 +306,15 @@ def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
     return True
 
 
-def _arc(side: FacetPoints, nodes: Matrix, facets: Facets, at: Indices, normals: Matrix) -> Matrix:
+def _arc(
+    side: FacetPoints, nodes: Matrix, facets: Facets, rows: Indices, normals: Matrix
+) -> Matrix:
     """Height of the smooth surface over linear facets (n, n_q); quadratic ones follow it."""
     if FACES[side.kind].linear != side.kind:
         return np.zeros(side.shape.shape[:2])
     n_corner = FACES[side.kind].n_corners
-    corners = nodes[facets.nodes[at, :n_corner]]
-    return standing_off(side.shape, corners, normals[at, :n_corner])
+    corners = nodes[facets.nodes[rows, :n_corner]]
+    return standing_off(side.shape, corners, normals[rows, :n_corner])
 
 
 def _is_flat(nodes: Matrix, facets: Facets) -> bool:

@@ -54,22 +54,22 @@ def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
     ndarray (n_facet, 4, 3)
         Unit normals; quadratic facets get their own normal, for they follow the surface.
     """
-    own = facet_normals(nodes, facets)
-    normals = np.repeat(own[:, None], 4, axis=1)
+    facet_normal = facet_normals(nodes, facets)
+    normals = np.repeat(facet_normal[:, None], 4, axis=1)
     linear = (facets.nodes[:, 4:] < 0).all(axis=1)
     if not linear.any():
         return normals
     used, local = np.unique(facets.corners[linear], return_inverse=True)
     local = local.reshape(-1, 4)
     mean = np.zeros((len(used), 3))
-    every = np.repeat(own[linear][:, None], 4, axis=1)
+    every = np.repeat(facet_normal[linear][:, None], 4, axis=1)
     every[facets.triangular[linear], 3] = 0.0  # the repeated corner
     np.add.at(mean, local, every)
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     fitted = _turned(nodes[used], mean, _neighbours(local, mean))
-    found = fitted[local]
-    smooth = np.linalg.norm(found - own[linear][:, None], axis=2) < SHARP
-    normals[linear] = np.where(smooth[..., None], found, normals[linear])
+    smooth_normals = fitted[local]
+    smooth = np.linalg.norm(smooth_normals - facet_normal[linear][:, None], axis=2) < SHARP
+    normals[linear] = np.where(smooth[..., None], smooth_normals, normals[linear])
     return normals
 
 
@@ -83,9 +83,9 @@ def _neighbours(corners: Indices, normals: Matrix) -> Indices:
     once = sp.csr_array((np.ones(seen.sum()), (once.row[seen], once.col[seen])), shape=(n, n))
     twice = (once @ once).tocsr()
     count = np.diff(twice.indptr)
-    place = np.arange(twice.nnz) - np.repeat(twice.indptr[:-1], count)
+    column = np.arange(twice.nnz) - np.repeat(twice.indptr[:-1], count)
     table = np.full((n, int(count.max())), -1, dtype=np.int64)
-    table[np.repeat(np.arange(n), count), place] = twice.indices
+    table[np.repeat(np.arange(n), count), column] = twice.indices
     return table
 
 

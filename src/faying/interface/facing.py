@@ -70,21 +70,21 @@ def facing_bodies(assembly: Assembly) -> list[Facing]:
     # finer side of that may be the other one.
     both = [*_within(assembly, facets, reach, touching)]
     both += _within(assembly, facets, touching, touching)
-    return list({frozenset((one.minus, one.plus)): one for one in both}.values())
+    return list({frozenset((spec.minus, spec.plus)): spec for spec in both}.values())
 
 
 def _within(assembly: Assembly, facets: Facets, distance: float, touching: float) -> list[Facing]:
     """Return the pairs of bodies with faces within a distance."""
-    nodes, found = assembly.mesh.nodes, []
+    nodes, specs = assembly.mesh.nodes, []
     for body in np.unique(facets.bodies)[:-1]:  # bodies, of which there are few
         minus = facets.taken(facets.bodies == body)
         plus = facets.taken(facets.bodies > body)
         segments = find_segments(nodes, minus, plus, distance)
         partner = _partners(segments)
-        for other in np.unique(partner):
-            pair = segments.touched(partner == other)
-            found.append(_described(assembly, pair, int(body), int(other), touching))
-    return found
+        for partner_body in np.unique(partner):
+            pair = segments.touched(partner == partner_body)
+            specs.append(_described(assembly, pair, int(body), int(partner_body), touching))
+    return specs
 
 
 def _partners(segments: Segments) -> Indices:
@@ -94,11 +94,11 @@ def _partners(segments: Segments) -> Indices:
 
 
 def _described(
-    assembly: Assembly, segments: Segments, body: int, other: int, touching: float
+    assembly: Assembly, segments: Segments, body: int, partner_body: int, touching: float
 ) -> Facing:
     nodes = assembly.mesh.nodes
     gaps = couple(nodes, segments).gap
-    least, most = float(gaps.min()), float(gaps.max())
+    smallest, largest = float(gaps.min()), float(gaps.max())
     sizes = [
         float(np.linalg.norm(facet_area_vectors(nodes, side), axis=1).mean())
         for side in (segments.minus, segments.plus)
@@ -108,14 +108,14 @@ def _described(
     )
     normal = normal / (float(np.linalg.norm(normal)) or 1.0)
     swapped = sizes[1] < sizes[0]
-    minus, plus = (other, body) if swapped else (body, other)
+    minus, plus = (partner_body, body) if swapped else (body, partner_body)
     x, y, z = (-normal if swapped else normal).tolist()
     return Facing(
         minus=minus,
         plus=plus,
         area=float(segments.areas.sum()),
-        gap=(least, most),
-        touching=least <= touching,
+        gap=(smallest, largest),
+        touching=smallest <= touching,
         matching=_matching(assembly, minus, plus),
         normal=(x, y, z),
         nodes=np.unique(

@@ -39,23 +39,23 @@ def with_friction(
         return normal
     if tangential_penalty == "auto":
         return Coulomb(normal, coefficient, _automatic(normal.stiffness, assembly))
-    wanted = "a positive number [force/length³] or 'auto'"
+    expected = "a positive number [force/length³] or 'auto'"
     return Coulomb(
-        normal, coefficient, _number(tangential_penalty, "the tangential penalty", wanted)
+        normal, coefficient, _number(tangential_penalty, "the tangential penalty", expected)
     )
 
 
-def _number(value: object, what: str, wanted: str) -> float:
+def _number(value: object, what: str, expected: str) -> float:
     """Return what was given for a number."""
     try:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        message = f"{what} is {value!r}; give {wanted}"
+        message = f"{what} is {value!r}; give {expected}"
         raise ModelError(message) from None
 
 
 def _automatic(penalty: float, assembly: Assembly) -> float:
-    ratios = [one.poissons_ratio for one in assembly.materials.values()]
+    ratios = [material.poissons_ratio for material in assembly.materials.values()]
     if not ratios:
         message = (
             "tangential_penalty = 'auto' needs materials, and the model has none; give the "

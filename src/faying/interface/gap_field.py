@@ -84,16 +84,16 @@ def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Ve
         raise ModelError(message)
     centre = interface.points.mean(axis=0)
     plane = np.linalg.svd(interface.points - centre, full_matrices=False)[2][:2].T
-    places, wanted = (samples - centre) @ plane, (interface.points - centre) @ plane
+    places, targets = (samples - centre) @ plane, (interface.points - centre) @ plane
     try:
-        inside = si.LinearNDInterpolator(places, values)(wanted)
+        inside = si.LinearNDInterpolator(places, values)(targets)
     except (QhullError, ValueError):
         message = (
             f"interface '{interface.name}': the {len(values)} positions of the gap field lie on "
             "one line along the interface; give samples spread over its area"
         )
         raise ModelError(message) from None
-    nearest = si.NearestNDInterpolator(places, values)(wanted)
+    nearest = si.NearestNDInterpolator(places, values)(targets)
     field: Vector = np.where(np.isnan(inside), nearest, inside)
     return field
 
@@ -135,13 +135,13 @@ def gap_from_nodes(
         twice = int(ids[np.argmax(np.diff(ids) == 0)])
         message = f"interface '{interface.name}': the gap field names node {twice} twice"
         raise ModelError(message)
-    given = np.isin(node_ids, ids)
+    listed = np.isin(node_ids, ids)
     at_nodes = np.zeros(len(node_ids))
-    at_nodes[given] = values[np.searchsorted(ids, node_ids[given])]
+    at_nodes[listed] = values[np.searchsorted(ids, node_ids[listed])]
     total, named = np.zeros(len(interface.pairs)), np.zeros(len(interface.pairs), dtype=bool)
     for side in _sides(interface, len(node_ids)):
         # A pair hears of a side only if all nodes it takes its value from are named.
-        complete = abs(side) @ ~given == 0
+        complete = abs(side) @ ~listed == 0
         total += np.where(complete, side @ at_nodes, 0.0)
         named |= complete
     missing = np.flatnonzero(~named)

@@ -266,8 +266,8 @@ def _stacked_shear(members: Sequence[Interface]) -> SparseMatrix | None:
     halves: list[list[SparseMatrix]] = [[], []]
     for member in members:
         half = member.shear.shape[0] // 2
-        for rows, place in zip(halves, (slice(0, half), slice(half, None)), strict=True):
-            rows.append(member.shear[place])
+        for rows, half_rows in zip(halves, (slice(0, half), slice(half, None)), strict=True):
+            rows.append(member.shear[half_rows])
     blocks = [sp.block_diag(rows) for rows in halves]
     return read_only(sp.vstack(blocks).tocsr()) if blocks[0].shape[0] else None
 

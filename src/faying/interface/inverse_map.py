@@ -59,19 +59,19 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
         return np.asarray(first)
     position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)
     # Components first: arrays of pairs are slow to work on.
-    wanted, place = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
+    targets, coordinates = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
     for _ in range(_LIMIT):
-        here, tangents = position(place)
+        reached, tangents = position(coordinates)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = _solved(tangents, wanted - here)
-        place = place + step
-        if not np.isfinite(place).all():
+            step = _solved(tangents, targets - reached)
+        coordinates = coordinates + step
+        if not np.isfinite(coordinates).all():
             break
         if np.abs(step).max(initial=0.0) < _CLOSE:
-            return np.moveaxis(place, 0, 2)
+            return np.moveaxis(coordinates, 0, 2)
     largest = 1e3 * _CLOSE
-    if np.isfinite(place).all() and np.abs(step).max() < largest:
-        return np.moveaxis(place, 0, 2)
+    if np.isfinite(coordinates).all() and np.abs(step).max() < largest:
+        return np.moveaxis(coordinates, 0, 2)
     row = int(np.nan_to_num(np.abs(step), nan=np.inf).max(axis=(0, 2)).argmax())
     message = (
         f"a {kind} facet of {np.ptp(nodes[row], axis=0).max():g} in size folds over itself where "
@@ -83,10 +83,10 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
 def _interpolated(kind: str, nodes: Matrix) -> _Position:
     """Positions (2, n, n_q) and tangents (2, 2, n, n_q) at reference coordinates (2, n, n_q)."""
 
-    def position(place: Matrix) -> tuple[Matrix, Matrix]:
-        flat = np.moveaxis(place, 0, 2).reshape(-1, 2)
-        shape = shape_functions(kind, flat).reshape(*place.shape[1:], -1)
-        gradients = shape_gradients(kind, flat).reshape(*place.shape[1:], -1, 2)
+    def position(coordinates: Matrix) -> tuple[Matrix, Matrix]:
+        flat = np.moveaxis(coordinates, 0, 2).reshape(-1, 2)
+        shape = shape_functions(kind, flat).reshape(*coordinates.shape[1:], -1)
+        gradients = shape_gradients(kind, flat).reshape(*coordinates.shape[1:], -1, 2)
         tangents = np.stack([gradients[..., i] @ nodes for i in range(2)])
         return np.moveaxis(shape @ nodes, 2, 0), np.moveaxis(tangents, 3, 0)
 
@@ -99,8 +99,8 @@ def _bilinear(nodes: Matrix) -> _Position:
     along, across = second - first, fourth - first
     twist = first - second + third - fourth
 
-    def position(place: Matrix) -> tuple[Matrix, Matrix]:
-        xi, eta = place
+    def position(coordinates: Matrix) -> tuple[Matrix, Matrix]:
+        xi, eta = coordinates
         right, up = along + twist * eta, across + twist * xi
         return first + right * xi + across * eta, np.stack([right, up], axis=1)
 

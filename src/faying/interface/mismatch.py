@@ -72,7 +72,7 @@ def raise_no_contact(
     ModelError
         Always.
     """
-    distance, near, far = _closest(assembly, facets, side)
+    distance, first_node, second_node = _closest(assembly, facets, side)
     ids = assembly.mesh.node_ids
     within = f"tolerance {tolerance:g}"
     if spec.search_distance is not None:
@@ -87,15 +87,15 @@ def raise_no_contact(
         advice = "move the parts together, check the sides, or give a larger tolerance"
     message = (
         f"interface '{spec.name}' is empty: {_sides(spec)} have no facet in common; the closest "
-        f"nodes, {ids[near]} and {ids[far]}, are {distance:g} apart ({within}); "
+        f"nodes, {ids[first_node]} and {ids[second_node]}, are {distance:g} apart ({within}); "
         f"{advice}"
     )
     raise ModelError(message)
 
 
-def _resting(nodes: Matrix, facets: Facets, side: Indices, wanted: Mask, tolerance: float) -> Mask:
+def _resting(nodes: Matrix, facets: Facets, side: Indices, chosen: Mask, tolerance: float) -> Mask:
     """Tell which of the wanted facets have their centre on a facet of another side."""
-    rows = np.flatnonzero(wanted)
+    rows = np.flatnonzero(chosen)
     resting = np.zeros(len(facets), dtype=bool)
     if not rows.size:
         return resting
@@ -106,9 +106,11 @@ def _resting(nodes: Matrix, facets: Facets, side: Indices, wanted: Mask, toleran
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     normals = vectors / np.where(length > 0, length, 1.0)
     arc = arc_heights(corners, facets, normals)
-    found = cKDTree(centres[rows]).query_ball_point(centres, 1.01 * radius + tolerance)
-    host = np.repeat(np.arange(len(facets)), np.fromiter(map(len, found), np.int64, len(found)))
-    guest = rows[np.concatenate([np.asarray(part, dtype=np.int64) for part in found])]
+    neighbours = cKDTree(centres[rows]).query_ball_point(centres, 1.01 * radius + tolerance)
+    host = np.repeat(
+        np.arange(len(facets)), np.fromiter(map(len, neighbours), np.int64, len(neighbours))
+    )
+    guest = rows[np.concatenate([np.asarray(part, dtype=np.int64) for part in neighbours])]
     keep = side[host] != side[guest]
     host, guest = host[keep], guest[keep]
     offset = centres[guest] - centres[host]
@@ -133,9 +135,9 @@ def _inside(points: Matrix, corners: Matrix, normals: Matrix) -> Mask:
 
 def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -> float:
     """Return the largest distance from nodes of the lowest side's orphans to other sides' nodes."""
-    own = side[rows[0]]
-    guests = _nodes(facets.taken(rows[side[rows] == own]))
-    hosts = _nodes(facets.taken(side != own))
+    labels = side[rows[0]]
+    guests = _nodes(facets.taken(rows[side[rows] == labels]))
+    hosts = _nodes(facets.taken(side != labels))
     return float(cKDTree(nodes[hosts]).query(nodes[guests])[0].max())
 
 
@@ -143,11 +145,17 @@ def _closest(assembly: Assembly, facets: Facets, side: Indices) -> tuple[float, 
     """Return the smallest distance between nodes of different sides and those nodes."""
     nodes = assembly.mesh.nodes
     best = (np.inf, -1, -1)
-    for own in np.unique(side)[:-1]:  # bodies, of which there are few
-        one, other = _nodes(facets.taken(side == own)), _nodes(facets.taken(side > own))
-        distance, nearest = cKDTree(nodes[other]).query(nodes[one])
-        at = int(distance.argmin())
-        best = min(best, (float(distance[at]), int(one[at]), int(other[nearest[at]])))
+    for body in np.unique(side)[:-1]:  # bodies, of which there are few
+        inside_nodes, outside_nodes = (
+            _nodes(facets.taken(side == body)),
+            _nodes(facets.taken(side > body)),
+        )
+        distance, nearest = cKDTree(nodes[outside_nodes]).query(nodes[inside_nodes])
+        index = int(distance.argmin())
+        best = min(
+            best,
+            (float(distance[index]), int(inside_nodes[index]), int(outside_nodes[nearest[index]])),
+        )
     return best
 
 

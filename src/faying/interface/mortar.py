@@ -56,23 +56,23 @@ def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Couplin
     extended = np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1) > 0
     facets, side = facets.taken(extended), side[extended]
     tolerance = touching_tolerance(assembly.mesh.nodes, facets, spec)
-    found = []
+    parts = []
     with naming(f"interface '{spec.name}'"):
-        for own in np.unique(side)[:-1]:  # bodies, of which there are few
-            others = np.flatnonzero(side > own)
-            minus, plus = facets.taken(side == own), facets.taken(others)
+        for body in np.unique(side)[:-1]:  # bodies, of which there are few
+            others = np.flatnonzero(side > body)
+            minus, plus = facets.taken(side == body), facets.taken(others)
             reach = reach_of(assembly, spec, minus, plus)
             segments = find_segments(assembly.mesh.nodes, minus, plus, tolerance, reach)
-            found += _by_body(segments, facets, side)
-    if not found:
+            parts += _by_body(segments, facets, side)
+    if not parts:
         raise_no_contact(assembly, spec, facets, side, tolerance)
-    for segments in found:
+    for segments in parts:
         _check_once(assembly, spec, segments)
-    names = [f"{spec.name}-{i + 1}" for i in range(len(found))] if len(found) > 1 else [spec.name]
+    names = [f"{spec.name}-{i + 1}" for i in range(len(parts))] if len(parts) > 1 else [spec.name]
     with naming(f"interface '{spec.name}'"):
         return {
             name: couple(assembly.mesh.nodes, segments)
-            for name, segments in zip(names, found, strict=True)
+            for name, segments in zip(names, parts, strict=True)
         }
 
 
@@ -84,7 +84,7 @@ def _by_body(segments: Segments, facets: Facets, side: Indices) -> list[Segments
     of_node = np.zeros(int(facets.nodes.max()) + 1, dtype=np.int64)
     of_node[facets.corners] = side[:, None]
     owner = of_node[segments.plus.nodes[segments.plus_of, 0]]
-    return [segments.touched(owner == one) for one in np.unique(owner)]
+    return [segments.touched(owner == body) for body in np.unique(owner)]
 
 
 def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> None:
@@ -153,9 +153,11 @@ def _faces(coupling: Coupling) -> tuple[FacePairs, ...]:
     entries = []
     for kind, rows in rows_by_kind(coupling.segments.minus.nodes).items():
         linear = FACES[kind].linear
-        own = coupling.columns[rows, : FACES[linear].n_nodes]
+        corners = coupling.columns[rows, : FACES[linear].n_nodes]
         entries.append(
-            FacePairs(kind=linear, minus=coupling.pairs[own, 0], plus=coupling.pairs[own, 1])
+            FacePairs(
+                kind=linear, minus=coupling.pairs[corners, 0], plus=coupling.pairs[corners, 1]
+            )
         )
     return tuple(entries)
 

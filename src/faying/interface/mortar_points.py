@@ -119,21 +119,21 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarP
         rows = np.flatnonzero(partly & np.isin(segments.minus_of, facets))
         if not len(rows):
             continue
-        own, n_q = segments.minus_of[rows], len(rule.weights)
+        minus_rows, n_q = segments.minus_of[rows], len(rule.weights)
         seen = on_side("minus", kind, nodes, segments, rows, rule)
         vectors = seen.area_vectors
         slope = np.linalg.norm(vectors, axis=-1)
         weights = 2 * segments.areas[rows][:, None] * rule.weights * slope
-        weights = _consistent(weights, seen.linear, own, coupling)
-        normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[own])
-        coordinates = nodes[segments.minus.nodes[own, : FACES[kind].n_nodes]]
+        weights = _consistent(weights, seen.linear, minus_rows, coupling)
+        normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[minus_rows])
+        coordinates = nodes[segments.minus.nodes[minus_rows, : FACES[kind].n_nodes]]
         parts.append(
             MortarPoints(
-                shape=_spread(seen.linear, own, coupling),
+                shape=_spread(seen.linear, minus_rows, coupling),
                 points=np.einsum("nqa,nad->nqd", seen.shape, coordinates).reshape(-1, 3),
                 weights=weights.ravel(),
                 normals=unit(normals.reshape(-1, 3)),
-                faces=np.repeat(own, n_q),
+                faces=np.repeat(minus_rows, n_q),
                 rule=f"segments-{degree}",
             )
         )
@@ -156,9 +156,9 @@ def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Couplin
     factors = np.einsum("nab,nb->na", inverse, missing[rows])[:, :n_corner]
     factor = 1.0 + np.einsum("nqa,na->nq", shape, factors)
     # A facet so distorted that this fails keeps its own weights, which are positive.
-    least = np.ones(len(masses))
-    np.minimum.at(least, rows, factor.min(axis=1))
-    corrected: Matrix = np.where(least[rows][:, None] > 0, weights * factor, weights)
+    smallest = np.ones(len(masses))
+    np.minimum.at(smallest, rows, factor.min(axis=1))
+    corrected: Matrix = np.where(smallest[rows][:, None] > 0, weights * factor, weights)
     return corrected
 
 
@@ -166,9 +166,9 @@ def _spread(values: Matrix, rows: Indices, coupling: Coupling) -> SparseMatrix:
     """Shape functions of the pairs (n n_q, n_pair) from those of facets' corners (n, n_q, k)."""
     n, n_q, n_corner = values.shape
     columns = np.repeat(coupling.columns[rows, None, :n_corner], n_q, axis=1)
-    place = np.repeat(np.arange(n * n_q), n_corner)
+    point_rows = np.repeat(np.arange(n * n_q), n_corner)
     shape = (n * n_q, len(coupling.pairs))
-    spread = sp.csr_array((values.ravel(), (place, columns.ravel())), shape=shape)
+    spread = sp.csr_array((values.ravel(), (point_rows, columns.ravel())), shape=shape)
     spread.data[np.abs(spread.data) < 1e-14] = 0.0
     spread.eliminate_zeros()
     return spread
@@ -186,16 +186,16 @@ def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> MortarPoi
     share[segments.whole] = 1.0
     weights = coupling.masses.sum(axis=2)
     weights[segments.whole] = whole_weights(nodes, segments.minus)[segments.whole]
-    own = np.arange(4)
+    corner_columns = np.arange(4)
     blocks = (1.0 - share)[:, None, None] * coupling.masses
-    blocks[:, own, own] += share[:, None] * weights
+    blocks[:, corner_columns, corner_columns] += share[:, None] * weights
     rows = np.repeat(coupling.columns[:, :, None], 4, axis=2).ravel()
     columns = np.repeat(coupling.columns[:, None, :], 4, axis=1).ravel()
     mean = sp.csr_array((blocks.ravel(), (rows, columns)), shape=(n_pair, n_pair))
     mean.eliminate_zeros()
     host = _hosts(coupling)
-    kept, place = np.unique(host, return_inverse=True)
-    join = sp.csr_array((np.ones(n_pair), (place, np.arange(n_pair))), shape=(len(kept), n_pair))
+    hosts, which = np.unique(host, return_inverse=True)
+    join = sp.csr_array((np.ones(n_pair), (which, np.arange(n_pair))), shape=(len(hosts), n_pair))
     joined = sp.csr_array(join @ mean)
     area = np.asarray(joined.sum(axis=1)).ravel()
     shape = sp.csr_array(sp.diags_array(1.0 / area) @ joined)
@@ -206,7 +206,7 @@ def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> MortarPoi
         points=shape @ nodes[coupling.pairs[:, 0]],
         weights=area,
         normals=unit(shape @ pair_normals),
-        faces=first[kept],
+        faces=first[hosts],
         rule="nodal",
     )
 

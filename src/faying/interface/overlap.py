@@ -34,11 +34,11 @@ def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
     first, group, _ = unique_rows(np.concatenate(tables))
     again = np.flatnonzero(owner[first][group] != owner)
     if again.size:
-        one, other = (
+        first, second = (
             names[number] for number in sorted((owner[first[group[again[0]]]], owner[again[0]]))
         )
         message = (
-            f"interfaces '{one}' and '{other}' pair the same {again.size} facets, whose contact "
+            f"interfaces '{first}' and '{second}' pair the same {again.size} facets, whose contact "
             "would count twice; remove one of them (a deck's contact definitions need no "
             "repetition in the study)"
         )

@@ -99,8 +99,8 @@ def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
     """Find whose exterior facets the two sides are; -1 where they are none's."""
     nodes = np.concatenate([padded(side) for f in faces for side in (f.minus, f.plus)])
     nobody = np.full(len(nodes), -1)
-    given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
-    both = exterior_facets(assembly.mesh).joined(given)
+    facets_given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
+    both = exterior_facets(assembly.mesh).joined(facets_given)
     first, group, _ = unique_rows(both.corner_keys)
     return both.taken(first[group[-len(nodes) :]])
 
@@ -113,8 +113,8 @@ def _heights(mesh: Mesh, facets: Facets) -> Vector:
     for block in mesh.blocks:
         order = np.argsort(block.ids)
         rows = np.flatnonzero(np.isin(facets.elements, block.ids))
-        place = order[np.searchsorted(block.ids, facets.elements[rows], sorter=order)]
-        corners = mesh.nodes[block.nodes[place, : SOLIDS[block.kind].n_corners]]
+        rows_in_block = order[np.searchsorted(block.ids, facets.elements[rows], sorter=order)]
+        corners = mesh.nodes[block.nodes[rows_in_block, : SOLIDS[block.kind].n_corners]]
         heights[rows] = _depth(corners, centres[rows], normals[rows])
     return heights
 

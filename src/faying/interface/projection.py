@@ -34,13 +34,13 @@ class Places:
     shape: Matrix
 
 
-def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) -> Places:
+def nearest_places(nodes: Matrix, points: Indices, facets: Facets, reach: float) -> Places:
     """Find the place of a surface nearest to each of some nodes.
 
     Parameters
     ----------
     nodes : (n_node, 3) [length]
-    own : (n,)
+    points : (n,)
         Indices of the nodes that are projected.
     facets
         The surface.
@@ -57,15 +57,17 @@ def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) ->
     Each facet near a node is tried along its normal, by its corners; on the nearest of them the
     place is found anew where it has mid-side nodes. Linear in the number of facets near each node.
     """
-    row, which = _near(nodes, own, facets, reach)
+    row, which = _near(nodes, points, facets, reach)
     frames = facet_frames(nodes, facets)[:, :2]
     distance = np.full(len(row), np.inf)
     for kind, members in rows_by_kind(facets.nodes).items():
-        here = np.flatnonzero(np.isin(which, members))
-        columns = facets.nodes[which[here], : FACES[kind].n_corners]
-        shape = _shape_at(FACES[kind].linear, nodes, columns, own[row[here]], frames[which[here]])
-        away = np.einsum("na,nad->nd", shape, nodes[columns]) - nodes[own[row[here]]]
-        distance[here] = np.linalg.norm(away, axis=1)
+        chosen = np.flatnonzero(np.isin(which, members))
+        columns = facets.nodes[which[chosen], : FACES[kind].n_corners]
+        shape = _shape_at(
+            FACES[kind].linear, nodes, columns, points[row[chosen]], frames[which[chosen]]
+        )
+        away = np.einsum("na,nad->nd", shape, nodes[columns]) - nodes[points[row[chosen]]]
+        distance[chosen] = np.linalg.norm(away, axis=1)
     order = np.lexsort((distance, row))
     _, first = np.unique(row[order], return_index=True)
     best = order[first]
@@ -73,26 +75,26 @@ def nearest_places(nodes: Matrix, own: Indices, facets: Facets, reach: float) ->
     columns = np.repeat(facets.nodes[which[best], :1], facets.nodes.shape[1], axis=1)
     shape = np.zeros(columns.shape)
     for kind, members in rows_by_kind(facets.nodes).items():
-        here = np.flatnonzero(np.isin(which[best], members))
-        n, at = FACES[kind].n_nodes, which[best[here]]
-        columns[here, :n] = facets.nodes[at, :n]
-        shape[here, :n] = _shape_at(
-            kind, nodes, columns[here, :n], own[row[best[here]]], frames[at]
+        chosen = np.flatnonzero(np.isin(which[best], members))
+        n, facet_rows = FACES[kind].n_nodes, which[best[chosen]]
+        columns[chosen, :n] = facets.nodes[facet_rows, :n]
+        shape[chosen, :n] = _shape_at(
+            kind, nodes, columns[chosen, :n], points[row[best[chosen]]], frames[facet_rows]
         )
     return Places(rows=row[best], facets=which[best], columns=columns, shape=shape)
 
 
-def _near(nodes: Matrix, own: Indices, facets: Facets, reach: float) -> tuple[Indices, Indices]:
+def _near(nodes: Matrix, points: Indices, facets: Facets, reach: float) -> tuple[Indices, Indices]:
     """Return the pairs of nodes (by row) and facets whose sphere is within reach."""
     centres, radii = facet_centres(nodes, facets), _radii(nodes, facets)
-    around = cKDTree(centres).query_ball_point(nodes[own], reach + radii.max(initial=0.0))
+    around = cKDTree(centres).query_ball_point(nodes[points], reach + radii.max(initial=0.0))
     counts = np.fromiter(map(len, around), np.int64, len(around))
     empty = np.empty(0, dtype=np.int64)
     which = np.concatenate([empty, *(np.asarray(part, dtype=np.int64) for part in around)])
-    row = np.repeat(np.arange(len(own)), counts)
-    away = np.linalg.norm(nodes[own[row]] - centres[which], axis=1)
-    kept = away <= reach + radii[which]
-    return row[kept], which[kept]
+    row = np.repeat(np.arange(len(points)), counts)
+    away = np.linalg.norm(nodes[points[row]] - centres[which], axis=1)
+    close = away <= reach + radii[which]
+    return row[close], which[close]
 
 
 def _radii(nodes: Matrix, facets: Facets) -> Vector:
@@ -109,12 +111,12 @@ def _shape_at(
         return np.zeros(columns.shape)
     flat = np.einsum("nkd,nad->nka", nodes[columns], frames)
     seen = np.einsum("nd,nad->na", nodes[points], frames)
-    place = reference_coordinates(kind, flat, seen[:, None])[:, 0]
+    coordinates = reference_coordinates(kind, flat, seen[:, None])[:, 0]
     if FACES[kind].n_corners == 4:
-        place = np.clip(place, 0.0, 1.0)
+        coordinates = np.clip(coordinates, 0.0, 1.0)
     else:
-        shares = np.maximum(np.column_stack([1.0 - place.sum(axis=1), place]), 0.0)
-        place = (shares / shares.sum(axis=1, keepdims=True))[:, 1:]
-    shape = shape_functions(kind, place)
+        shares = np.maximum(np.column_stack([1.0 - coordinates.sum(axis=1), coordinates]), 0.0)
+        coordinates = (shares / shares.sum(axis=1, keepdims=True))[:, 1:]
+    shape = shape_functions(kind, coordinates)
     # Shape functions at nodes are 0 and 1 but for rounding, which would fill equations.
     return np.where(np.abs(shape) < 1e-12, 0.0, shape)

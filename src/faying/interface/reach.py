@@ -57,11 +57,11 @@ def facet_depths(mesh: Mesh, facets: Facets) -> Vector:
     depths: Vector = edges.max(axis=1, initial=0.0)
     for block in mesh.blocks:
         order = np.argsort(block.ids)
-        place = np.searchsorted(block.ids, facets.elements, sorter=order)
-        row = order[np.minimum(place, len(order) - 1)]
-        own = np.flatnonzero(block.ids[row] == facets.elements)
-        away = centres[own][:, None] - mesh.nodes[block.nodes[row[own]]]
-        depths[own] = np.einsum("fnd,fd->fn", away, normals[own]).max(axis=1, initial=0.0)
+        position = np.searchsorted(block.ids, facets.elements, sorter=order)
+        row = order[np.minimum(position, len(order) - 1)]
+        members = np.flatnonzero(block.ids[row] == facets.elements)
+        away = centres[members][:, None] - mesh.nodes[block.nodes[row[members]]]
+        depths[members] = np.einsum("fnd,fd->fn", away, normals[members]).max(axis=1, initial=0.0)
     return depths
 
 
@@ -81,16 +81,16 @@ def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Ind
     """
     if not below.corners.size or not above.corners.size:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
-    found = [np.empty((0, 2), dtype=np.int64)]
-    for one, other in _along_rays(below, above, reach):
-        normals = below.normals[one]
-        near = np.einsum("nd,nd->n", normals, above.normals[other]) < FACING
-        one, other, normals = one[near], other[near], normals[near]
-        away = above.centres[other] - below.centres[one]
+    chunks = [np.empty((0, 2), dtype=np.int64)]
+    for first, second in _along_rays(below, above, reach):
+        normals = below.normals[first]
+        facing = np.einsum("nd,nd->n", normals, above.normals[second]) < FACING
+        first, second, normals = first[facing], second[facing], normals[facing]
+        away = above.centres[second] - below.centres[first]
         aside = away - np.einsum("nd,nd->n", away, normals)[:, None] * normals
-        near = np.linalg.norm(aside, axis=1) <= _radii(below)[one] + _radii(above)[other]
-        found.append(np.column_stack([one[near], other[near]]))
-    pairs = np.unique(np.concatenate(found), axis=0)
+        facing = np.linalg.norm(aside, axis=1) <= _radii(below)[first] + _radii(above)[second]
+        chunks.append(np.column_stack([first[facing], second[facing]]))
+    pairs = np.unique(np.concatenate(chunks), axis=0)
     return pairs[:, 0], pairs[:, 1]
 
 
@@ -116,14 +116,17 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
             raise ModelError(message)
         count = steps.astype(np.int64)
         for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // _AT_ONCE):
-            own, number = np.repeat(rows, count[rows]), _numbered(count[rows])
-            step = (last[own] - first[own]) / count[own]
-            places = centres[own] + (first[own] + (number + 0.5) * step)[:, None] * normals[own]
-            near = tree.query_ball_point(places, radii[own] + largest + step / 2)
-            sizes = np.fromiter(map(len, near), np.int64, len(near))
+            ray_rows, number = np.repeat(rows, count[rows]), _numbered(count[rows])
+            step = (last[ray_rows] - first[ray_rows]) / count[ray_rows]
+            places = (
+                centres[ray_rows]
+                + (first[ray_rows] + (number + 0.5) * step)[:, None] * normals[ray_rows]
+            )
+            neighbours = tree.query_ball_point(places, radii[ray_rows] + largest + step / 2)
+            sizes = np.fromiter(map(len, neighbours), np.int64, len(neighbours))
             if sizes.any():
-                others = np.concatenate([np.asarray(part, dtype=np.int64) for part in near])
-                yield np.repeat(own, sizes), members[others]
+                others = np.concatenate([np.asarray(part, dtype=np.int64) for part in neighbours])
+                yield np.repeat(ray_rows, sizes), members[others]
 
 
 def _numbered(counts: Indices) -> Indices:
@@ -179,12 +182,12 @@ def hidden(
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
     n_pair = int(members[group[farther]].sum())
     for part in np.array_split(farther, 1 + n_pair // _AT_ONCE):
-        beside = members[group[part]]
-        own = np.repeat(part, beside)
-        other = order[starts[group[own]] + _numbered(beside)]
-        nearer = distances[other] < distances[own] - layer[own]
-        own, other = own[nearer], other[nearer]
-        behind[own[_inside(middle[own], polygons[other], counts[other])]] = True
+        n_neighbours = members[group[part]]
+        polygon = np.repeat(part, n_neighbours)
+        neighbour = order[starts[group[polygon]] + _numbered(n_neighbours)]
+        nearer = distances[neighbour] < distances[polygon] - layer[polygon]
+        polygon, neighbour = polygon[nearer], neighbour[nearer]
+        behind[polygon[_inside(middle[polygon], polygons[neighbour], counts[neighbour])]] = True
     return behind
 
 

@@ -77,23 +77,23 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
     order = used[np.argsort(entries.col[used], kind="stable")]
     pairs, first = np.unique(entries.col[order], return_index=True)
     counts = np.diff(first, append=len(order))
-    rest, axes = normals[entries.row[order]], list[Matrix]()
+    remainder, axes = normals[entries.row[order]], list[Matrix]()
     for _ in range(3):
-        lengths = np.linalg.norm(rest, axis=1)
+        lengths = np.linalg.norm(remainder, axis=1)
         longest = np.maximum.reduceat(lengths, first) if len(first) else lengths
         # The first of equals, so that the axes do not depend on round-off.
-        near = np.flatnonzero(lengths >= np.repeat(longest, counts) * (1 - AXIS))
-        chosen = near[np.searchsorted(near, first)]
+        candidates_near = np.flatnonzero(lengths >= np.repeat(longest, counts) * (1 - AXIS))
+        chosen = candidates_near[np.searchsorted(candidates_near, first)]
         length = np.where(longest > AXIS, longest, np.inf)
-        axis = rest[chosen] / length[:, None]
+        axis = remainder[chosen] / length[:, None]
         # What round-off of a short rest leaves along the axes before is taken out once more.
-        for before in axes:
-            axis = axis - np.einsum("kd,kd->k", axis, before)[:, None] * before
+        for axis_before in axes:
+            axis = axis - np.einsum("kd,kd->k", axis, axis_before)[:, None] * axis_before
         norm = np.linalg.norm(axis, axis=1, keepdims=True)
         axis = axis / np.where(norm > 0, norm, 1.0)
         axes.append(axis)
         spread = np.repeat(axis, counts, axis=0)
-        rest = rest - np.einsum("kd,kd->k", rest, spread)[:, None] * spread
+        remainder = remainder - np.einsum("kd,kd->k", remainder, spread)[:, None] * spread
     every = np.stack(axes, axis=1)
     owners, which = np.nonzero(every.any(axis=2))
     rows = np.repeat(np.arange(len(owners)), 3)

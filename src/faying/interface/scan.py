@@ -77,12 +77,12 @@ def read_scan(path: Path | str) -> Scan:
     if np.count_nonzero(there) < 10:
         message = f"{path}: {np.count_nonzero(there)} samples have a value; a scan needs ten"
         raise FormatError(message)
-    kept = columns[there]
+    values = columns[there]
     return Scan(
-        places=kept[:, :2],
-        values=kept[:, 2],
+        places=values[:, :2],
+        values=values[:, 2],
         is_gap=kind == GAPS,
-        holes=int(len(there) - len(kept)),
+        holes=int(len(there) - len(values)),
     )
 
 
@@ -108,7 +108,9 @@ def _of_lines(path: Path) -> tuple[Matrix, str]:
         header = [name.strip().lower() for name in rows[0]] if rows else []
         kind = _kind(path, header)
         order = [header.index(name) for name in ("x", "y", kind)]
-        entries = [[row[at] if at < len(row) else "" for at in order] for row in rows[1:]]
+        entries = [
+            [row[column] if column < len(row) else "" for column in order] for row in rows[1:]
+        ]
         return np.array([[_number(entry) for entry in row] for row in entries]), kind
     entries = [line.split() for line in lines if line.strip() and not line.startswith("#")]
     numbered = [row[:3] for row in entries if len(row) >= 3 and np.isfinite(_number(row[0]))]

@@ -77,15 +77,18 @@ def on_side(
     ModelError
         If a facet folds over itself.
     """
-    own = segments.minus_of[rows]
-    facets, at = {
-        "minus": (segments.minus, own),
+    minus_rows = segments.minus_of[rows]
+    facets, rows_on_side = {
+        "minus": (segments.minus, minus_rows),
         "plus": (segments.plus, segments.plus_of[rows]),
     }[side]
     corners = shape_functions("tri3", rule.points)
     points = np.einsum("qi,nid->nqd", corners, segments.triangles[rows])
-    away = nodes[facets.nodes[at, : FACES[kind].n_nodes]] - segments.origins[own][:, None]
-    local = np.einsum("nkd,nad->nka", away, segments.frames[own])
+    away = (
+        nodes[facets.nodes[rows_on_side, : FACES[kind].n_nodes]]
+        - segments.origins[minus_rows][:, None]
+    )
+    local = np.einsum("nkd,nad->nka", away, segments.frames[minus_rows])
     places = reference_coordinates(kind, local[..., :2], points)
     return FacetPoints(kind=kind, places=places, local=local, shape=_at(kind, places))
 

@@ -81,9 +81,9 @@ class Segments:
     def partial(self) -> Matrix:
         """Corners in space (n, 3, 3) of the triangles on facets that are covered in part."""
         chosen = ~self.whole[self.minus_of]
-        own = self.minus_of[chosen]
-        flat = np.einsum("nia,nad->nid", self.triangles[chosen], self.frames[own, :2])
-        corners: Matrix = self.origins[own][:, None] + flat
+        minus_rows = self.minus_of[chosen]
+        flat = np.einsum("nia,nad->nid", self.triangles[chosen], self.frames[minus_rows, :2])
+        corners: Matrix = self.origins[minus_rows][:, None] + flat
         return corners
 
     def touched(self, chosen: Mask) -> "Segments":
@@ -137,50 +137,50 @@ def find_segments(
     frames = facet_frames(nodes, minus)
     below, above = divided(nodes, minus), divided(nodes, plus)
     if reach is None:
-        one, other = _near(below, above, tolerance)
+        lower_cell, upper_cell = _near(below, above, tolerance)
     else:
-        one, other = facing_cells(below, above, reach)
-    first, second = below.parents[one], above.parents[other]
-    own = _in_planes(below.corners, centres[below.parents], frames[below.parents])
-    size = areas(own, np.full(len(own), 4))
+        lower_cell, upper_cell = facing_cells(below, above, reach)
+    first, second = below.parents[lower_cell], above.parents[upper_cell]
+    flat_corners = _in_planes(below.corners, centres[below.parents], frames[below.parents])
+    size = areas(flat_corners, np.full(len(flat_corners), 4))
     full = np.bincount(below.parents, size, len(minus))
     # The plus side is seen from inside: turned round, it runs counter-clockwise as well.
     window = _turned_round(
-        _in_planes(above.corners[other], centres[first], frames[first]),
-        above.facets.triangular[other],
+        _in_planes(above.corners[upper_cell], centres[first], frames[first]),
+        above.facets.triangular[upper_cell],
     )
-    polygons, counts = clip(own[one], window)
+    polygons, counts = clip(flat_corners[lower_cell], window)
     common = areas(polygons, counts)
-    smaller = np.minimum(size[one], np.abs(areas(window, np.full(len(window), 4))))
-    kept = common > _SLIVER * smaller
+    smaller = np.minimum(size[lower_cell], np.abs(areas(window, np.full(len(window), 4))))
+    common_enough = common > _SLIVER * smaller
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
     points = centres[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
-    height = _height(points, frames[first, 2], below, one, above, other)
-    slack = below.arcs[one] + above.arcs[other] + 1e-9 * np.sqrt(size[one])
+    height = _height(points, frames[first, 2], below, lower_cell, above, upper_cell)
+    slack = below.arcs[lower_cell] + above.arcs[upper_cell] + 1e-9 * np.sqrt(size[lower_cell])
     if reach is None:
-        kept &= np.abs(height) <= tolerance + slack
+        common_enough &= np.abs(height) <= tolerance + slack
     else:
         deepest = np.minimum(reach.minus[first], reach.plus[second])
-        kept &= (height <= reach.gap + slack) & (height >= -deepest - slack)
-        rows = np.flatnonzero(kept)
+        common_enough &= (height <= reach.gap + slack) & (height >= -deepest - slack)
+        rows = np.flatnonzero(common_enough)
         facets = first[rows], second[rows]
         seen = polygons[rows], counts[rows], np.abs(height[rows])
-        lifted = _lifted(seen[0], centres[facets[0]], frames[facets[0]], above, other[rows])
-        kept[rows] = ~_hidden(nodes, (minus, plus), facets, seen, lifted)
-    covered = np.bincount(first[kept], common[kept], len(minus)) / full
-    kept &= covered[first] >= NEGLIGIBLE
-    triangles, owners = fans(polygons[kept], counts[kept])
-    found = Segments(
+        lifted = _lifted(seen[0], centres[facets[0]], frames[facets[0]], above, upper_cell[rows])
+        common_enough[rows] = ~_hidden(nodes, (minus, plus), facets, seen, lifted)
+    covered = np.bincount(first[common_enough], common[common_enough], len(minus)) / full
+    common_enough &= covered[first] >= NEGLIGIBLE
+    triangles, owners = fans(polygons[common_enough], counts[common_enough])
+    segments = Segments(
         minus=minus,
         plus=plus,
         origins=centres,
         frames=frames,
         triangles=triangles,
-        minus_of=first[kept][owners],
-        plus_of=second[kept][owners],
+        minus_of=first[common_enough][owners],
+        plus_of=second[common_enough][owners],
         covered=covered,
     )
-    return found.touched(found.areas > _SLIVER * full[found.minus_of])
+    return segments.touched(segments.areas > _SLIVER * full[segments.minus_of])
 
 
 def _hidden(
@@ -227,23 +227,28 @@ def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
 
 
 def _lifted(
-    polygons: Matrix, origins: Matrix, frames: Matrix, above: Cells, other: Indices
+    polygons: Matrix, origins: Matrix, frames: Matrix, above: Cells, upper_cells: Indices
 ) -> Matrix:
     """Move polygons (n, n_corner, 2) along the minus normals onto the planes of plus cells."""
     points = origins[:, None] + np.einsum("nca,nad->ncd", polygons, frames[:, :2])
-    upwards, normals = frames[:, 2], above.normals[other]
-    offset = np.einsum("ncd,nd->nc", above.centres[other][:, None] - points, normals)
+    upwards, normals = frames[:, 2], above.normals[upper_cells]
+    offset = np.einsum("ncd,nd->nc", above.centres[upper_cells][:, None] - points, normals)
     height = offset / np.einsum("nd,nd->n", upwards, normals)[:, None]
     lifted: Matrix = points + height[..., None] * upwards[:, None]
     return lifted
 
 
 def _height(
-    points: Matrix, upwards: Matrix, below: Cells, one: Indices, above: Cells, other: Indices
+    points: Matrix,
+    upwards: Matrix,
+    below: Cells,
+    lower_cells: Indices,
+    above: Cells,
+    upper_cells: Indices,
 ) -> Vector:
     """Distance (n,) between the planes of two cells at points (n, 3), along directions (n, 3)."""
     heights = []
-    for cells, rows in ((below, one), (above, other)):
+    for cells, rows in ((below, lower_cells), (above, upper_cells)):
         normals = cells.normals[rows]
         offset = np.einsum("nd,nd->n", cells.centres[rows] - points, normals)
         heights.append(offset / np.einsum("nd,nd->n", upwards, normals))
@@ -260,13 +265,15 @@ def _near(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indice
     (low, high), (from_, to) = boxes
     normals = below.normals, above.normals
     pairs = [np.empty((0, 2), dtype=np.int64)]
-    for one, other in _by_distance(*boxes):
-        near = np.einsum("nd,nd->n", normals[0][one], normals[1][other]) < FACING
-        near &= (low[one] <= to[other]).all(axis=1) & (from_[other] <= high[one]).all(axis=1)
-        pairs.append(np.column_stack([one[near], other[near]]))
-    found = np.concatenate(pairs)
-    found = found[np.lexsort(found.T[::-1])]
-    return found[:, 0], found[:, 1]
+    for lower_cells, upper_cells in _by_distance(*boxes):
+        close = np.einsum("nd,nd->n", normals[0][lower_cells], normals[1][upper_cells]) < FACING
+        close &= (low[lower_cells] <= to[upper_cells]).all(axis=1) & (
+            from_[upper_cells] <= high[lower_cells]
+        ).all(axis=1)
+        pairs.append(np.column_stack([lower_cells[close], upper_cells[close]]))
+    ordered = np.concatenate(pairs)
+    ordered = ordered[np.lexsort(ordered.T[::-1])]
+    return ordered[:, 0], ordered[:, 1]
 
 
 def _by_distance(
@@ -282,8 +289,8 @@ def _by_distance(
     for one_size in np.unique(size):
         members = np.flatnonzero(size == one_size)
         reach = radii[0] + radii[1][members].max()
-        found = cKDTree(centres[1][members]).query_ball_point(centres[0], reach)
-        counts = np.fromiter(map(len, found), np.int64, len(found))
+        neighbours = cKDTree(centres[1][members]).query_ball_point(centres[0], reach)
+        counts = np.fromiter(map(len, neighbours), np.int64, len(neighbours))
         if counts.any():
-            others = np.concatenate([np.asarray(part, dtype=np.int64) for part in found])
+            others = np.concatenate([np.asarray(part, dtype=np.int64) for part in neighbours])
             yield np.repeat(np.arange(len(counts)), counts), members[others]

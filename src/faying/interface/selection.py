@@ -79,8 +79,8 @@ def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
     exterior = exterior_facets(assembly.mesh)
     elements, properties = assembly.mesh.element_ids, assembly.mesh.element_properties
     meanings = [(properties, exterior.properties), (elements, exterior.elements)]
-    for known, owner in meanings:
-        if np.isin(numbers, known).all():
+    for meaning, owner in meanings:
+        if np.isin(numbers, meaning).all():
             return exterior.taken(np.isin(owner, numbers))
     missing = numbers[~np.isin(numbers, elements)]
     message = (
@@ -95,9 +95,9 @@ def _face_set(assembly: Assembly, name: str) -> Facets:
     """Take a face set as given and look up whose facets these are."""
     nodes = padded(assembly.face_sets[name].nodes)
     nobody = np.full(len(nodes), -1)
-    given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
+    facets = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
     exterior = exterior_facets(assembly.mesh)
-    first, group, _ = unique_rows(exterior.joined(given).corner_keys)
+    first, group, _ = unique_rows(exterior.joined(facets).corner_keys)
     owner = first[group[len(exterior) :]]
     # The first of a group is the exterior facet where there is one.
     owned = owner < len(exterior)
@@ -114,12 +114,12 @@ def _body_names(assembly: Assembly) -> list[str]:
 
 def _unknown(assembly: Assembly, name: str) -> str:
     mesh = assembly.mesh
-    known = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets, *_body_names(assembly)]
-    near = get_close_matches(name, known, n=5, cutoff=0.5)
-    if near:
-        hint = f"did you mean {' or '.join(repr(other) for other in near)}?"
-    elif known:
-        hint = f"known names are {', '.join(repr(other) for other in known[:_SHOWN])}"
+    names = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets, *_body_names(assembly)]
+    alike = get_close_matches(name, names, n=5, cutoff=0.5)
+    if alike:
+        hint = f"did you mean {' or '.join(repr(alternative) for alternative in alike)}?"
+    elif names:
+        hint = f"known names are {', '.join(repr(alternative) for alternative in names[:_SHOWN])}"
     else:
         hint = "the model has no named sets"
     return f"no face set, node set, element set or body is called {name!r}; {hint}"

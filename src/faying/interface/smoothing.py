@@ -59,7 +59,7 @@ def _at_gauss_points(
 ) -> tuple[SparseMatrix, Vector]:
     """Return shape functions (n, n_pair) and areas (n,) at the Gauss points of all facets."""
     shapes, areas = [], []
-    for found, (kind, pairs) in zip(interface.faces, faces, strict=True):
+    for face_pairs, (kind, pairs) in zip(interface.faces, faces, strict=True):
         rule = gauss_rule(kind)
         values = shape_functions(kind, rule.points)
         n_face, (n_q, n_node) = len(pairs), values.shape
@@ -68,5 +68,5 @@ def _at_gauss_points(
         entries = np.tile(values.ravel(), n_face)
         size = (n_face * n_q, len(interface.pairs))
         shapes.append(sp.csr_array((entries, (rows, columns)), shape=size))
-        areas.append(surface(kind, nodes[found.minus], rule).areas.ravel())
+        areas.append(surface(kind, nodes[face_pairs.minus], rule).areas.ravel())
     return sp.csr_array(sp.vstack(shapes)), np.concatenate(areas)

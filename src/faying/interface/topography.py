@@ -132,8 +132,8 @@ def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tupl
     over = np.all(np.abs(scan.places - centre) <= size, axis=1)
     places, values = scan.places[over], placement.scale * scan.values[over]
     form = np.linalg.lstsq(_powers(places, centre, size), values, rcond=None)[0]
-    rest = values - _powers(places, centre, size) @ form
-    filtered = _filtered(places, rest, points, cutoff)
+    residual = values - _powers(places, centre, size) @ form
+    filtered = _filtered(places, residual, points, cutoff)
     heights = _powers(points, centre, size) @ form + np.where(bare, 0.0, filtered)
     tilted = ""
     if placement.tilt == "remove":
@@ -149,7 +149,7 @@ def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tupl
     holes = f" ({scan.holes} without a value)" if scan.holes else ""
     note = (
         f"{len(scan.values)} samples{holes}, waves below {cutoff:.3g} filtered away: "
-        f"rms {np.sqrt(np.mean(rest**2)):.3g} about its form before, "
+        f"rms {np.sqrt(np.mean(residual**2)):.3g} about its form before, "
         f"{np.sqrt(np.mean(filtered[~bare] ** 2)):.3g} after{tilted}{filled}"
     )
     return heights, note

@@ -202,19 +202,19 @@ def _merged(raw: _Points, at_pair: Indices) -> _Points:
     key = np.where(at_pair >= 0, at_pair, alone)
     _, first, group = np.unique(key, return_index=True, return_inverse=True)
     order = np.argsort(first)
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
     ones = np.ones(len(key))
     join = sp.csr_array(
-        (ones, (place[group.ravel()], np.arange(len(key)))), shape=(len(order), len(key))
+        (ones, (rank[group.ravel()], np.arange(len(key)))), shape=(len(order), len(key))
     )
-    kept = first[order]
+    first_rows = first[order]
     return _Points(
-        shape=raw.shape[kept],
-        points=raw.points[kept],
+        shape=raw.shape[first_rows],
+        points=raw.points[first_rows],
         weights=join @ raw.weights,
         normals=unit(join @ (raw.weights[:, None] * raw.normals)),
-        faces=raw.faces[kept],
+        faces=raw.faces[first_rows],
     )
 
 

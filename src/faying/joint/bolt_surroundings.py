@@ -26,13 +26,13 @@ def surroundings(
     if not told_apart(bolts):
         return {}
     n_point = max((surface.slice[1] for surface in surfaces.values()), default=0)
-    found: dict[tuple[str, str], Mask] = {}
+    masks: dict[tuple[str, str], Mask] = {}
     for interface, surface in surfaces.items() if bolts else ():
         nearest = np.full(n_point, -1)
         nearest[slice(*surface.slice)] = nearest_bolts(surface.points, bolts)
         for number in np.unique(nearest[nearest >= 0]):
-            found[interface, list(bolts)[number]] = nearest == number
-    return found
+            masks[interface, list(bolts)[number]] = nearest == number
+    return masks
 
 
 def told_apart(bolts: Mapping[str, Bolt]) -> bool:
@@ -53,10 +53,10 @@ def axis_distances(points: Matrix, bolt: Bolt) -> Vector:
 
 
 def pressed_near(
-    surfaces: Mapping[str, ContactSurface], bolt: Bolt, radius: float, rest: Vector
+    surfaces: Mapping[str, ContactSurface], bolt: Bolt, radius: float, points_left: Vector
 ) -> Mask:
     """Return the points within a radius of a bolt that pressures (n_point,) at rest press."""
-    near = np.zeros(len(rest), dtype=bool)
+    pressed = np.zeros(len(points_left), dtype=bool)
     for surface in surfaces.values():
-        near[slice(*surface.slice)] = axis_distances(surface.points, bolt) <= radius
-    return near & (rest > 0)
+        pressed[slice(*surface.slice)] = axis_distances(surface.points, bolt) <= radius
+    return pressed & (points_left > 0)

@@ -175,8 +175,10 @@ def _with_coupled_boundaries(
         if spec.coupling is None:
             specs.append(spec)
             continue
-        assembly, own = add_coupled_boundary(assembly, spec, _boundary_nodes(assembly, spec))
-        specs.append(own)
+        assembly, reduced_spec = add_coupled_boundary(
+            assembly, spec, _boundary_nodes(assembly, spec)
+        )
+        specs.append(reduced_spec)
     return assembly, specs
 
 
@@ -216,8 +218,8 @@ def _found(
     if spec.meshes == "non-matching":
         for name, coupling in find_couplings(assembly, spec).items():
             law = _law(assembly, spec, partial(coupling_penalty, assembly, coupling))
-            own = replace(spec, name=name)
-            joint = build_mortar_interface(assembly, dofs, own, coupling, law)
+            named_spec = replace(spec, name=name)
+            joint = build_mortar_interface(assembly, dofs, named_spec, coupling, law)
             yield name, replace(joint, declared_area=area)
     else:
         for name, faces in find_interfaces(assembly, spec).items():
@@ -270,10 +272,10 @@ def _check_disjoint(
     owner: dict[int, str] = {}
     for spec, end in zip(specs, ends, strict=True):
         for row in end.tolist():
-            other = owner.setdefault(row, spec.name)
-            if other != spec.name:
+            first_name = owner.setdefault(row, spec.name)
+            if first_name != spec.name:
                 message = (
-                    f"boundaries '{other}' and '{spec.name}' share node "
+                    f"boundaries '{first_name}' and '{spec.name}' share node "
                     f"{assembly.mesh.node_ids[row // 6]} ({FORCE_NAMES[row % 6]}); "
                     "let each node belong to one boundary"
                 )
@@ -343,8 +345,8 @@ def _nodes_of(assembly: Assembly, spec: BoltSpec) -> list[int]:
 
 def _ends(assembly: Assembly, spec: BoltSpec) -> Matrix:
     """Return where what is tightened begins and ends (2, 3); of a spring the places of its ends."""
-    known = None if spec.axis is not None else bolt_ends(assembly, spec)
-    return assembly.mesh.nodes[_end_nodes(assembly, spec)] if known is None else known
+    ends = None if spec.axis is not None else bolt_ends(assembly, spec)
+    return assembly.mesh.nodes[_end_nodes(assembly, spec)] if ends is None else ends
 
 
 def _end_nodes(assembly: Assembly, spec: BoltSpec) -> Indices:

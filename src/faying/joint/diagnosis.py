@@ -54,11 +54,9 @@ def check_held(model: Model, remedy: str = REMEDY) -> None:
     Finds what :func:`faying.model.rigid_motion.free_motions` finds; a hinge inside a body shows
     when the stiffness is factorized.
     """
-    found = model_motions(model)
-    if found.motions.shape[1]:
-        raise ModelError(
-            _described(model.assembly, model.dofs, found.labels, found.motions, remedy)
-        )
+    free = model_motions(model)
+    if free.motions.shape[1]:
+        raise ModelError(_described(model.assembly, model.dofs, free.labels, free.motions, remedy))
 
 
 AS_A_WHOLE = (
@@ -94,21 +92,21 @@ def free_parts(model: Model) -> FreeParts:
     -----
     As :func:`check_held`, which refuses such a model.
     """
-    found = model_motions(model)
-    count = found.motions.shape[1] if found.searched else None
+    free = model_motions(model)
+    count = free.motions.shape[1] if free.searched else None
     whole = motions_as_a_whole(model).shape[1]
     if not count:
         return FreeParts(count=count, parts={}, whole=whole)
-    nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
+    nodal = np.moveaxis(model.dofs.nodal(free.motions.T), 0, -1)
     size = np.linalg.norm(nodal, axis=2)
     # Rotations of the nodes of a body that moves are part of its motion.
     moving = size.max(axis=1) > 0.01 * size.max()
     parts = {}
-    for label in np.unique(found.labels[moving & (found.labels >= 0)]).tolist():
-        members = np.flatnonzero(found.labels == label)
+    for label in np.unique(free.labels[moving & (free.labels >= 0)]).tolist():
+        members = np.flatnonzero(free.labels == label)
         ways = _ways(model.assembly.mesh.nodes[members], nodal[members])
         parts[_body(model.assembly, members)] = ways
-    loose = model.assembly.mesh.node_ids[moving & (found.labels < 0)].tolist()
+    loose = model.assembly.mesh.node_ids[moving & (free.labels < 0)].tolist()
     if loose:
         shown = ", ".join(map(str, loose[:MOST_NODES]))
         more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
@@ -124,13 +122,13 @@ def model_motions(model: Model) -> FreeMotions:
     Of a model without pairs that stick before its stiffness is formed.
     """
     K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
-    found = free_motions(model.assembly, model.dofs, K)
+    free = free_motions(model.assembly, model.dofs, K)
     whole = motions_as_a_whole(model)
     if not whole.shape[1]:
-        return found
-    within = found.motions - whole @ (whole.T @ found.motions)
+        return free
+    within = free.motions - whole @ (whole.T @ free.motions)
     left, size, _ = np.linalg.svd(within, full_matrices=False)
-    return replace(found, motions=left[:, size > 0.5])
+    return replace(free, motions=left[:, size > 0.5])
 
 
 def motions_as_a_whole(model: Model) -> Matrix:
@@ -153,8 +151,8 @@ def suspension(model: Model) -> str:
     Assembles the matrices where there are such springs.
     """
     assembly = model.assembly
-    springs = tuple(one for one in assembly.springs if len(one.ends) == 2)
-    bushes = tuple(one for one in assembly.bushes if len(one.nodes) == 2)
+    springs = tuple(element for element in assembly.springs if len(element.ends) == 2)
+    bushes = tuple(element for element in assembly.bushes if len(element.nodes) == 2)
     if len(springs) + len(bushes) == len(assembly.springs) + len(assembly.bushes):
         return ""
     loose = replace(assembly, springs=springs, bushes=bushes)
@@ -182,9 +180,9 @@ def unconstrained(
     motion : (n_dof,)
         What the factorization found: one motion of possibly many.
     """
-    found = free_motions(assembly, dofs, K)
-    motions = found.motions if found.motions.shape[1] else motion[:, None]
-    return _described(assembly, dofs, found.labels, motions, remedy)
+    free = free_motions(assembly, dofs, K)
+    motions = free.motions if free.motions.shape[1] else motion[:, None]
+    return _described(assembly, dofs, free.labels, motions, remedy)
 
 
 def _described(
@@ -211,7 +209,9 @@ def _described(
     members = np.flatnonzero(labels == labels[node])
     how = _ways(mesh.nodes[members], nodal[members])
     others = np.setdiff1d(labels[moved > 0.01 * moved.max()], [-1, labels[node]]).tolist()
-    along = "".join(f", and with it {_body(assembly, labels == other)}" for other in others[:2])
+    along = "".join(
+        f", and with it {_body(assembly, labels == companion)}" for companion in others[:2]
+    )
     more = f" and {len(others) - 2} other bodies" if len(others) > 2 else ""
     return f"unconstrained body: {_body(assembly, members)} {how}{along}{more}; {remedy}"
 
@@ -232,10 +232,10 @@ def _ways(points: Matrix, moved: Matrix) -> str:
     count = ways.shape[1]
     if count == 6:
         return "is held by nothing"
-    one = _simplest(ways)
-    shifts = np.linalg.norm(one[3:]) < _ROUNDING
-    turning = "" if shifts else f"can turn freely {_axis(one, centre, radius)}"
-    text = turning or f"can move freely along {_direction(one[:3])}"
+    simplest = _simplest(ways)
+    shifts = np.linalg.norm(simplest[3:]) < _ROUNDING
+    turning = "" if shifts else f"can turn freely {_axis(simplest, centre, radius)}"
+    text = turning or f"can move freely along {_direction(simplest[:3])}"
     return text if count == 1 else f"{text} (one of {count} free motions)"
 
 
@@ -243,8 +243,8 @@ def _simplest(ways: Matrix) -> Vector:
     """Return a translation among the twists (6, n) if there is one."""
     _, size, right = np.linalg.svd(ways[3:])
     size = np.append(size, np.zeros(ways.shape[1]))[: ways.shape[1]]
-    least: Vector = ways @ right[-1] if size[-1] < _ROUNDING else ways[:, 0]
-    return least
+    quietest: Vector = ways @ right[-1] if size[-1] < _ROUNDING else ways[:, 0]
+    return quietest
 
 
 def _axis(twist: Vector, centre: Vector, radius: float) -> str:
@@ -252,8 +252,8 @@ def _axis(twist: Vector, centre: Vector, radius: float) -> str:
     rotation = twist[3:] / radius
     point = centre + np.cross(rotation, twist[:3]) / (rotation @ rotation)
     point = np.where(np.abs(point) < _ROUNDING * radius, 0.0, point)
-    place = ", ".join(f"{value + 0.0:.4g}" for value in point)
-    return f"about the axis {_direction(rotation)} through ({place})"
+    coordinates = ", ".join(f"{value + 0.0:.4g}" for value in point)
+    return f"about the axis {_direction(rotation)} through ({coordinates})"
 
 
 def _body(assembly: Assembly, chosen: Indices | Mask) -> str:

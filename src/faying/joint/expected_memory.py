@@ -107,9 +107,9 @@ def dissected(places: Matrix, spacing: float) -> float:
             pairs += len(points) ** 2 / 2 + len(points) * front
             continue
         pairs += n_separating**2 / 2 + n_separating * front
-        near = touched | (np.abs(behind - spacing / 2) < 1.5 * spacing)
+        separator = touched | (np.abs(behind - spacing / 2) < 1.5 * spacing)
         sides = (behind < 0, behind >= spacing)
-        parts.extend((points[side], near[side]) for side in sides if side.any())
+        parts.extend((points[side], separator[side]) for side in sides if side.any())
     return pairs
 
 
@@ -118,8 +118,8 @@ def _volume(assembly: Assembly) -> float:
     total = 0.0
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
-        some = block.nodes[:: 1 + len(block.ids) // _SAMPLE]
-        factors = volume_factors(stiffness_gradients(element), assembly.mesh.nodes[some])
+        sample = block.nodes[:: 1 + len(block.ids) // _SAMPLE]
+        factors = volume_factors(stiffness_gradients(element), assembly.mesh.nodes[sample])
         weights = element.stiffness_quadrature().weights
         total += float((weights @ factors).mean()) * len(block.ids)
     return total

@@ -63,8 +63,8 @@ def free_matrices(assembly: Assembly, dofs: DofMap, damping: Rayleigh) -> FreeMa
     return FreeMatrices(form=partial(_assembled, assembly, dofs), damping=damping)
 
 
-def _stiffened(own: FreeMatrices, added: SparseMatrix) -> _Formed:
-    return own.M, read_only((own.K + added).tocsr()), own.dampers
+def _stiffened(matrices: FreeMatrices, added: SparseMatrix) -> _Formed:
+    return matrices.M, read_only((matrices.K + added).tocsr()), matrices.dampers
 
 
 def _assembled(assembly: Assembly, dofs: DofMap) -> _Formed:

@@ -228,8 +228,8 @@ def _bolted(
 def _interfaces(geometry: LapGeometry, template: InterfaceSpec) -> tuple[InterfaceSpec, ...]:
     """Name the interfaces between neighbouring plates; the minus side is the lower one."""
     names = PLATE_NAMES[geometry.plates]
-    found = [
+    interfaces = [
         replace(template, name=f"joint-{i + 1}", minus=below, plus=above)
         for i, (below, above) in enumerate(pairwise(names))
     ]
-    return tuple(found) if len(found) > 1 else (replace(found[0], name="joint"),)
+    return tuple(interfaces) if len(interfaces) > 1 else (replace(interfaces[0], name="joint"),)

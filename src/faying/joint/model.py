@@ -200,9 +200,11 @@ class Model(Shown):
         -----
         Friction stays, with the tangential penalty it has.
         """
-        given = closure if isinstance(closure, Mapping) else dict.fromkeys(self.interfaces, closure)
+        closures = (
+            closure if isinstance(closure, Mapping) else dict.fromkeys(self.interfaces, closure)
+        )
         return self.with_interfaces(
-            {name: self._interface(name).with_closure(curve) for name, curve in given.items()}
+            {name: self._interface(name).with_closure(curve) for name, curve in closures.items()}
         )
 
     def with_friction(
@@ -235,24 +237,24 @@ class Model(Shown):
         used; copies of a model with friction that change its coefficients share what it has. With
         μ = 0 the model is frictionless and costs no more.
         """
-        given = (
+        coefficients = (
             friction if isinstance(friction, Mapping) else dict.fromkeys(self.interfaces, friction)
         )
         stiffness = (
             tangential_penalty
             if isinstance(tangential_penalty, Mapping)
-            else dict.fromkeys(given, tangential_penalty)
+            else dict.fromkeys(coefficients, tangential_penalty)
         )
         for name in stiffness:
             self._interface(name)
-            if name not in given:
+            if name not in coefficients:
                 message = (
                     f"interface '{name}' has a tangential penalty and no coefficient of friction; "
                     "give both or none"
                 )
                 raise ModelError(message)
         changed = {}
-        for name, coefficient in given.items():
+        for name, coefficient in coefficients.items():
             interface = self._interface(name)
             law = self._rubbing(interface, coefficient, stiffness.get(name, "auto"))
             changed[name] = interface.with_law(law)
@@ -280,7 +282,8 @@ class Model(Shown):
             self._interface(name)
         changed, structure = {**self.interfaces, **interfaces}, self.structure
         rubbing = [
-            [one.law.components for one in each.values()] for each in (self.interfaces, changed)
+            [interface.law.components for interface in interfaces_of.values()]
+            for interfaces_of in (self.interfaces, changed)
         ]
         if rubbing[0] == rubbing[1]:
             return replace(self, interfaces=changed)
@@ -315,14 +318,14 @@ class Model(Shown):
         ModelError
             If the deck has no such load, or as :meth:`with_load_patterns`.
         """
-        known = self.assembly.loads
+        deck = self.assembly.loads
         for name in names:
-            if name not in known:
+            if name not in deck:
                 message = (
-                    f"the deck has no load '{name}'; its loads are {', '.join(known) or 'none'}"
+                    f"the deck has no load '{name}'; its loads are {', '.join(deck) or 'none'}"
                 )
                 raise ModelError(message)
-        return self.with_load_patterns({name: known[name] for name in names})
+        return self.with_load_patterns({name: deck[name] for name in names})
 
     def with_load_patterns(self, loads: Mapping[str, NodalLoads]) -> "Model":
         """Return a copy that takes distributed loads, each by one amplitude; see :class:`Load`.
@@ -338,10 +341,10 @@ class Model(Shown):
         """
         for name in loads:
             check_pattern_name(name, self.boundaries)
-        made = {
+        patterns = {
             name: load_pattern(name, load, self.assembly, self.dofs) for name, load in loads.items()
         }
-        return replace(self, load_patterns={**self.load_patterns, **made})
+        return replace(self, load_patterns={**self.load_patterns, **patterns})
 
     def with_stiffness(
         self, added: SparseMatrix, stuck: Mapping[str, Mask], stiffness: float = 0.0

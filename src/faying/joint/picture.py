@@ -242,8 +242,8 @@ def plot_model(
         edges = outline_of([(faces.kind, faces.minus) for faces in interface.faces], mesh.nodes)
         add_lines(axes, edges, color=INTERFACE_COLOUR, lw=1.4, zorder=4)
         if len(edges):
-            place = _rightmost(edges.reshape(-1, 3))
-            axes.text(*place, plain(f" {name}"), va="center", zorder=7, bbox=LABEL_BOX)
+            anchor = _rightmost(edges.reshape(-1, 3))
+            axes.text(*anchor, plain(f" {name}"), va="center", zorder=7, bbox=LABEL_BOX)
     for name, boundary in model.boundaries.items():
         points = mesh.nodes[mesh.node_index(np.unique(boundary.nodes))]
         axes.plot(*points.T, "D", color=BOUNDARY_COLOUR, ms=5, zorder=9)
@@ -260,8 +260,8 @@ def plot_model(
 def _rightmost(points: Matrix) -> Vector:
     """Return the point that is drawn farthest to the right."""
     azimuth = np.radians(VIEW["azim"])
-    place: Vector = points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())]
-    return place
+    anchor: Vector = points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())]
+    return anchor
 
 
 def _add_legend(model: Pictured, axes: Any) -> None:

@@ -277,11 +277,11 @@ class Structure:
         """
         ports, shapes = self.port_compliance, self.solve(patterns.T)
         columns = np.vstack([shapes[self.boundary], self.elongations @ shapes])
-        own = symmetrized(patterns @ shapes)
+        symmetric = symmetrized(patterns @ shapes)
         return replace(
             ports,
             contact_columns=np.vstack([ports.contact_columns, (self.relative_operator @ shapes).T]),
-            input_rows=np.block([[ports.input_rows, columns], [columns.T, own]]),
+            input_rows=np.block([[ports.input_rows, columns], [columns.T, symmetric]]),
             n_pattern=len(patterns),
         )
 
@@ -320,7 +320,7 @@ class Structure:
         """Return [R, X] of (M12) at pairs and at other ports, and the matrix between them."""
         R = self.rigid_motions
         answers = self._solve_supported(self.carried)
-        both, one = np.hstack([R, answers]), np.eye(R.shape[1])
-        core = np.block([[self.carried.T @ answers, -one], [-one, 0.0 * one]])
+        both, identity = np.hstack([R, answers]), np.eye(R.shape[1])
+        core = np.block([[self.carried.T @ answers, -identity], [-identity, 0.0 * identity]])
         others = np.vstack([both[self.boundary], self.elongations @ both])
         return self.relative_operator @ both, others, core

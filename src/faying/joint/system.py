@@ -221,12 +221,14 @@ def boundary_slices(boundaries: Mapping[str, Boundary]) -> dict[str, slice]:
 
 def input_slices(system: Joint) -> dict[tuple[str, str], slice]:
     """Return the place of each boundary, bolt and load pattern, by kind and name, in the inputs."""
-    found = {("boundary", name): at for name, at in boundary_slices(system.boundaries).items()}
+    slices = {
+        ("boundary", name): columns for name, columns in boundary_slices(system.boundaries).items()
+    }
     n = sum(len(boundary.dofs) for boundary in system.boundaries.values())
     for kind, names in (("bolt", system.bolts), ("load pattern", system.load_patterns)):
-        found |= {(kind, name): slice(n + i, n + i + 1) for i, name in enumerate(names)}
+        slices |= {(kind, name): slice(n + i, n + i + 1) for i, name in enumerate(names)}
         n += len(names)
-    return found
+    return slices
 
 
 def elongations(bolts: Mapping[str, Bolt], n_dof: int) -> Matrix:
@@ -265,7 +267,9 @@ def unstretched_bolt_forces(system: Joint, inputs: Matrix) -> Matrix:
     """
     patterns, bolts = list(system.load_patterns.values()), list(system.bolts)
     first = inputs.shape[-1] - len(patterns)
-    added = np.array([[one.bolt_forces.get(bolt, 0.0) for bolt in bolts] for one in patterns])
+    added = np.array(
+        [[pattern.bolt_forces.get(bolt, 0.0) for bolt in bolts] for pattern in patterns]
+    )
     expanded = inputs[..., first:] @ added.reshape(len(patterns), len(bolts))
     forces: Matrix = inputs[..., first - len(bolts) : first] + expanded
     return forces

@@ -87,19 +87,19 @@ def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:
     -----
     Three back-substitutions for each interface and each area around a bolt.
     """
-    found = [one for name in model.interfaces for one in _of_interface(model, name)]
-    if not found:
+    rows_of_bolts = [item for name in model.interfaces for item in _of_interface(model, name)]
+    if not rows_of_bolts:
         return ()
-    rows = sp.vstack([one for _, one in found]).toarray()
+    rows = sp.vstack([item for _, item in rows_of_bolts]).toarray()
     moved = model.structure.solve(rows.T)
     first = moved[model.structure.boundary]
     loads = model.pattern_forces @ moved
     bolts = -(elongations(model.bolts, model.structure.n_dof) @ moved)
-    inputs = np.vstack([first, bolts, loads]).T.reshape(len(found), 3, -1)
-    pairs = (model.contact.relative_operator @ moved).T.reshape(len(found), 3, -1)
+    inputs = np.vstack([first, bolts, loads]).T.reshape(len(rows_of_bolts), 3, -1)
+    pairs = (model.contact.relative_operator @ moved).T.reshape(len(rows_of_bolts), 3, -1)
     return tuple(
-        one if one.unknown else replace(one, per_input=inputs[number], per_pair=pairs[number])
-        for number, (one, _) in enumerate(found)
+        item if item.unknown else replace(item, per_input=inputs[number], per_pair=pairs[number])
+        for number, (item, _) in enumerate(rows_of_bolts)
     )
 
 
@@ -118,19 +118,21 @@ def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, Spa
     areas = [("", np.ones(len(pairs), dtype=bool))]
     if model.bolts and told_apart(model.bolts):
         nearest = nearest_bolts(places[pairs], model.bolts)
-        near = np.unique(nearest_bolts(interface.points, model.bolts)).tolist()
-        areas += [(list(model.bolts)[number], nearest == number) for number in near]
+        closest_bolts = np.unique(nearest_bolts(interface.points, model.bolts)).tolist()
+        areas += [(list(model.bolts)[number], nearest == number) for number in closest_bolts]
     frame = np.vstack([tangents, normal])
-    for bolt, own in areas:
-        chosen = [one for one in pierced if bolt in ("", one)] if not unknown else []
+    for bolt, area in areas:
+        chosen = (
+            [candidate for candidate in pierced if bolt in ("", candidate)] if not unknown else []
+        )
         wrench = sp.csr_array((6, model.structure.n_dof))
-        if own.any():
-            wrench = wrench + _resultant(places[pairs[own]]) @ springs[np.repeat(own, 3)]
-        for one in chosen:
-            shank = model.bolts[one].shank
+        if area.any():
+            wrench = wrench + _resultant(places[pairs[area]]) @ springs[np.repeat(area, 3)]
+        for candidate in chosen:
+            shank = model.bolts[candidate].shank
             if shank is not None:
                 # On the plus side acts what the bolt does to its end there.
-                wrench = wrench + pierced[one] * shank.across
+                wrench = wrench + pierced[candidate] * shank.across
         force, moment = wrench[:3], wrench[3:]
         about = moment - _cross(origin) @ force
         rows = sp.vstack([sp.csr_array(tangents) @ force, sp.csr_array(frame[2:]) @ about])
@@ -160,7 +162,7 @@ def _springs(model: Model, name: str) -> tuple[SparseMatrix, Indices]:
 def _resultant(places: Matrix) -> SparseMatrix:
     """Return force and moment about the origin (6, 3 n) of forces at places (n, 3)."""
     forces = np.tile(np.eye(3), len(places))
-    moments = np.hstack([_cross(place) for place in places])
+    moments = np.hstack([_cross(arm) for arm in places])
     return sp.csr_array(np.vstack([forces, moments]))
 
 
@@ -177,22 +179,22 @@ def _pierced(
 
     An axis passes where contact points are on all sides of it.
     """
-    normal, found = np.cross(*tangents), {}
+    normal, pierced = np.cross(*tangents), {}
     points = (interface.points - origin) @ tangents.T
     for name, bolt in bolts.items():
         ends = bolt.ends if bolt.shank is None else bolt.shank.ends
         if ends is None:
             continue
         heights = (ends - origin) @ normal
-        least = PIERCED * np.abs(np.diff(heights)[0])
-        if heights.min() > -least or heights.max() < least or least == 0:
+        smallest = PIERCED * np.abs(np.diff(heights)[0])
+        if heights.min() > -smallest or heights.max() < smallest or smallest == 0:
             continue
         share = heights[0] / (heights[0] - heights[1])
-        place = (ends[0] + share * (ends[1] - ends[0]) - origin) @ tangents.T
-        angles = np.sort(np.arctan2(*(points - place).T))
+        point = (ends[0] + share * (ends[1] - ends[0]) - origin) @ tangents.T
+        angles = np.sort(np.arctan2(*(points - point).T))
         if np.diff(angles, append=angles[:1] + 2 * np.pi).max() < np.pi:
-            found[name] = float(np.sign(heights[0]))
-    return found
+            pierced[name] = float(np.sign(heights[0]))
+    return pierced
 
 
 def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
@@ -204,7 +206,7 @@ def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
     sticks = stuck is not None and bool(stuck.any())
     if sticks and not model.stuck_stiffness:
         return "how stiffly its pairs stick is not told"
-    contained = [bolt for bolt, one in model.bolts.items() if one.shank is None]
+    contained = [bolt for bolt, port in model.bolts.items() if port.shank is None]
     if contained:
         return f"bolt '{contained[0]}' is part of given matrices, so that what it carries is unseen"
     if not sticks and _held_elsewhere(model, name, pierced):
@@ -217,11 +219,15 @@ def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
 
 def _held_elsewhere(model: Model, name: str, pierced: Mapping[str, float]) -> bool:
     """Say whether the sides are connected without an interface and the bolts that pass it."""
-    shanks = {bolt: one.shank for bolt, one in model.bolts.items() if one.shank is not None}
-    cut = {element for one in shanks.values() for element in one.elements}
+    shanks = {bolt: port.shank for bolt, port in model.bolts.items() if port.shank is not None}
+    cut = {element for port in shanks.values() for element in port.elements}
     labels = connected_parts(model.assembly, cut)
-    links = [labels[model.interfaces[other].pairs] for other in model.interfaces if other != name]
-    links += [labels[one.nodes][None] for bolt, one in shanks.items() if bolt not in pierced]
+    links = [
+        labels[model.interfaces[neighbour].pairs]
+        for neighbour in model.interfaces
+        if neighbour != name
+    ]
+    links += [labels[port.nodes][None] for bolt, port in shanks.items() if bolt not in pierced]
     links.append(np.empty((0, 2), dtype=np.int64))
     rows, columns = np.concatenate(links).T
     size = int(labels.max()) + 1

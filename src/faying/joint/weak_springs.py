@@ -67,22 +67,24 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
         message = f"weak springs: the stiffness is {stiffness:g}; give a positive number or 'auto'"
         raise ModelError(message)
     assembly, dofs = model.assembly, model.dofs
-    held = _held_pairs(model)
-    if not held:
+    pairs_held = _held_pairs(model)
+    if not pairs_held:
         return model
-    pairs = np.concatenate(list(held.values()))
+    pairs = np.concatenate(list(pairs_held.values()))
     if stiffness == "auto":
         stiffness = WEAK * _stiffness_there(model, np.unique(pairs))
     supports = {
         name: WeakSupport(
-            nodes=assembly.mesh.node_ids[own],
+            nodes=assembly.mesh.node_ids[pair_rows],
             stiffness=stiffness,
-            forces=stiffness * _relative(dofs.transformation, own),
+            forces=stiffness * _relative(dofs.transformation, pair_rows),
         )
-        for name, own in held.items()
+        for name, pair_rows in pairs_held.items()
     }
-    rows = sp.vstack([one.forces for one in supports.values()]).tocsr()
-    said = ", ".join(f"{name} (nodes {_listed(one.nodes)})" for name, one in supports.items())
+    rows = sp.vstack([support.forces for support in supports.values()]).tocsr()
+    said = ", ".join(
+        f"{name} (nodes {_listed(support.nodes)})" for name, support in supports.items()
+    )
     note = f"weak springs of {stiffness:.3g} hold what nothing but contact does: {said}"
     supported = replace(
         assembly,
@@ -105,21 +107,21 @@ def _stiffness_there(model: Model, nodes: Indices) -> float:
     """Return the median of what it takes to move one of some nodes alone [force/length]."""
     rows = _translations(model.dofs.transformation, nodes)
     K = stiffness_at(model.assembly, model.dofs, nodes)
-    found = float(np.median((rows @ K @ rows.T).diagonal()))
-    if not found > 0:
+    stiffness = float(np.median((rows @ K @ rows.T).diagonal()))
+    if not stiffness > 0:
         message = (
             "weak springs: what they would hold is rigid, or fixed, at the contact, and nothing "
             "tells how stiff it is; give the stiffness of a spring [force/length] as a number, far "
             "below what contact and the rest of the structure resist with"
         )
         raise ModelError(message)
-    return found
+    return stiffness
 
 
 def _held_pairs(model: Model) -> Mapping[str, Indices]:
     """Return three pairs of nodes of each two bodies in contact of which one is free, by names."""
     free = _free_nodes(model)
-    touching = [one.pairs for one in model.interfaces.values()]
+    touching = [interface.pairs for interface in model.interfaces.values()]
     pairs = np.concatenate([np.empty((0, 2), np.int64), *touching])
     pairs = pairs[free[pairs].any(axis=1)]
     labels = bodies(model.assembly.mesh)[pairs]
@@ -134,16 +136,16 @@ def _held_pairs(model: Model) -> Mapping[str, Indices]:
 
 def _free_nodes(model: Model) -> Mask:
     """Return which nodes (n_node,) belong to what moves freely."""
-    found = model_motions(model)
-    if not found.searched:
+    mechanisms = model_motions(model)
+    if not mechanisms.searched:
         message = (
             "there are too many parts to find those that weak springs would hold; support them, "
             "or tie them to one another"
         )
         raise ModelError(message)
     size = np.zeros(len(model.assembly.mesh.nodes))
-    if found.motions.size:
-        nodal = np.moveaxis(model.dofs.nodal(found.motions.T), 0, -1)
+    if mechanisms.motions.size:
+        nodal = np.moveaxis(model.dofs.nodal(mechanisms.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
     free: Mask = size > MOVING * size.max(initial=0.0)
     return free

@@ -346,7 +346,7 @@ class Assembly:
             self.rigid_couplings,
             self.average_couplings,
         )
-        ids = [one.id for family in parts for one in family]
+        ids = [member.id for family in parts for member in family]
         cells = [*(b.ids for b in self.mesh.blocks), *(b.ids for b in self.shells)]
         ids += [int(block.max()) for block in cells if len(block)]
         return max(ids, default=0)

@@ -38,8 +38,8 @@ def labelled(blocks: tuple[CellBlock, ...], n_node: int) -> Indices:
         labels.setflags(write=False)
         return labels
     first = [np.repeat(b.nodes[:, 0], b.nodes.shape[1] - 1) for b in blocks]
-    other = [b.nodes[:, 1:].ravel() for b in blocks]
-    rows, columns = np.concatenate(first), np.concatenate(other)
+    following = [b.nodes[:, 1:].ravel() for b in blocks]
+    rows, columns = np.concatenate(first), np.concatenate(following)
     ones = np.ones(len(rows), dtype=np.int8)
     graph = sp.csr_array((ones, (rows, columns)), shape=(n_node, n_node))
     _, component = connected_components(graph, directed=False)
@@ -62,8 +62,8 @@ def body_names(mesh: Mesh) -> list[str]:
     order = np.argsort(ids, kind="stable")
     owner = np.concatenate([labels[:0], *(labels[block.nodes[:, 0]] for block in mesh.blocks)])
     for name, members in mesh.element_sets.items() if len(ids) else ():
-        place = order[np.minimum(np.searchsorted(ids, members, sorter=order), len(ids) - 1)]
-        inside = owner[place[ids[place] == members]]
+        rows = order[np.minimum(np.searchsorted(ids, members, sorter=order), len(ids) - 1)]
+        inside = owner[rows[ids[rows] == members]]
         if not len(inside) or inside.min() != inside.max():
             continue
         if np.count_nonzero(labels == inside[0]) == len(mesh.element_nodes(members)):

@@ -38,8 +38,8 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
         _, stiffness = beam_matrices([element], nodes)
         first = 6 * element.nodes.index(node) + 3
         values.append(frames[0, 1:] @ stiffness[0, first : first + 3])
-        at = (6 * np.array(element.nodes)[:, None] + np.arange(6)).ravel()
-        columns += [at, at]
+        dofs = (6 * np.array(element.nodes)[:, None] + np.arange(6)).ravel()
+        columns += [dofs, dofs]
     entries = (np.concatenate(values).ravel(), (np.repeat(np.arange(4), 12), np.ravel(columns)))
     return read_only(sp.csr_array(entries, shape=(4, 6 * len(nodes))))
 
@@ -59,10 +59,10 @@ def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
     moments : (4, n_dof)
     K : (n_dof, n_dof)
     """
-    own = np.unique(moments.indices)
-    rows = K[own]
-    alone = own[[np.isin(rows[[k]].indices, own).all() for k in range(len(own))]]
-    wanted = moments[:, own].toarray().T
-    balance = K[alone][:, own].toarray().T
-    left = wanted - balance @ np.linalg.lstsq(balance, wanted)[0] if len(alone) else wanted
-    return bool(np.abs(left).max(initial=0.0) > NOTHING * np.abs(wanted).max(initial=0.0))
+    columns = np.unique(moments.indices)
+    rows = K[columns]
+    alone = columns[[np.isin(rows[[k]].indices, columns).all() for k in range(len(columns))]]
+    loads = moments[:, columns].toarray().T
+    balance = K[alone][:, columns].toarray().T
+    left = loads - balance @ np.linalg.lstsq(balance, loads)[0] if len(alone) else loads
+    return bool(np.abs(left).max(initial=0.0) > NOTHING * np.abs(loads).max(initial=0.0))

@@ -37,9 +37,9 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
     along = mesh.nodes[:, component]
     nothing = _SAME_PLACE * float(np.ptp(mesh.nodes, axis=0).max())
     around = [_of_elements_at(mesh, seat) for seat in seats]
-    for one, other in ((first, second), seats, around):
-        near, far = along[np.atleast_1d(one)], along[np.atleast_1d(other)]
-        if near.size and far.size and abs(apart := float(far.mean() - near.mean())) > nothing:
+    for first_end, second_end in ((first, second), seats, around):
+        start, end = along[np.atleast_1d(first_end)], along[np.atleast_1d(second_end)]
+        if start.size and end.size and abs(apart := float(end.mean() - start.mean())) > nothing:
             return float(np.sign(apart))
     return 1.0
 
@@ -49,8 +49,8 @@ def _of_elements_at(mesh: Mesh, nodes: Indices) -> Indices:
     inside = np.zeros(len(mesh.nodes), dtype=bool)
     inside[nodes] = True
     parts = [block.nodes[inside[block.nodes].any(axis=1)].ravel() for block in mesh.blocks]
-    found: Indices = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
-    return found
+    nodes_at: Indices = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
+    return nodes_at
 
 
 def check_not_twice(seats: Mapping[str, Seats]) -> None:
@@ -63,22 +63,22 @@ def check_not_twice(seats: Mapping[str, Seats]) -> None:
     """
     names = [name for name, ends in seats.items() if all(map(len, ends))]
     for number, name in enumerate(names):  # bolts, of which there are few
-        for other in names[:number]:
-            if _same(seats[name], seats[other]):
+        for first in names[:number]:
+            if _same(seats[name], seats[first]):
                 message = (
-                    f"bolts '{other}' and '{name}' hold the same nodes at both ends, so that both "
+                    f"bolts '{first}' and '{name}' hold the same nodes at both ends, so that both "
                     "would clamp the joint: one of them is already in the source; to change the "
                     "preload of a bolt of the source, use its name"
                 )
                 raise ModelError(message)
 
 
-def _same(one: Seats, other: Seats) -> bool:
+def _same(first: Seats, second: Seats) -> bool:
     return any(
-        all(_shared(seat, end) for seat, end in zip(one, order, strict=True))
-        for order in (other, other[::-1])
+        all(_shared(seat, end) for seat, end in zip(first, order, strict=True))
+        for order in (second, second[::-1])
     )
 
 
-def _shared(one: Indices, other: Indices) -> bool:
-    return len(np.intersect1d(one, other)) > _SAME_SEAT * min(len(one), len(other))
+def _shared(first: Indices, second: Indices) -> bool:
+    return len(np.intersect1d(first, second)) > _SAME_SEAT * min(len(first), len(second))

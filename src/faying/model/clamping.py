@@ -34,9 +34,9 @@ def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -
         return
     if np.setdiff1d(labels[_between(mesh, spec, seats)], [-1, *head]).size:
         return
-    held = ", ".join(map(str, mesh.node_ids[np.unique(np.concatenate(seats))][:4].tolist()))
+    nodes = ", ".join(map(str, mesh.node_ids[np.unique(np.concatenate(seats))][:4].tolist()))
     message = (
-        f"bolt '{spec.name}' clamps nothing: head and nut hold the same body (at nodes {held}, …) "
+        f"bolt '{spec.name}' clamps nothing: head and nut hold the same body (at nodes {nodes}, …) "
         "with no other between them; check that the parts have nodes of their own where they touch"
     )
     raise ModelError(message)
@@ -64,8 +64,8 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
         if solid[node]:
             return np.array([node])
         nodes = np.unique(links[np.flatnonzero(np.isin(group, groups(node)))].indices)
-        found: Indices = nodes[solid[nodes]]
-        return found
+        neighbours: Indices = nodes[solid[nodes]]
+        return neighbours
 
     if not solid[[first, second]].any() and np.isin(groups(first), groups(second)).any():
         nothing = np.empty(0, dtype=np.int64)

@@ -30,12 +30,12 @@ def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indice
     Linear in the size of the assembly.
     """
     ground = len(assembly.mesh.nodes)
-    near, far = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    starts, ends = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
 
     def join(first: Indices | int, others: Indices) -> None:
         others = np.asarray(others, dtype=np.int64).ravel()
-        near.append(np.broadcast_to(np.asarray(first, dtype=np.int64), others.shape))
-        far.append(others)
+        starts.append(np.broadcast_to(np.asarray(first, dtype=np.int64), others.shape))
+        ends.append(others)
 
     cells = [block.nodes for block in assembly.mesh.blocks]
     for members in (*cells, *(block.nodes for block in assembly.shells)):
@@ -47,7 +47,7 @@ def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indice
         if spring.id not in without
     ]
     lines += [bush.nodes for bush in assembly.bushes]
-    lines += [tuple(node for node, _, _ in one.terms) for one in assembly.equations]
+    lines += [tuple(node for node, _, _ in equation.terms) for equation in assembly.equations]
     for nodes in lines:
         join(nodes[0], np.array(nodes[1:] if len(nodes) > 1 else [ground]))
     for rigid in assembly.rigid_couplings:
@@ -59,7 +59,7 @@ def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indice
     if assembly.matrices is not None:
         entries = assembly.matrices.K.tocoo()
         join(assembly.matrices.nodes[entries.row], assembly.matrices.nodes[entries.col])
-    rows, columns = np.concatenate(near), np.concatenate(far)
+    rows, columns = np.concatenate(starts), np.concatenate(ends)
     ones = np.ones(len(rows), dtype=np.int8)
     graph = sp.csr_array((ones, (rows, columns)), shape=(ground + 1, ground + 1))
     _, labels = connected_components(graph, directed=False)

@@ -62,17 +62,17 @@ def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] =
     components.
     """
     n_dof = 6 * len(assembly.mesh.nodes)
-    kept = np.zeros(n_dof, dtype=bool)
-    kept[np.asarray(keep, dtype=np.int64)] = True
+    free_dofs = np.zeros(n_dof, dtype=bool)
+    free_dofs[np.asarray(keep, dtype=np.int64)] = True
     fixed = fixed_components(assembly)
-    rows = _equations(assembly, used, fixed, kept)
-    turned = kept[rows.dependent] | _in_conflict(rows, fixed)
+    rows = _equations(assembly, used, fixed, free_dofs)
+    turned = free_dofs[rows.dependent] | _in_conflict(rows, fixed)
     T = _substituted(rows.taken(~turned), fixed)
     if turned.any():
-        T = T @ _turned(assembly, rows.taken(turned), T, used, kept)
+        T = T @ _turned(assembly, rows.taken(turned), T, used, free_dofs)
     moving = np.zeros(n_dof, dtype=bool)
     moving[T[np.flatnonzero(used)].indices] = True
-    _check_kept(assembly, kept & ~moving)
+    _check_kept(assembly, free_dofs & ~moving)
     free = np.flatnonzero(moving)
     T = T[:, free].tocsr()
     T.sort_indices()
@@ -95,7 +95,7 @@ def movable_components(assembly: Assembly, used: Mask) -> Mask:
     return movable
 
 
-def _equations(assembly: Assembly, used: Mask, fixed: Mask, kept: Mask) -> Rows:
+def _equations(assembly: Assembly, used: Mask, fixed: Mask, free: Mask) -> Rows:
     """Collect all equations, each dependent component determined once."""
     rigid, equations = rigid_rows(assembly), equation_rows(assembly)
     existing = used.copy()
@@ -105,8 +105,8 @@ def _equations(assembly: Assembly, used: Mask, fixed: Mask, kept: Mask) -> Rows:
     for average in assembly.average_couplings:
         existing[6 * average.reference + np.array(average.reference_components)] = True
     rows = stacked([rigid, average_rows(assembly, existing), equations])
-    _check_load(assembly, kept & fixed)
-    blocked = kept | fixed
+    _check_load(assembly, free & fixed)
+    blocked = free | fixed
     blocked[rows.dependent] = True
     return stacked([rows, inclined_rows(assembly, fixed=fixed, blocked=blocked)])
 
@@ -152,19 +152,19 @@ def _without_columns(matrix: SparseMatrix, columns: Mask) -> SparseMatrix:
 
 
 def _turned(
-    assembly: Assembly, rows: Rows, T: SparseMatrix, used: Mask, kept: Mask
+    assembly: Assembly, rows: Rows, T: SparseMatrix, used: Mask, free: Mask
 ) -> SparseMatrix:
     """Solve equations for components other than the kept ones: v = (this) w after u = T v."""
-    n_dof = len(kept)
-    own = sp.csr_array(
+    n_dof = len(free)
+    identity = sp.csr_array(
         (np.ones(len(rows.dependent)), (np.arange(len(rows.dependent)), rows.dependent)),
         shape=(len(rows.dependent), n_dof),
     )
-    plain = (own - rows.matrix).tocsr()
+    plain = (identity - rows.matrix).tocsr()
     residual = _without_rounding((plain @ T).tocsr(), abs(plain).max(axis=1).toarray().ravel())
     moving = np.zeros(n_dof, dtype=bool)
     moving[T[np.flatnonzero(used)].indices] = True
-    choosable = moving & ~kept
+    choosable = moving & ~free
     # Equations and their components as one graph: a coupling of many nodes stays sparse.
     graph = sp.block_array([[None, residual], [residual.T, None]], format="csr")
     _, group = connected_components(graph, directed=False)
@@ -222,11 +222,12 @@ def _eliminated(equations: Matrix, allowed: Mask) -> tuple[Indices, Matrix]:
     return chosen, basis[:, :rank].T @ scaled
 
 
-def _check_load(assembly: Assembly, held: Mask) -> None:
-    if held.any():
+def _check_load(assembly: Assembly, supported: Mask) -> None:
+    if supported.any():
         message = (
-            f"load on a fixed degree of freedom: {dof_name(assembly, int(np.argmax(held)))}, is "
-            "supported; load another node or release the support"
+            "load on a fixed degree of freedom: "
+            f"{dof_name(assembly, int(np.argmax(supported)))}, is supported; "
+            "load another node or release the support"
         )
         raise ModelError(message)
 

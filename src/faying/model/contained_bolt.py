@@ -59,19 +59,21 @@ def check_contained(K: SparseMatrix, elongation: Vector, spec: BoltSpec) -> None
     ModelError
         If the bolt's nodes do not move, or K cannot contain its spring.
     """
-    at = np.flatnonzero(elongation)
-    if not len(at):
+    nonzero = np.flatnonzero(elongation)
+    if not len(nonzero):
         message = (
             f"bolt '{spec.name}': neither of its nodes {list(spec.nodes or ())} can move along its "
             "axis; give nodes that have rows in the matrices"
         )
         raise ModelError(message)
-    local = K[at][:, at].toarray()
-    own = spec.stiffness or 0.0
-    softest = np.linalg.eigvalsh(local - own * np.outer(elongation[at], elongation[at]))[0]
-    if softest < -SURPLUS * own:
+    local = K[nonzero][:, nonzero].toarray()
+    declared = spec.stiffness or 0.0
+    softest = np.linalg.eigvalsh(
+        local - declared * np.outer(elongation[nonzero], elongation[nonzero])
+    )[0]
+    if softest < -SURPLUS * declared:
         message = (
-            f"bolt '{spec.name}': K does not contain a spring of {own:g} between nodes "
+            f"bolt '{spec.name}': K does not contain a spring of {declared:g} between nodes "
             f"{' and '.join(map(str, spec.nodes or ()))}: part of it would be left over; check "
             "the nodes, the direction and the stiffness EA/L"
         )
@@ -89,15 +91,15 @@ def _direction(spec: BoltSpec, apart: Vector) -> Vector:
             )
             raise ModelError(message)
         return apart / distance
-    given = np.asarray(spec.direction, dtype=float)
-    length = float(np.linalg.norm(given))
-    if given.shape != (3,) or not 0 < length < np.inf:
+    vector = np.asarray(spec.direction, dtype=float)
+    length = float(np.linalg.norm(vector))
+    if vector.shape != (3,) or not 0 < length < np.inf:
         message = (
             f"bolt '{spec.name}': direction is {spec.direction}; give a vector (x, y, z) from the "
             "nut to the head"
         )
         raise ModelError(message)
-    unit: Vector = given / length
+    unit: Vector = vector / length
     if distance > 0 and not unit @ apart > 0:
         message = (
             f"bolt '{spec.name}': direction {spec.direction} does not point from the nut to the "

@@ -42,16 +42,18 @@ def add_coupled_boundary(
             "so no rotation of its node is defined; couple a face, or leave 'coupling' away"
         )
         raise ModelError(message)
-    place = points.mean(axis=0) if spec.at is None else np.asarray(spec.at, dtype=float)
+    position = points.mean(axis=0) if spec.at is None else np.asarray(spec.at, dtype=float)
     reference, number = len(assembly.mesh.nodes), assembly.largest_id + 1
-    mesh = assembly.mesh.with_nodes(place)
-    own = replace(spec, node=int(mesh.node_ids[reference]), set=None, coupling=None, at=None)
+    mesh = assembly.mesh.with_nodes(position)
+    reduced_spec = replace(
+        spec, node=int(mesh.node_ids[reference]), set=None, coupling=None, at=None
+    )
     if spec.coupling == "rbe2":
         rigid = RigidCoupling(id=number, reference=reference, nodes=nodes)
         couplings = (*assembly.rigid_couplings, rigid)
-        return replace(assembly, mesh=mesh, rigid_couplings=couplings), own
+        return replace(assembly, mesh=mesh, rigid_couplings=couplings), reduced_spec
     average = AverageCoupling(
         id=number, reference=reference, nodes=nodes, weights=np.ones(len(nodes))
     )
     averages = (*assembly.average_couplings, average)
-    return replace(assembly, mesh=mesh, average_couplings=averages), own
+    return replace(assembly, mesh=mesh, average_couplings=averages), reduced_spec

@@ -39,20 +39,20 @@ def section_rows(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
         return None
     ends, size = np.array(spring.axis), 6 * len(assembly.mesh.nodes)
     weights = _weights(assembly.mesh.nodes[side] - ends.mean(axis=0), ends[1] - ends[0])
-    at = (6 * side[:, None] + np.arange(3)).ravel()
-    which = np.repeat(np.arange(6), len(at))
-    sums = sp.csr_array((weights.ravel(), (which, np.tile(at, 6))), shape=(6, size))
+    dofs = (6 * side[:, None] + np.arange(3)).ravel()
+    which = np.repeat(np.arange(6), len(dofs))
+    sums = sp.csr_array((weights.ravel(), (which, np.tile(dofs, 6))), shape=(6, size))
     rows = sp.csr_array((6, size))
     for block in assembly.mesh.blocks:
-        near = np.isin(block.nodes, side).any(axis=1)
-        if near.any():
-            beside = replace(
+        touching = np.isin(block.nodes, side).any(axis=1)
+        if touching.any():
+            one_sided = replace(
                 block,
-                nodes=block.nodes[near],
-                ids=block.ids[near],
-                properties=block.properties[near],
+                nodes=block.nodes[touching],
+                ids=block.ids[touching],
+                properties=block.properties[touching],
             )
-            rows = rows + sums @ solid_matrices(assembly, beside)[1]
+            rows = rows + sums @ solid_matrices(assembly, one_sided)[1]
     return sp.csr_array(rows)
 
 

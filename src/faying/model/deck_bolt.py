@@ -151,6 +151,6 @@ def chain_ends(chain: Sequence[Beam | Spring]) -> list[tuple[Beam | Spring, int]
         first, last = end_nodes(chain[0])
         return [(chain[0], first), (chain[0], last)]
     return [
-        (one, next(node for node in end_nodes(one) if node not in end_nodes(other)))
-        for one, other in ((chain[0], chain[1]), (chain[-1], chain[-2]))
+        (end, next(node for node in end_nodes(end) if node not in end_nodes(inner)))
+        for end, inner in ((chain[0], chain[1]), (chain[-1], chain[-2]))
     ]

@@ -57,11 +57,11 @@ class DofMap:
         ModelError
             If one of them is supported, dependent or unused.
         """
-        wanted = 6 * np.asarray(nodes, dtype=np.int64) + np.asarray(components, dtype=np.int64)
+        full = 6 * np.asarray(nodes, dtype=np.int64) + np.asarray(components, dtype=np.int64)
         position = np.full(6 * self.n_nodes, -1, dtype=np.int64)
         position[self.free] = np.arange(len(self.free))
-        found: Indices = position[wanted]
-        if np.any(found < 0):
+        rows: Indices = position[full]
+        if np.any(rows < 0):
             message = "a degree of freedom is supported, dependent or unused"
             raise ModelError(message)
-        return found
+        return rows

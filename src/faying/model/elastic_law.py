@@ -21,8 +21,8 @@ _SYMMETRIC = 1e-6
 
 def tensor(law: Law | Matrix) -> Matrix:
     """Return C_ijkl (3, 3, 3, 3) of a law (6, 6)."""
-    given = np.asarray(law, dtype=float)
-    return np.asarray(given[_PLACE[:, :, None, None], _PLACE[None, None]])
+    matrix = np.asarray(law, dtype=float)
+    return np.asarray(matrix[_PLACE[:, :, None, None], _PLACE[None, None]])
 
 
 def turned(law: Law | Matrix, axes: Matrix) -> Law:
@@ -99,11 +99,11 @@ def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Mat
 
 def stable(law: Law | Matrix) -> bool:
     """Whether a law (6, 6) is finite, symmetric, and any strain stores energy."""
-    given = np.asarray(law, dtype=float)
-    if not np.isfinite(given).all() or not (np.diag(given) > 0).all():
+    matrix = np.asarray(law, dtype=float)
+    if not np.isfinite(matrix).all() or not (np.diag(matrix) > 0).all():
         return False
-    scale = 1 / np.sqrt(np.diag(given))
-    even = given * scale[:, None] * scale
+    scale = 1 / np.sqrt(np.diag(matrix))
+    even = matrix * scale[:, None] * scale
     if np.abs(even - even.T).max() > _SYMMETRIC:
         return False
     return bool(np.linalg.eigvalsh(0.5 * (even + even.T))[0] > 1e-12)
@@ -115,10 +115,10 @@ def mean_constants(law: Law | Matrix) -> tuple[float, float]:
     W. Voigt, Lehrbuch der Kristallphysik, 1928, § 479: bulk and shear moduli are those of the
     tensor's two invariants that are linear in it.
     """
-    given = np.asarray(law, dtype=float)
-    straight, crossed = np.trace(given[:3, :3]), given[0, 1] + given[0, 2] + given[1, 2]
+    matrix = np.asarray(law, dtype=float)
+    straight, crossed = np.trace(matrix[:3, :3]), matrix[0, 1] + matrix[0, 2] + matrix[1, 2]
     bulk = (straight + 2 * crossed) / 9
-    shear = (straight - crossed + 3 * np.trace(given[3:, 3:])) / 15
+    shear = (straight - crossed + 3 * np.trace(matrix[3:, 3:])) / 15
     return float(9 * bulk * shear / (3 * bulk + shear)), float(
         (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear))
     )

@@ -49,9 +49,9 @@ def shaped(bricks: Cells, shape: str) -> Cells:
     ModelError
         If the shape is not known.
     """
-    known = [kind for kind, one in SOLIDS.items() if one.brick_cells]
-    if shape not in known:
-        message = f"there is no solid shape '{shape}'; choose one of {', '.join(known)}"
+    shapes = [kind for kind, element_kind in SOLIDS.items() if element_kind.brick_cells]
+    if shape not in shapes:
+        message = f"there is no solid shape '{shape}'; choose one of {', '.join(shapes)}"
         raise ModelError(message)
     element = SOLIDS[shape]
     cells = bricks.cells[:, element.brick_cells].reshape(-1, element.n_corners)

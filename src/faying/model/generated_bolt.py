@@ -135,21 +135,21 @@ def _ends(spec: BoltSpec) -> Matrix:
 
 def _material(assembly: Assembly, spec: BoltSpec) -> Material:
     """Look the bolt's material up by property id or name; default the first solid's."""
-    wanted = spec.material
-    if wanted is None and assembly.mesh.n_elements:
-        wanted = int(assembly.mesh.element_properties[0])
+    choice = spec.material
+    if choice is None and assembly.mesh.n_elements:
+        choice = int(assembly.mesh.element_properties[0])
     by_name = {material.name: material for material in assembly.materials.values()}
-    found = by_name.get(wanted) if isinstance(wanted, str) else None
-    if isinstance(wanted, int):
-        found = assembly.materials.get(wanted)
-    if found is None:
-        known = ", ".join(f"{i} ('{m.name}')" for i, m in assembly.materials.items()) or "none"
+    chosen = by_name.get(choice) if isinstance(choice, str) else None
+    if isinstance(choice, int):
+        chosen = assembly.materials.get(choice)
+    if chosen is None:
+        choices = ", ".join(f"{i} ('{m.name}')" for i, m in assembly.materials.items()) or "none"
         message = (
-            f"bolt '{spec.name}': there is no material '{wanted}'; give a property id or a "
-            f"material name; known: {known}"
+            f"bolt '{spec.name}': there is no material '{choice}'; give a property id or a "
+            f"material name; known: {choices}"
         )
         raise ModelError(message)
-    return found
+    return chosen
 
 
 def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
@@ -179,26 +179,26 @@ def _seat(
     from_end = mesh.nodes[nodes] - end
     offset = np.abs(from_end @ outward)
     radial = np.linalg.norm(from_end - np.outer(from_end @ outward, outward), axis=1)
-    near = offset <= _LARGEST_OFFSET * radius
-    under = near & (radial <= radius * (1 + 1e-9))
+    in_plane = offset <= _LARGEST_OFFSET * radius
+    under = in_plane & (radial <= radius * (1 + 1e-9))
     if not under.any():
-        place = "({:g}, {:g}, {:g})".format(*end)
+        position = "({:g}, {:g}, {:g})".format(*end)
         hint = (
-            f"the nearest node of that surface is {radial[near].min():.4g} from the axis; "
+            f"the nearest node of that surface is {radial[in_plane].min():.4g} from the axis; "
             "enlarge the washer or refine the mesh"
-            if near.any()
+            if in_plane.any()
             else "no surface lies there; move the end of the axis to the centre of the surface"
         )
         message = (
-            f"bolt '{spec.name}': no node lies under the washer of radius {radius:g} at {place}; "
-            f"{hint}"
+            f"bolt '{spec.name}': no node lies under the washer of radius {radius:g} at {position}"
+            f"; {hint}"
         )
         raise ModelError(message)
     nodes, offset = nodes[under], offset[under]
     closest = np.full(labels.max() + 1, np.inf)
     np.minimum.at(closest, labels[nodes], offset)
-    held: Mask = closest <= closest.min() + _SAME_PLANE * radius
-    return nodes[held[labels[nodes]]]
+    closest_plane: Mask = closest <= closest.min() + _SAME_PLANE * radius
+    return nodes[closest_plane[labels[nodes]]]
 
 
 def _with_washer(

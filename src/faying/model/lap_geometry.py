@@ -94,11 +94,11 @@ class LapGeometry:
         y = _grid_lines(np.array([-self.width / 2, self.width / 2]), size)
         z = _grid_lines(self.heights()[number : number + 2], size)
         bricks = brick_grid(x, y, z)
-        kept = ~self._in_hole(bricks)
-        if not kept.any():
+        solid = ~self._in_hole(bricks)
+        if not solid.any():
             message = f"lap joint: hole_radius {self.hole_radius:g} leaves nothing of the plates"
             raise ModelError(message)
-        cells = shaped(bricks.restricted(kept), self.shape)
+        cells = shaped(bricks.restricted(solid), self.shape)
         # Vertical lines stay vertical, so volumes do not change and the plates still touch.
         bent = cells.nodes + np.outer(self.rise(cells.nodes[:, 0]), [0.0, 0.0, 1.0])
         return Cells(kind=cells.kind, nodes=bent, cells=cells.cells)
@@ -108,8 +108,8 @@ class LapGeometry:
         if self.hole_radius == 0 or not self.bolt_positions:
             return np.zeros(len(bricks.cells), dtype=bool)
         between = bricks.centroids()[:, None, :2] - np.asarray(self.bolt_positions)
-        near: Mask = (np.linalg.norm(between, axis=2) <= self.hole_radius).any(axis=1)
-        return near
+        inside: Mask = (np.linalg.norm(between, axis=2) <= self.hole_radius).any(axis=1)
+        return inside
 
 
 def _grid_lines(stations: Vector, size: float) -> Vector:

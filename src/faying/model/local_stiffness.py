@@ -15,13 +15,16 @@ def stiffness_around(assembly: Assembly, dofs: DofMap, nodes: Mask) -> SparseMat
 
     Rows at these nodes are those of the whole K.
     """
-    near = [np.flatnonzero(nodes[block.nodes].any(axis=1)) for block in assembly.mesh.blocks]
+    touching = [np.flatnonzero(nodes[block.nodes].any(axis=1)) for block in assembly.mesh.blocks]
     blocks = tuple(
         replace(
-            block, nodes=block.nodes[some], ids=block.ids[some], properties=block.properties[some]
+            block,
+            nodes=block.nodes[cells],
+            ids=block.ids[cells],
+            properties=block.properties[cells],
         )
-        for block, some in zip(assembly.mesh.blocks, near, strict=True)
-        if len(some)
+        for block, cells in zip(assembly.mesh.blocks, touching, strict=True)
+        if len(cells)
     )
     part = replace(assembly, mesh=replace(assembly.mesh, blocks=blocks))
     return dofs.projected(assemble_matrices(part).K)
@@ -34,12 +37,12 @@ def rigid_stiffness(assembly: Assembly, dofs: DofMap) -> SparseMatrix:
     """
     T = dofs.transformation
     single = np.flatnonzero(np.diff(T.indptr) == 1)
-    at = T.indptr[single]
-    own = single[(dofs.free[T.indices[at]] == single) & (T.data[at] == 1.0)]
+    first = T.indptr[single]
+    unit = single[(dofs.free[T.indices[first]] == single) & (T.data[first] == 1.0)]
     free = np.zeros(T.shape[0], dtype=bool)
-    free[own] = True
-    held: Mask = np.asarray(~free.reshape(-1, 6)[:, :3].all(axis=1))
-    return stiffness_around(assembly, dofs, held)
+    free[unit] = True
+    supported: Mask = np.asarray(~free.reshape(-1, 6)[:, :3].all(axis=1))
+    return stiffness_around(assembly, dofs, supported)
 
 
 def stiffness_at(assembly: Assembly, dofs: DofMap, nodes: Indices) -> SparseMatrix:

@@ -166,12 +166,12 @@ def mass_properties(assembly: Assembly) -> MassProperties:
     rigid[3:, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
     rigid[:3, 3:] = rigid[3:, :3].T
     rigid[3:, 3:] = np.trace(second) * np.eye(3) - second
-    other = _discrete_matrices(assembly)[0]
+    discrete = _discrete_matrices(assembly)[0]
     if assembly.matrices is not None:
-        other = other + _placed(assembly.matrices, assembly.matrices.M, "M", len(nodes))
-    if other.nnz:
+        discrete = discrete + _placed(assembly.matrices, assembly.matrices.M, "M", len(nodes))
+    if discrete.nnz:
         motion = rigid_body_motions(nodes, origin)
-        rigid += motion.T @ (other @ motion)
+        rigid += motion.T @ (discrete @ motion)
     return _mass_properties(rigid, origin)
 
 
@@ -225,8 +225,8 @@ def solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, 
     for part in _batches(len(block.ids), 3 * element.n_nodes):
         coordinates = assembly.mesh.nodes[block.nodes[part]]
         check_shapes(element, coordinates, block.ids[part])
-        own = None if tensors is None else tensors[which[part]]
-        blocks = stiffness_blocks(element, coordinates, lame[part], shear[part], own)
+        laws = None if tensors is None else tensors[which[part]]
+        blocks = stiffness_blocks(element, coordinates, lame[part], shear[part], laws)
         pattern.add(stiffness, part, blocks.reshape(-1, 9))
         coefficients = mass_coefficients(element, coordinates, density[part])
         pattern.add(mass, part, coefficients.reshape(-1, 1))
@@ -235,11 +235,13 @@ def solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, 
 
 def _tensors(materials: Sequence[Material]) -> Matrix | None:
     """Return the elastic tensors (n_material, 3, 3, 3, 3) if directions differ in one of them."""
-    if all(one.law is None for one in materials):
+    if all(material.law is None for material in materials):
         return None
     laws = [
-        isotropic_law(one.youngs_modulus, one.poissons_ratio) if one.law is None else one.law
-        for one in materials
+        isotropic_law(material.youngs_modulus, material.poissons_ratio)
+        if material.law is None
+        else material.law
+        for material in materials
     ]
     return np.stack([tensor(law) for law in laws])
 
@@ -312,8 +314,8 @@ def _scattered(values: Matrix, dofs: Indices, size: int) -> SparseMatrix:
     rows = np.broadcast_to(dofs[:, :, None], values.shape)
     columns = np.broadcast_to(dofs[:, None, :], values.shape)
     entry = values != 0
-    place = (rows[entry], columns[entry])
-    return sp.coo_array((values[entry], place), shape=(size, size)).tocsr()
+    indices = (rows[entry], columns[entry])
+    return sp.coo_array((values[entry], indices), shape=(size, size)).tocsr()
 
 
 def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) -> SparseMatrix:
@@ -326,9 +328,9 @@ def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) ->
         )
         raise ModelError(message)
     dofs = 6 * block.nodes + block.components
-    given = sp.coo_array(matrix)
-    place = (dofs[given.row], dofs[given.col])
-    return sp.coo_array((given.data, place), shape=(6 * n_node, 6 * n_node)).tocsr()
+    entries = sp.coo_array(matrix)
+    indices = (dofs[entries.row], dofs[entries.col])
+    return sp.coo_array((entries.data, indices), shape=(6 * n_node, 6 * n_node)).tocsr()
 
 
 def _finished(matrix: SparseMatrix) -> SparseMatrix:

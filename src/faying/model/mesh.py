@@ -71,9 +71,9 @@ class Mesh:
             raise ModelError(message)
         far = np.flatnonzero(~(np.abs(self.nodes) <= FARTHEST).all(axis=1))
         if len(far):
-            place = ", ".join(f"{x:g}" for x in self.nodes[far[0]])
+            position = ", ".join(f"{x:g}" for x in self.nodes[far[0]])
             message = (
-                f"node {self.node_ids[far[0]]} is at ({place}); coordinates are at most "
+                f"node {self.node_ids[far[0]]} is at ({position}); coordinates are at most "
                 f"{FARTHEST:g}, for volumes must stay within double precision; correct it"
             )
             raise ModelError(message)
@@ -108,11 +108,11 @@ class Mesh:
         ModelError
             If an id does not exist; the message names it.
         """
-        wanted = np.atleast_1d(np.asarray(node_ids, dtype=np.int64))
+        ids = np.atleast_1d(np.asarray(node_ids, dtype=np.int64))
         order = np.argsort(self.node_ids, kind="stable")
-        position = np.searchsorted(self.node_ids, wanted, sorter=order)
+        position = np.searchsorted(self.node_ids, ids, sorter=order)
         index: Indices = order[np.minimum(position, len(order) - 1)]
-        missing = wanted[self.node_ids[index] != wanted]
+        missing = ids[self.node_ids[index] != ids]
         if missing.size:
             shown = ", ".join(map(str, missing[:5]))
             message = f"the model has no node with id {shown}; check the id in the study or deck"

@@ -65,7 +65,7 @@ def part_of(
     solids = [
         np.isin(block.ids, chosen) & ~np.isin(block.ids, dropped) for block in assembly.mesh.blocks
     ]
-    if not any(kept.any() for kept in solids):
+    if not any(mask.any() for mask in solids):
         message = "no solid remains of the model; correct parts and without of [model]"
         raise ModelError(message)
     cut = _Cut(assembly, solids, dropped)
@@ -96,26 +96,29 @@ def elements_named(
         If nothing has such a name.
     """
     mesh = assembly.mesh
-    found = [np.empty(0, dtype=np.int64)]
-    known = body_names(mesh) if any(name not in mesh.element_sets for name in names) else []
+    parts = [np.empty(0, dtype=np.int64)]
+    bodies_named = body_names(mesh) if any(name not in mesh.element_sets for name in names) else []
     for name in names:
         if isinstance(name, int):
             ids = mesh.element_ids[mesh.element_properties == name]
             shells = [block.ids[block.properties == name] for block in assembly.shells]
-            found += [ids, *([] if len(ids) else shells)]
-            if not sum(map(len, found[-1 - len(shells) :])):
+            parts += [ids, *([] if len(ids) else shells)]
+            if not sum(map(len, parts[-1 - len(shells) :])):
                 message = f"no element has property {name}; correct {where}"
                 raise ModelError(message)
         elif name in mesh.element_sets:
-            found.append(mesh.element_sets[name])
-        elif name in known:
-            inside = np.flatnonzero(bodies(mesh) == known.index(name))
-            found += [block.ids[np.isin(block.nodes[:, 0], inside)] for block in mesh.blocks]
+            parts.append(mesh.element_sets[name])
+        elif name in bodies_named:
+            inside = np.flatnonzero(bodies(mesh) == bodies_named.index(name))
+            parts += [block.ids[np.isin(block.nodes[:, 0], inside)] for block in mesh.blocks]
         else:
-            shown = ", ".join(f"'{one}'" for one in dict.fromkeys([*known, *mesh.element_sets]))
+            shown = ", ".join(
+                f"'{name_shown}'"
+                for name_shown in dict.fromkeys([*bodies_named, *mesh.element_sets])
+            )
             message = f"there is no body or element set '{name}' to choose; known are {shown}"
             raise ModelError(message)
-    return np.unique(np.concatenate(found))
+    return np.unique(np.concatenate(parts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +138,9 @@ class _Cut:
         self.whole, self.solids = whole, solids
         n_node = len(whole.mesh.nodes)
         inside, outside = np.zeros((2, n_node), dtype=bool)
-        for block, kept in zip(whole.mesh.blocks, solids, strict=True):
-            inside[block.nodes[kept]] = True
-            outside[block.nodes[~kept]] = True
+        for block, mask in zip(whole.mesh.blocks, solids, strict=True):
+            inside[block.nodes[mask]] = True
+            outside[block.nodes[~mask]] = True
         self.gone = outside & ~inside
         self.through = int((inside & outside).sum())
         self.families = {name: getattr(whole, name) for name in _LINKS}
@@ -155,14 +158,14 @@ class _Cut:
 
     def _links(self) -> _Links:
         tables = [
-            np.asarray(_nodes(name, one), dtype=np.int64)
+            np.asarray(_nodes(name, member), dtype=np.int64)
             for name, family in self.families.items()
-            for one in family
+            for member in family
         ]
         names = [
-            f"{_LINKS[name]} {getattr(one, 'id', '')}".strip()
+            f"{_LINKS[name]} {getattr(member, 'id', '')}".strip()
             for name, family in self.families.items()
-            for one in family
+            for member in family
         ]
         link = np.repeat(np.arange(len(tables)), [len(table) for table in tables])
         node = np.concatenate([np.empty(0, dtype=np.int64), *tables])
@@ -178,9 +181,9 @@ class _Cut:
         """Element ids of the links; -1 of what is no element."""
         elements = ("beams", "bushes", "springs", "masses", "scalar_masses")
         ids = [
-            one.id if name in elements else -1
+            member.id if name in elements else -1
             for name, family in self.families.items()
-            for one in family
+            for member in family
         ]
         return np.concatenate(
             [np.array(ids, dtype=np.int64), *(block.ids for block in self.whole.shells)]
@@ -190,8 +193,8 @@ class _Cut:
         """Tell which links hold to a solid that remains, through others and not through cuts."""
         n_node, links = len(inside), self.links
         rows, columns = [links.link + n_node], [links.node]
-        for block, kept in zip(self.whole.mesh.blocks, self.solids, strict=True):
-            cells = block.nodes[kept]
+        for block, mask in zip(self.whole.mesh.blocks, self.solids, strict=True):
+            cells = block.nodes[mask]
             rows.append(np.repeat(cells[:, 0], cells.shape[1]))
             columns.append(cells.ravel())
         row, column = np.concatenate(rows), np.concatenate(columns)
@@ -209,8 +212,8 @@ class _Cut:
         """Tell which rigid couplings keep their reference and some other nodes."""
         first = sum(len(self.families[name]) for name in list(_LINKS)[:5])
         result = np.zeros(self.links.n, dtype=bool)
-        for i, one in enumerate(self.whole.rigid_couplings):
-            stays = not self.gone[one.reference] and bool((~self.gone[one.nodes]).any())
+        for i, coupling in enumerate(self.whole.rigid_couplings):
+            stays = not self.gone[coupling.reference] and bool((~self.gone[coupling.nodes]).any())
             result[first + i] = stays
         return result
 
@@ -229,12 +232,14 @@ class _Cut:
     def assembly(self) -> Assembly:
         """Return what remains."""
         whole, first = self.whole, 0
-        kept: dict[str, Any] = {}
+        families: dict[str, Any] = {}
         for name, family in self.families.items():
             stay = self.held[first : first + len(family)].tolist()
-            kept[name] = tuple(one for one, ok in zip(family, stay, strict=True) if ok)
+            families[name] = tuple(member for member, ok in zip(family, stay, strict=True) if ok)
             first += len(family)
-        kept["rigid_couplings"] = tuple(self._trimmed(one) for one in kept["rigid_couplings"])
+        families["rigid_couplings"] = tuple(
+            self._trimmed(member) for member in families["rigid_couplings"]
+        )
         shells = []
         for block in whole.shells:
             shells.append(_shells(block, self.held[first : first + len(block.ids)]))
@@ -243,26 +248,26 @@ class _Cut:
             whole,
             mesh=self._mesh(whole.mesh),
             shells=tuple(block for block in shells if len(block.ids)),
-            supports=tuple(one for s in whole.supports for one in self._support(s)),
+            supports=tuple(member for s in whole.supports for member in self._support(s)),
             face_sets=self._face_sets(whole.face_sets),
             loads=self._loads(whole.loads),
-            **kept,
+            **families,
         )
 
-    def _trimmed(self, one: RigidCoupling) -> RigidCoupling:
-        return replace(one, nodes=one.nodes[~self.gone[one.nodes]])
+    def _trimmed(self, coupling: RigidCoupling) -> RigidCoupling:
+        return replace(coupling, nodes=coupling.nodes[~self.gone[coupling.nodes]])
 
     def _mesh(self, mesh: Mesh) -> Mesh:
-        blocks = [_cells(b, kept) for b, kept in zip(mesh.blocks, self.solids, strict=True)]
+        blocks = [_cells(b, mask) for b, mask in zip(mesh.blocks, self.solids, strict=True)]
         solid = np.concatenate([b.ids for b in blocks])
         removed = np.setdiff1d(mesh.element_ids, solid)
         sets = {name: ids[~np.isin(ids, removed)] for name, ids in mesh.element_sets.items()}
-        nodes = {name: one[~self.dead[one]] for name, one in mesh.node_sets.items()}
+        nodes = {name: members[~self.dead[members]] for name, members in mesh.node_sets.items()}
         return replace(
             mesh,
             blocks=tuple(block for block in blocks if len(block.ids)),
             element_sets={name: ids for name, ids in sets.items() if len(ids)},
-            node_sets={name: one for name, one in nodes.items() if len(one)},
+            node_sets={name: members for name, members in nodes.items() if len(members)},
         )
 
     def _support(self, support: Support) -> Sequence[Support]:
@@ -271,62 +276,62 @@ class _Cut:
 
     def _face_sets(self, sets: Mapping[str, FaceSet]) -> dict[str, FaceSet]:
         left = {
-            name: replace(one, nodes=one.nodes[~self.dead[one.nodes].any(axis=1)])
-            for name, one in sets.items()
+            name: replace(faces, nodes=faces.nodes[~self.dead[faces.nodes].any(axis=1)])
+            for name, faces in sets.items()
         }
-        return {name: one for name, one in left.items() if len(one.nodes)}
+        return {name: faces for name, faces in left.items() if len(faces.nodes)}
 
     def _loads(self, loads: Mapping[str, NodalLoads]) -> dict[str, NodalLoads]:
         left = {}
-        for name, one in loads.items():
-            stay = ~self.dead[one.nodes]
+        for name, load in loads.items():
+            stay = ~self.dead[load.nodes]
             if stay.any():
-                left[name] = NodalLoads(nodes=one.nodes[stay], forces=one.forces[stay])
+                left[name] = NodalLoads(nodes=load.nodes[stay], forces=load.forces[stay])
         return left
 
     def notes(self) -> list[str]:
         """Return what is left out, in numbers."""
-        removed = sum(int((~kept).sum()) for kept in self.solids)
-        found = [f"{removed} of {self.whole.mesh.n_elements} solids"]
+        removed = sum(int((~mask).sum()) for mask in self.solids)
+        lines = [f"{removed} of {self.whole.mesh.n_elements} solids"]
         if self.through:
-            found.append(f"cut through solids at {self.through} nodes, which stay")
+            lines.append(f"cut through solids at {self.through} nodes, which stay")
         lost: dict[str, int] = {}
         for i in np.flatnonzero(~self.held).tolist():
             kind = self.links.names[i].rpartition(" ")[0]
             lost[kind] = lost.get(kind, 0) + 1
-        found += [f"{count} x {kind}" for kind, count in lost.items()]
+        lines += [f"{count} x {kind}" for kind, count in lost.items()]
         for name, load in self.whole.loads.items():
             if count := int(self.dead[load.nodes].sum()):
-                found.append(f"load '{name}' on {count} of {len(load.nodes)} nodes")
-        return found
+                lines.append(f"load '{name}' on {count} of {len(load.nodes)} nodes")
+        return lines
 
 
-def _nodes(family: str, one: Any) -> Sequence[int] | Indices:
+def _nodes(family: str, member: Any) -> Sequence[int] | Indices:
     """Return the nodes that something holds."""
     if family in ("springs", "scalar_masses"):
-        return [node for node, _ in one.ends]
+        return [node for node, _ in member.ends]
     if family == "masses":
-        return [one.node]
+        return [member.node]
     if family == "equations":
-        return [node for node, _, _ in one.terms]
-    nodes: Sequence[int] | Indices = one.nodes
+        return [node for node, _, _ in member.terms]
+    nodes: Sequence[int] | Indices = member.nodes
     if family.endswith("couplings"):
-        return np.append(nodes, one.reference)
+        return np.append(nodes, member.reference)
     return nodes
 
 
-def _cells(block: CellBlock, kept: Mask) -> CellBlock:
+def _cells(block: CellBlock, mask: Mask) -> CellBlock:
     return replace(
-        block, nodes=block.nodes[kept], ids=block.ids[kept], properties=block.properties[kept]
+        block, nodes=block.nodes[mask], ids=block.ids[mask], properties=block.properties[mask]
     )
 
 
-def _shells(block: ShellBlock, kept: Mask) -> ShellBlock:
+def _shells(block: ShellBlock, mask: Mask) -> ShellBlock:
     return replace(
         block,
-        nodes=block.nodes[kept],
-        ids=block.ids[kept],
-        properties=block.properties[kept],
-        offsets=block.offsets[kept],
-        directions=block.directions[kept],
+        nodes=block.nodes[mask],
+        ids=block.ids[mask],
+        properties=block.properties[mask],
+        offsets=block.offsets[mask],
+        directions=block.directions[mask],
     )

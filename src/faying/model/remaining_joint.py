@@ -46,7 +46,7 @@ def remaining_joint(
                     notes.append(f"{count} of {len(faces.nodes)} faces of '{side}' ({spec.name})")
     bolts = [bolt for bolt in described.bolts if _tightened(bolt, assembly)]
     notes += [f"bolt '{bolt.name}'" for bolt in described.bolts if bolt not in bolts]
-    boundaries = [one for one in described.boundaries if _entered(one, assembly)]
+    boundaries = [boundary for boundary in described.boundaries if _entered(boundary, assembly)]
     notes += [f"boundary '{b.name}'" for b in described.boundaries if b not in boundaries]
     named = {spec.name for spec in interfaces}
     tight = {bolt.name for bolt in bolts}
@@ -70,9 +70,9 @@ def _remains(side: Selection, whole: Assembly, assembly: Assembly) -> bool:
     """Whether anything is left of a side that was there."""
     mesh = assembly.mesh
     if isinstance(side, str):
-        known = (whole.face_sets, whole.mesh.element_sets, whole.mesh.node_sets)
+        named_sets = (whole.face_sets, whole.mesh.element_sets, whole.mesh.node_sets)
         left = (assembly.face_sets, mesh.element_sets, mesh.node_sets)
-        return not any(side in sets for sets in known) or any(side in sets for sets in left)
+        return not any(side in sets for sets in named_sets) or any(side in sets for sets in left)
     if isinstance(side, int):
         return bool((mesh.element_properties == side).any() or (mesh.element_ids == side).any())
     return bool(np.isin(mesh.element_ids, np.array(side)).any())

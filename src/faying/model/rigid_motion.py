@@ -117,9 +117,9 @@ def rigid_parts(assembly: Assembly) -> Indices:
     if block is None:
         return labels
     n_node = len(labels)
-    given = sp.coo_array(block.K)
-    ends = (block.nodes[given.row], block.nodes[given.col])
-    graph = sp.csr_array((np.ones(given.nnz, dtype=np.int8), ends), shape=(n_node, n_node))
+    entries = sp.coo_array(block.K)
+    ends = (block.nodes[entries.row], block.nodes[entries.col])
+    graph = sp.csr_array((np.ones(entries.nnz, dtype=np.int8), ends), shape=(n_node, n_node))
     _, part = connected_components(graph, directed=False)
     new = np.intersect1d(block.nodes, np.flatnonzero(labels < 0))
     _, number = np.unique(part[new], return_inverse=True)
@@ -140,13 +140,13 @@ def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
     first = np.concatenate(
         [np.roll(block.nodes, 1, axis=1).ravel() for block in _surfaces(assembly)]
     )
-    other = np.concatenate([block.nodes.ravel() for block in _surfaces(assembly)])
+    second = np.concatenate([block.nodes.ravel() for block in _surfaces(assembly)])
     # Shells that meet at a solid only may turn there one by one.
-    apart = (labels[first] < 0) & (labels[other] < 0)
-    ends = (first[apart], other[apart])
+    apart = (labels[first] < 0) & (labels[second] < 0)
+    ends = (first[apart], second[apart])
     graph = sp.csr_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(n_node, n_node))
     _, part = connected_components(graph, directed=False)
-    new = np.intersect1d(other, np.flatnonzero(labels < 0))
+    new = np.intersect1d(second, np.flatnonzero(labels < 0))
     _, number = np.unique(part[new], return_inverse=True)
     labels[new] = labels.max(initial=-1) + 1 + number.ravel()
     return labels
@@ -182,8 +182,8 @@ def _of_groups(
     start = np.concatenate([[0], np.cumsum(count)])
     data, indices = np.empty(start[-1]), np.empty(start[-1], dtype=np.int64)
     for rows, values, columns in groups:
-        place = start[rows][:, None] + np.arange(values.shape[1])
-        data[place], indices[place] = values, columns
+        columns_of_rows = start[rows][:, None] + np.arange(values.shape[1])
+        data[columns_of_rows], indices[columns_of_rows] = values, columns
     return sp.csr_array((data, indices, start), shape=shape)
 
 
@@ -196,8 +196,8 @@ def _independent(points: Matrix, components: Indices) -> Matrix:
     left, size, _ = np.linalg.svd(
         motions / np.where(lengths > 0, lengths, 1.0), full_matrices=False
     )
-    kept: Matrix = left[:, size > _UNSEEN * size[0]]
-    return kept
+    independent: Matrix = left[:, size > _UNSEEN * size[0]]
+    return independent
 
 
 def rigid_motions(points: Matrix, components: Indices, origin: Vector) -> Matrix:
@@ -207,7 +207,7 @@ def rigid_motions(points: Matrix, components: Indices, origin: Vector) -> Matrix
     # u = θ x r
     for component in range(3):
         rows = np.flatnonzero(components == component)
-        before, after = (component + 2) % 3, (component + 1) % 3
-        motions[rows, 3 + after] = points[rows, before] - origin[before]
-        motions[rows, 3 + before] = -(points[rows, after] - origin[after])
+        previous, following = (component + 2) % 3, (component + 1) % 3
+        motions[rows, 3 + following] = points[rows, previous] - origin[previous]
+        motions[rows, 3 + previous] = -(points[rows, following] - origin[following])
     return motions

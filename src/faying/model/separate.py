@@ -38,8 +38,8 @@ def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
     """
     for group in groups:
         if group not in mesh.element_sets:
-            known = ", ".join(f"'{name}'" for name in mesh.element_sets) or "none"
-            message = f"there is no element set '{group}' to separate; known are {known}"
+            names = ", ".join(f"'{name}'" for name in mesh.element_sets) or "none"
+            message = f"there is no element set '{group}' to separate; known are {names}"
             raise ModelError(message)
         mesh = _separated(mesh, group)
     return mesh
@@ -47,8 +47,10 @@ def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
 
 def _separated(mesh: Mesh, group: str) -> Mesh:
     inside = [np.isin(block.ids, mesh.element_sets[group]) for block in mesh.blocks]
-    own, others = (_used(mesh, chosen) for chosen in (inside, [~one for one in inside]))
-    shared = np.flatnonzero(own & others)
+    inside_nodes, outside_nodes = (
+        _used(mesh, chosen) for chosen in (inside, [~mask for mask in inside])
+    )
+    shared = np.flatnonzero(inside_nodes & outside_nodes)
     if not len(shared):
         return mesh
     copy = np.arange(len(mesh.nodes))

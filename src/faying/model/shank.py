@@ -55,9 +55,9 @@ def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
     across = sp.csr_array(shape)
     if isinstance(beam, Beam):
         _, stiffness = beam_matrices([beam], nodes)
-        at = 6 * beam.nodes.index(first)
+        row = 6 * beam.nodes.index(first)
         # The structure does this to the beam, and the beam the opposite to the structure.
-        force, moment = -stiffness[0, at : at + 3], -stiffness[0, at + 3 : at + 6]
+        force, moment = -stiffness[0, row : row + 3], -stiffness[0, row + 3 : row + 6]
         axis = nodes[list(beam.nodes)][1] - nodes[list(beam.nodes)][0]
         force = force - np.outer(axis, axis @ force) / (axis @ axis)
         moment = moment + np.cross(ends[0], force, axisb=0, axisc=0)
@@ -66,7 +66,7 @@ def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
         values = np.vstack([force, moment]).ravel()
         across = sp.csr_array((values, (rows, np.tile(columns, 6))), shape=shape)
     return Shank(
-        elements=tuple(one.id for one in chain),
+        elements=tuple(element.id for element in chain),
         nodes=np.array([first, last]),
         ends=ends,
         across=across,

@@ -73,9 +73,9 @@ def _integrator(
 
 
 def _check_kind(block: ShellBlock) -> None:
-    known = (*FLAT_SHELLS, *CURVED_SHELLS, PANEL)
-    if block.kind not in known:
-        message = f"there is no shell '{block.kind}'; known kinds are {', '.join(known)}"
+    kinds = (*FLAT_SHELLS, *CURVED_SHELLS, PANEL)
+    if block.kind not in kinds:
+        message = f"there is no shell '{block.kind}'; known kinds are {', '.join(kinds)}"
         raise ModelError(message)
 
 
@@ -99,15 +99,15 @@ def _curved(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix,
     director = directors(block.kind, coordinates)
     check_area(np.asarray(np.isfinite(director).all(axis=(1, 2))), ids)
     arms = block.offsets[part, None, None] * director
-    at = {}
+    tables = {}
     for name, rule in CURVED_SHELLS[block.kind].rules.items():
         points = points_of(rule, coordinates + arms)
         # A surface that turns over within an element has normals that point apart.
         along = np.einsum("eqc,eic->eqi", points.frames[:, :, 2], director)
         check_area((along > 0).all(axis=(1, 2)) & (points.area > 0).all(axis=1), ids)
         laws = laws_in(block, part, points.frames, assembly.shell_sections)
-        at[name] = (points, without_shear_strains(laws))
-    mass, stiffness = curved_matrices(block.kind, coordinates + arms, director, at)
+        tables[name] = (points, without_shear_strains(laws))
+    mass, stiffness = curved_matrices(block.kind, coordinates + arms, director, tables)
     axes = np.broadcast_to(np.eye(3), (*arms.shape[:2], 3, 3))
     motion = carried(axes, arms)
     return on_nodes(mass, motion), on_nodes(stiffness, motion)

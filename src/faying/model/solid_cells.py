@@ -84,8 +84,8 @@ def _check_once(assembly: Assembly) -> None:
     corners = [
         block.nodes[:, : block_element(block, assembly.element).n_corners] for block in blocks
     ]
-    for count in sorted({one.shape[1] for one in corners}):
-        same = [i for i, one in enumerate(corners) if one.shape[1] == count]
+    for count in sorted({table.shape[1] for table in corners}):
+        same = [i for i, table in enumerate(corners) if table.shape[1] == count]
         rows = np.sort(np.concatenate([corners[i] for i in same]), axis=1)
         _, group, sizes = unique_rows(rows)
         if (sizes > 1).any():

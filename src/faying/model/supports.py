@@ -24,24 +24,26 @@ def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> 
     ModelError
         If a set does not exist or a component is none.
     """
-    own = []
+    added = []
     for name, components in supports.items():
         wrong = [component for component in components if component not in range(6)]
         if wrong:
             message = f"support '{name}': component {wrong[0]}; components are 0 to 5"
             raise ModelError(message)
-        own.append((nodes_of_set(assembly, name), components))
-    return with_held_nodes(assembly, own)
+        added.append((nodes_of_set(assembly, name), components))
+    return with_held_nodes(assembly, added)
 
 
-def with_held_nodes(assembly: Assembly, held: Iterable[tuple[Indices, Iterable[int]]]) -> Assembly:
+def with_held_nodes(
+    assembly: Assembly, supported: Iterable[tuple[Indices, Iterable[int]]]
+) -> Assembly:
     """Return the assembly with supports of node indices in components 0..5 added."""
     first = max((support.id for support in assembly.supports), default=0) + 1
-    own = tuple(
+    added = tuple(
         Support(id=number, nodes=nodes, components=tuple(sorted({*components})))
-        for number, (nodes, components) in enumerate(held, start=first)
+        for number, (nodes, components) in enumerate(supported, start=first)
     )
-    return replace(assembly, supports=(*assembly.supports, *own))
+    return replace(assembly, supports=(*assembly.supports, *added))
 
 
 def nodes_of_set(assembly: Assembly, name: str) -> Indices:
@@ -68,6 +70,6 @@ def nodes_of_set(assembly: Assembly, name: str) -> Indices:
     if name in parts:
         return np.flatnonzero(bodies(mesh) == parts.index(name))
     sets = [*mesh.node_sets, *assembly.face_sets, *mesh.element_sets, *parts]
-    known = ", ".join(dict.fromkeys(sets)) or "none, so give a node"
-    message = f"there is no node set '{name}', nor another set or body; known are {known}"
+    names = ", ".join(dict.fromkeys(sets)) or "none, so give a node"
+    message = f"there is no node set '{name}', nor another set or body; known are {names}"
     raise ModelError(message)

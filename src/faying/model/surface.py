@@ -73,13 +73,13 @@ class Facets:
             bodies=self.bodies[chosen],
         )
 
-    def joined(self, other: "Facets") -> "Facets":
+    def joined(self, following: "Facets") -> "Facets":
         """Return these facets followed by the other ones."""
         return Facets(
-            nodes=np.concatenate([self.nodes, other.nodes]),
-            elements=np.concatenate([self.elements, other.elements]),
-            properties=np.concatenate([self.properties, other.properties]),
-            bodies=np.concatenate([self.bodies, other.bodies]),
+            nodes=np.concatenate([self.nodes, following.nodes]),
+            elements=np.concatenate([self.elements, following.elements]),
+            properties=np.concatenate([self.properties, following.properties]),
+            bodies=np.concatenate([self.bodies, following.bodies]),
         )
 
 

@@ -32,9 +32,9 @@ class Temperature:
     parts: Mapping[str | int, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        told = (self.reference, self.uniform or 0.0, *self.parts.values())
-        if not np.isfinite(told).all():
-            message = f"a temperature of {told} is not finite; give numbers"
+        temperatures = (self.reference, self.uniform or 0.0, *self.parts.values())
+        if not np.isfinite(temperatures).all():
+            message = f"a temperature of {temperatures} is not finite; give numbers"
             raise ModelError(message)
 
 
@@ -111,8 +111,8 @@ def _changes(
     ids: Vector,
 ) -> Vector:
     """Return the change of temperature (n,) of elements."""
-    rest = temperature.reference if temperature.uniform is None else temperature.uniform
-    values, named = np.full(len(ids), rest), np.zeros(len(ids), dtype=bool)
+    elsewhere = temperature.reference if temperature.uniform is None else temperature.uniform
+    values, named = np.full(len(ids), elsewhere), np.zeros(len(ids), dtype=bool)
     for name, value in temperature.parts.items():
         if isinstance(name, str) and name in bolts:
             chosen = np.isin(ids, list(bolts[name]))
@@ -123,9 +123,10 @@ def _changes(
             chosen = np.isin(ids, elements_named(assembly, [name], "the parts of the temperature"))
         twice = chosen & named & (values != value)
         if twice.any():
-            at = int(np.flatnonzero(twice)[0])
+            repeated = int(np.flatnonzero(twice)[0])
             message = (
-                f"element {ids[at]} of '{name}' has the temperatures {values[at]:g} and {value:g}; "
+                f"element {ids[repeated]} of '{name}' has the temperatures {values[repeated]:g} "
+                f"and {value:g}; "
                 "let each part have one"
             )
             raise ModelError(message)

@@ -55,14 +55,18 @@ def expansion_forces(
         shapes = temperature_shapes(element)
         for number in np.unique(block.properties).tolist():
             if number in strains:
-                one = assembly.materials[number]
-                law = one.law or isotropic_law(one.youngs_modulus, one.poissons_ratio)
+                material = assembly.materials[number]
+                law = material.law or isotropic_law(
+                    material.youngs_modulus, material.poissons_ratio
+                )
                 stress = prevented(law, (directions or {}).get(number, _ALL_DIRECTIONS))
                 rows = np.flatnonzero(block.properties == number)
                 for part in np.array_split(rows, len(rows) // _AT_ONCE + 1):
                     cells = block.nodes[part]
-                    before, after = (one[cells] @ shapes.T for one in (initial, final))
-                    strain = strains[number](after) - strains[number](before)
+                    initial_strains, final_strains = (
+                        material[cells] @ shapes.T for material in (initial, final)
+                    )
+                    strain = strains[number](final_strains) - strains[number](initial_strains)
                     of_cells = free_strain_forces(
                         element, assembly.mesh.nodes[cells], stress, strain
                     )
@@ -78,7 +82,10 @@ def stretching_forces(assembly: Assembly, strains: Vector) -> Matrix:
     ends = np.array([beam.nodes for beam in beams], dtype=np.int64).reshape(-1, 2)
     along = assembly.mesh.nodes[ends[:, 1]] - assembly.mesh.nodes[ends[:, 0]]
     stiffness = np.array(
-        [one.section.axial_factor * one.section.area * one.material.youngs_modulus for one in beams]
+        [
+            member.section.axial_factor * member.section.area * member.material.youngs_modulus
+            for member in beams
+        ]
     )
     pull = (stiffness * strains[stretched] / np.linalg.norm(along, axis=1))[:, None] * along
     np.add.at(forces[:, :3], ends[:, 0], -pull)

@@ -95,9 +95,9 @@ def attachment_modes(
     kind, basis = ModeKind.ATTACHMENT, start
     carried = np.hstack([M @ structure.constraint_modes, model.pattern_forces.T])
     for _ in range(moments):
-        before = len(basis)
+        n_modes = len(basis)
         basis = basis.extended(structure.solve_held(carried), kind, K)
-        carried = M @ basis.vectors[:, before:]
+        carried = M @ basis.vectors[:, n_modes:]
     basis = basis.extended(structure.solve_held(dense(P.T)), kind, K)
     return refined_basis(model, basis, refined)
 

@@ -74,9 +74,9 @@ class Basis(Shown):
     def __len__(self) -> int:
         return len(self.kinds)
 
-    def __add__(self, other: "Basis") -> "Basis":
+    def __add__(self, following: "Basis") -> "Basis":
         return Basis(
-            vectors=np.hstack([self.vectors, other.vectors]), kinds=self.kinds + other.kinds
+            vectors=np.hstack([self.vectors, following.vectors]), kinds=self.kinds + following.kinds
         )
 
     def count(self, kind: ModeKind) -> int:
@@ -94,10 +94,10 @@ class Basis(Shown):
         shorter basis is part of a longer one.
         """
         is_joint = np.array([kind is ModeKind.JOINT for kind in self.kinds])
-        kept = ~is_joint | (np.cumsum(is_joint) <= count)
+        selected = ~is_joint | (np.cumsum(is_joint) <= count)
         return Basis(
-            vectors=self.vectors[:, kept],
-            kinds=tuple(kind for kind, keep in zip(self.kinds, kept, strict=True) if keep),
+            vectors=self.vectors[:, selected],
+            kinds=tuple(kind for kind, keep in zip(self.kinds, selected, strict=True) if keep),
         )
 
     def extended(self, shapes: Matrix, kind: ModeKind, K: SparseMatrix) -> "Basis":
@@ -111,15 +111,15 @@ class Basis(Shown):
             Of what they add, which is orthonormal in K, like those of this basis that vanish on
             the boundary. The basis itself stays as it is.
         """
-        known = self.of_kind(*VANISHING)
+        vanishing = self.of_kind(*VANISHING)
         energies = np.einsum("ij,ij->j", shapes, K @ shapes)
         new = shapes[:, energies > 0] / np.sqrt(energies[energies > 0])
         for _ in range(2):
-            new = new - known @ (known.T @ (K @ new))
+            new = new - vanishing @ (vanishing.T @ (K @ new))
             gram = new.T @ (K @ new)
             parts, directions = np.linalg.eigh((gram + gram.T) / 2)
-            kept = parts > NEW
-            new = new @ (directions[:, kept] / np.sqrt(parts[kept]))
+            added = parts > NEW
+            new = new @ (directions[:, added] / np.sqrt(parts[added]))
         return self + Basis(vectors=new, kinds=(kind,) * new.shape[1])
 
     def orthonormalized(self, K: SparseMatrix) -> "Basis":

@@ -41,13 +41,13 @@ class ReducedContact:
         self, forces: Vector, free_gap: Vector, iterations: int
     ) -> tuple[ContactForces, ContactState]:
         """Return forces with the slack that they leave, which need not fit them."""
-        found = ContactForces(
+        solved = ContactForces(
             forces=forces,
             slack=self.flexibility @ forces + free_gap,
             active=forces > 0,
             iterations=iterations,
         )
-        return found, ContactState(active=found.active)
+        return solved, ContactState(active=solved.active)
 
     @property
     def frictional(self) -> NoReturn:
@@ -92,7 +92,7 @@ def with_static_contact(model: AnyModel, static_contact: ContactSolver) -> AnyMo
     static_contact
         The reduced contact problem; its forces are those of all contact points.
     """
-    made = copy(model)
+    model_copy = copy(model)
     # What a model forms on first use and keeps is given to the copy instead.
-    vars(made)["static_contact"] = static_contact
-    return made
+    vars(model_copy)["static_contact"] = static_contact
+    return model_copy

@@ -112,12 +112,12 @@ class Method:
         """Whether it can be integrated in time, not only solved statically."""
         return self.forces is None
 
-    def counts(self, basis: Basis, wanted: Sequence[int]) -> list[int]:
+    def counts(self, basis: Basis, sizes: Sequence[int]) -> list[int]:
         """Return the sizes it is built at: joint modes as far as there are any, or 0 without."""
         if self.forces is not None:
-            return list(wanted)
+            return list(sizes)
         available = basis.count(ModeKind.JOINT) if self.joint_modes else 0
-        return sorted({min(count, available) for count in wanted}) if available else [0]
+        return sorted({min(count, available) for count in sizes}) if available else [0]
 
     def reduced(self, model: Model, basis: Basis, contact_forces: Matrix, count: int) -> System:
         """Return the reduced model of a size, without what recovers pressures.

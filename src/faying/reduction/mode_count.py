@@ -87,19 +87,19 @@ def check_modes(structure: Structure, modes: NormalModes) -> ModeCount | None:
     gap = _last_gap([*modes.frequencies.tolist(), modes.next_frequency])
     if gap is None:
         return None
-    found, below = gap
+    count, below = gap
     try:
         counted = _count(structure, below)
     except (InertiaError, NotEnoughMemoryError) as error:
-        return ModeCount(below=below, found=found, reason=str(error))
-    if counted != found:
+        return ModeCount(below=below, found=count, reason=str(error))
+    if counted != count:
         message = (
-            f"{found} fixed-interface normal modes were computed below {below:g}, where there are "
+            f"{count} fixed-interface normal modes were computed below {below:g}, where there are "
             f"{counted}: the eigenvalue solver missed some; ask for a few more normal modes, and "
             "if that does not help for fewer"
         )
         raise ConvergenceError(message)
-    return ModeCount(below=below, found=found, counted=counted)
+    return ModeCount(below=below, found=count, counted=counted)
 
 
 def _last_gap(frequencies: list[float]) -> tuple[int, float] | None:

@@ -19,7 +19,7 @@ MOST_COMPONENTS = 6
 """Displacement components of a node: three translations, three rotations."""
 
 
-def check_definite(matrix: Matrix, place: str) -> None:
+def check_definite(matrix: Matrix, entry: str) -> None:
     """Refuse a symmetric matrix with negative eigenvalues, that contact problems never end with.
 
     Raises
@@ -31,15 +31,15 @@ def check_definite(matrix: Matrix, place: str) -> None:
     if largest == 0:
         return
     if np.abs(matrix - matrix.T).max() > ROUND_OFF * largest:
-        message = f"'{place}' is not symmetric"
+        message = f"'{entry}' is not symmetric"
         raise ValueError(message)
-    own = np.diag(matrix)
+    diagonal = np.diag(matrix)
     # Coordinates have units of their own; a sign does not depend on them.
-    scale = 1 / np.sqrt(np.where(own > np.finfo(float).eps * largest, own, largest))
+    scale = 1 / np.sqrt(np.where(diagonal > np.finfo(float).eps * largest, diagonal, largest))
     try:
         np.linalg.cholesky(matrix * scale * scale[:, None] + ROUND_OFF * np.eye(len(matrix)))
     except np.linalg.LinAlgError:
-        message = f"'{place}' has negative eigenvalues"
+        message = f"'{entry}' has negative eigenvalues"
         raise ValueError(message) from None
 
 
@@ -63,7 +63,7 @@ def check_finite(group: h5py.Group) -> None:
     group.visititems(look)
 
 
-def check_distinct(indices: Indices, length: int, place: str) -> None:
+def check_distinct(indices: Indices, length: int, entry: str) -> None:
     """Refuse indices beyond a length, and one that is there twice.
 
     Raises
@@ -71,14 +71,14 @@ def check_distinct(indices: Indices, length: int, place: str) -> None:
     ValueError
     """
     if len(indices) and not 0 <= indices.min() <= indices.max() < length:
-        message = f"'{place}' points beyond the {length} coordinates"
+        message = f"'{entry}' points beyond the {length} coordinates"
         raise ValueError(message)
     if len(np.unique(indices)) < len(indices):
-        message = f"'{place}' names a coordinate twice"
+        message = f"'{entry}' names a coordinate twice"
         raise ValueError(message)
 
 
-def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, place: str) -> None:
+def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: str) -> None:
     """Refuse degrees of freedom of nodes that are not there, of no component, or there twice.
 
     Raises
@@ -87,13 +87,13 @@ def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, place: st
     """
     missing = nodes[~np.isin(nodes, mesh.node_ids)]
     if len(missing):
-        message = f"'{place}/nodes' names node {missing[0]}, which is not among the nodes"
+        message = f"'{entry}/nodes' names node {missing[0]}, which is not among the nodes"
         raise ValueError(message)
     if len(components) and not 0 <= components.min() <= components.max() < MOST_COMPONENTS:
-        message = f"'{place}/components' holds others than 0 to {MOST_COMPONENTS - 1}"
+        message = f"'{entry}/components' holds others than 0 to {MOST_COMPONENTS - 1}"
         raise ValueError(message)
     if len(np.unique(np.stack([nodes, components]), axis=1).T) < len(nodes):
-        message = f"'{place}' names a degree of freedom twice"
+        message = f"'{entry}' names a degree of freedom twice"
         raise ValueError(message)
 
 
@@ -117,9 +117,9 @@ def check_surfaces(interfaces: Mapping[str, ContactSurface], mesh: MeshShapes) -
             "stuck": (n_pair,),
         }
         for name, shape in shapes.items():
-            found = np.shape(getattr(surface, name))
-            if found != shape:
-                message = f"'/interfaces/{interface}/{name}' has shape {found}, expected {shape}"
+            present = np.shape(getattr(surface, name))
+            if present != shape:
+                message = f"'/interfaces/{interface}/{name}' has shape {present}, expected {shape}"
                 raise ValueError(message)
         nodes = surface.pairs
         if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(mesh.nodes):

@@ -84,14 +84,14 @@ def load(path: Path | str) -> ReducedModel:
         damaged.
     """
     with described_file(Path(path), MODEL) as file:
-        for place in _MEMBERS:
-            if isinstance(file.get(place), h5py.Group):
-                check_finite(file[place])
+        for entry in _MEMBERS:
+            if isinstance(file.get(entry), h5py.Group):
+                check_finite(file[entry])
         name, method, units = (_text(file, key) for key in ("name", "method", "units"))
         interfaces = read_member(member(file, "interfaces"), Mapping[str, ContactSurface], TABLES)
         forces = {
-            bolt: float(numbers(one, "initial_force", ()))
-            for bolt, one in items(member(file, "bolts"))
+            bolt: float(numbers(connection, "initial_force", ()))
+            for bolt, connection in items(member(file, "bolts"))
         }
         ids = numbers(file, "node_ids", dtype=np.int64)
         mesh = MeshShapes(
@@ -127,10 +127,10 @@ def read_ports(
 ) -> ReducedModel:
     """Return what the models of a file have in common, as a model without coordinates."""
     boundaries, first = {}, 0
-    for name, one in items(member(group, "boundaries")):
-        nodes = numbers(one, "nodes", dtype=np.int64)
-        components = numbers(one, "components", nodes.shape, np.int64)
-        check_nodes(nodes, components, mesh, one.name)
+    for name, boundary in items(member(group, "boundaries")):
+        nodes = numbers(boundary, "nodes", dtype=np.int64)
+        components = numbers(boundary, "components", nodes.shape, np.int64)
+        check_nodes(nodes, components, mesh, boundary.name)
         dofs = np.arange(first, first + len(nodes))
         boundaries[name] = Boundary(name=name, nodes=nodes, components=components, dofs=dofs)
         first += len(nodes)
@@ -217,9 +217,9 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
     seen = numbers(group, "relative", (n_relative, n))
     rows = numbers(group, "elongations", (len(joint.bolts), n))
     places = boundary_slices(joint.boundaries)
-    n_boundary = sum(len(one.dofs) for one in joint.boundaries.values())
-    at = numbers(group, "boundary", (n_boundary,), np.int64)
-    check_distinct(at, n, f"{group.name}/boundary")
+    n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
+    dofs = numbers(group, "boundary", (n_boundary,), np.int64)
+    check_distinct(dofs, n, f"{group.name}/boundary")
     loads = _optional(group, "pattern_forces", (len(joint.load_patterns), n))
     motions = rigid_motions_of(group, n)
     check_definite(shifted(K, M @ motions), f"{group.name}/stiffness")
@@ -243,21 +243,22 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
             residual_compliance=frozen(residual) if isinstance(residual, np.ndarray) else residual,
         ),
         boundaries={
-            name: one.with_dofs(at[places[name]]) for name, one in joint.boundaries.items()
+            name: boundary.with_dofs(dofs[places[name]])
+            for name, boundary in joint.boundaries.items()
         },
         bolts={
             name: replace(
-                one,
+                boundary,
                 elongation=row,
                 bending=moments_of(group, "bending", name, n),
                 residual_bending=moments_of(group, "residual_bending", name, n_relative),
             )
-            for (name, one), row in zip(joint.bolts.items(), rows, strict=True)
+            for (name, boundary), row in zip(joint.bolts.items(), rows, strict=True)
         },
         basis=Basis(vectors=np.zeros((0, n)), kinds=kinds),
         load_patterns={
-            name: replace(one, forces=row)
-            for (name, one), row in zip(joint.load_patterns.items(), loads, strict=True)
+            name: replace(boundary, forces=row)
+            for (name, boundary), row in zip(joint.load_patterns.items(), loads, strict=True)
         }
         if loads is not None
         else {},
@@ -361,8 +362,8 @@ def study_of(path: Path | str) -> str:
         As :func:`load`.
     """
     with described_file(Path(path), MODEL) as file:
-        made = member(file, "provenance")
-        return _text(made, "study") if "study" in made else ""
+        provenance = member(file, "provenance")
+        return _text(provenance, "study") if "study" in provenance else ""
 
 
 PRELOAD_PATH = "preload_path"
@@ -380,13 +381,14 @@ def preload_path_of(path: Path | str) -> list[dict[str, float]] | None:
         As :func:`load`.
     """
     with described_file(Path(path), MODEL) as file:
-        made = member(file, "provenance")
-        if PRELOAD_PATH not in made:
+        provenance = member(file, "provenance")
+        if PRELOAD_PATH not in provenance:
             return None
-        text = _text(made, PRELOAD_PATH)
+        text = _text(provenance, PRELOAD_PATH)
     try:
         return [
-            {str(name): float(force) for name, force in one.items()} for one in json.loads(text)
+            {str(name): float(force) for name, force in forces.items()}
+            for forces in json.loads(text)
         ]
     except (ValueError, TypeError, AttributeError) as error:
         message = f"{path}: /provenance/{PRELOAD_PATH} is not a list of bolt forces; {error}"

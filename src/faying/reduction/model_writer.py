@@ -69,8 +69,8 @@ def write_model(rom: ModelData, path: Path, *, shapes: bool, provenance: Mapping
         "interfaces": rom.interfaces,
         "laws": {name: _law(law) for name, law in rom.contact.laws.items()},
         "period": rom.period,
-        "bolts": {name: {"initial_force": one.initial_force} for name, one in rom.bolts.items()},
-        "bolt_ends": {n: one.ends for n, one in rom.bolts.items() if one.ends is not None},
+        "bolts": {name: {"initial_force": bolt.initial_force} for name, bolt in rom.bolts.items()},
+        "bolt_ends": {n: bolt.ends for n, bolt in rom.bolts.items() if bolt.ends is not None},
         "provenance": {
             "python": platform.python_version(),
             "numpy": np.__version__,
@@ -107,8 +107,8 @@ def write_models(
         inner = new_group(reduced, method, _MODELS)
         for count, rom in sizes.items():
             columns = None if shapes is None or rom.mesh.vectors is not shapes else rom.mesh.columns
-            own = new_group(inner, str(count), _REDUCED)
-            write_members(own, _members(rom, columns), COORDINATES, units)
+            entry = new_group(inner, str(count), _REDUCED)
+            write_members(entry, _members(rom, columns), COORDINATES, units)
     if shapes is not None:
         nodal_shapes = shapes.T.reshape(-1, len(everyone[0].mesh.nodes), 3)
         write_members(file, {"shapes": nodal_shapes}, {"shapes": _SHAPES}, units)
@@ -116,11 +116,11 @@ def write_models(
 
 def _law(law: Law) -> dict[str, Any]:
     """Return name and parameters of a law, one of which may be a law itself."""
-    own = {
+    parameters = {
         name: _law(value) if hasattr(value, "admissible") else value
         for name, value in vars(law).items()
     }
-    return {"law": law.name, **own}
+    return {"law": law.name, **parameters}
 
 
 def _compliance(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
@@ -164,7 +164,8 @@ def _port_members(rom: ModelData) -> dict[str, Any]:
 def _bolts_of_patterns(rom: ModelData) -> Matrix | None:
     """Return what load patterns add to the forces of bolts (n_pattern, n_bolt); None if nothing."""
     rows = [
-        [one.bolt_forces.get(bolt, 0.0) for bolt in rom.bolts] for one in rom.load_patterns.values()
+        [pattern.bolt_forces.get(bolt, 0.0) for bolt in rom.bolts]
+        for pattern in rom.load_patterns.values()
     ]
     return np.array(rows) if any(map(any, rows)) else None
 
@@ -195,9 +196,9 @@ def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
         "residual_compliance": _compliance(rom.contact.residual_compliance),
         "trial_vectors": vectors if shapes and len(vectors) else None,
         "translations": mesh.translations if shapes else None,
-        "bending": _moments({name: one.bending for name, one in rom.bolts.items()}),
+        "bending": _moments({name: bolt.bending for name, bolt in rom.bolts.items()}),
         "residual_bending": _moments(
-            {name: one.residual_bending for name, one in rom.bolts.items()}
+            {name: bolt.residual_bending for name, bolt in rom.bolts.items()}
         ),
         "weak_supports": rom.weak_supports or None,
         "nodal_shapes": mesh.modes if shapes and mesh.translations is None else None,
@@ -206,4 +207,4 @@ def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
 
 def _moments(rows: Mapping[str, Any]) -> dict[str, Matrix] | None:
     """Return the rows there are, by bolt; None without any."""
-    return {name: np.asarray(one) for name, one in rows.items() if one is not None} or None
+    return {name: np.asarray(row) for name, row in rows.items() if row is not None} or None

@@ -67,8 +67,8 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
     if count == 0:
         return NormalModes(vectors=vectors, frequencies=np.empty(0), next_frequency=np.inf)
     K, M = structure.interior_stiffness, structure.M[inner][:, inner]
-    squares, found = lowest_modes(K, M, structure.interior_factor, min(count + 1, len(inner)))
-    vectors[inner] = found[:, :count]
+    squares, modes = lowest_modes(K, M, structure.interior_factor, min(count + 1, len(inner)))
+    vectors[inner] = modes[:, :count]
     frequencies = np.append(np.sqrt(squares) / (2 * np.pi), np.inf)
     return NormalModes(
         vectors=vectors, frequencies=frequencies[:count], next_frequency=float(frequencies[count])
@@ -101,8 +101,8 @@ def lowest_modes(
         moved = factor.solve(root)
         inverse, vectors = la.eigh(root.T @ moved)
         # What has no mass, or is rigid, comes out at round-off: no vibration is faster.
-        least = np.finfo(float).eps * inverse.max()
-        squares = 1.0 / np.maximum(inverse[::-1][:count], least)
+        threshold = np.finfo(float).eps * inverse.max()
+        squares = 1.0 / np.maximum(inverse[::-1][:count], threshold)
         return squares, moved @ vectors[:, ::-1][:, :count] * squares
     start = np.random.default_rng(0).standard_normal(n)  # fixed, so that runs repeat
     operator = spla.LinearOperator((n, n), matvec=factor.solve, dtype=float)

@@ -108,9 +108,9 @@ def _checked(snapshots: Matrix) -> Matrix:
 
 def _truncated(vectors: Matrix, values: Vector, count: int | None, rank: float) -> Pod:
     significant = int(np.count_nonzero(values > rank * values[0]))
-    kept = significant if count is None else min(count, significant)
+    n_kept = significant if count is None else min(count, significant)
     return Pod(
-        vectors=vectors[:, :kept],
-        singular_values=values[:kept],
-        discarded=float((values[kept:] ** 2).sum() / (values**2).sum()),
+        vectors=vectors[:, :n_kept],
+        singular_values=values[:n_kept],
+        discarded=float((values[n_kept:] ** 2).sum() / (values**2).sum()),
     )

@@ -50,12 +50,12 @@ def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:
     return PortableJoint(
         contact=replace(joint.contact, relative_operator=without, residual_compliance=None),
         boundaries={
-            name: one.with_dofs(np.arange(places[name].start, places[name].stop))
-            for name, one in joint.boundaries.items()
+            name: port.with_dofs(np.arange(places[name].start, places[name].stop))
+            for name, port in joint.boundaries.items()
         },
-        bolts={name: one.at_ports() for name, one in joint.bolts.items()},
+        bolts={name: port.at_ports() for name, port in joint.bolts.items()},
         port_compliance=ports,
         load_patterns={
-            name: replace(one, forces=np.zeros(0)) for name, one in joint.load_patterns.items()
+            name: replace(port, forces=np.zeros(0)) for name, port in joint.load_patterns.items()
         },
     )

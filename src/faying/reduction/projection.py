@@ -63,12 +63,12 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
     ports = _ports(model)
     if ports is None:
         return rom
-    known = supported_operator(model, basis)
+    operator = supported_operator(model, basis)
     return replace(
         rom,
         ports=ports,
-        recovery_inertia=known.inertia,
-        recovery_damping=known.damping,
+        recovery_inertia=operator.inertia,
+        recovery_damping=operator.damping,
         tangential=tangential_rows(model),
     )
 
@@ -79,14 +79,14 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
     M, C, K = _matrices(model, phi)
     residual: Compliance | None = None
     bending: dict[str, Matrix] = {}
-    held: dict[str, Matrix] = {}
+    residuals: dict[str, Matrix] = {}
     if compliance:
         stiffness = _held_stiffness(model, basis)
         residual = _residual_compliance(model, basis, stiffness)
-        moments = {n: one.bending for n, one in model.bolts.items() if one.bending is not None}
+        moments = {n: port.bending for n, port in model.bolts.items() if port.bending is not None}
         bending = _residuals(model, basis, stiffness, moments)
-        forces = {body: one.forces for body, one in model.weak_supports.items()}
-        held = _residuals(model, basis, stiffness, forces)
+        forces = {body: port.forces for body, port in model.weak_supports.items()}
+        residuals = _residuals(model, basis, stiffness, forces)
     return ReducedModel(
         M=M,
         C=C,
@@ -103,11 +103,11 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
         },
         rigid_motions=_rigid_motions(model, phi),
         weak_supports={
-            body: replace(one.projected(phi), residual_forces=held.get(body))
-            for body, one in model.weak_supports.items()
+            body: replace(port.projected(phi), residual_forces=residuals.get(body))
+            for body, port in model.weak_supports.items()
         },
         basis=basis,
-        load_patterns={name: one.projected(phi) for name, one in model.load_patterns.items()},
+        load_patterns={name: port.projected(phi) for name, port in model.load_patterns.items()},
         name=model.name,
         units=model.units,
         method=_method(basis, compliance=compliance),
@@ -173,28 +173,32 @@ def completed(
     # The shortest first, for shapes are kept as far as there is room.
     order = sorted(models, key=lambda rom: len(rom.basis))
     together, columns = _shared_vectors([rom.basis for rom in order])
-    known, frame = supported_operator(model, together), frame_operator(model)
-    ends = [int(at.max(initial=-1)) + 1 for at in columns]
-    each = 24 * model.dofs.n_nodes
-    kept = max((end for end in ends if end * each <= most_bytes), default=0)
-    shapes = nodal_shapes(model, together, kept * each)
+    operator, frame = supported_operator(model, together), frame_operator(model)
+    ends = [int(columns_of_rom.max(initial=-1)) + 1 for columns_of_rom in columns]
+    row_bytes = 24 * model.dofs.n_nodes
+    end_stored = max((end for end in ends if end * row_bytes <= most_bytes), default=0)
+    shapes = nodal_shapes(model, together, end_stored * row_bytes)
     invariants = mass_invariants(model, together.vectors[:, : len(shapes)], shapes)
     rows = shapes.reshape(len(shapes), -1).T
-    found: dict[int, ReducedModel] = {}
-    for rom, at, end in zip(order, columns, ends, strict=True):
-        fields = np.concatenate([np.arange(4), (4 + 3 * at[:, None] + np.arange(3)).ravel()])
-        fits = end <= kept
-        found[id(rom)] = replace(
+    roms: dict[int, ReducedModel] = {}
+    for rom, columns_of_rom, end in zip(order, columns, ends, strict=True):
+        fields = np.concatenate(
+            [np.arange(4), (4 + 3 * columns_of_rom[:, None] + np.arange(3)).ravel()]
+        )
+        fits = end <= end_stored
+        roms[id(rom)] = replace(
             rom,
             ports=ports,
-            recovery_inertia=known.inertia[:, at],
-            recovery_damping=known.damping[:, at],
+            recovery_inertia=operator.inertia[:, columns_of_rom],
+            recovery_damping=operator.damping[:, columns_of_rom],
             recovery_frame=frame,
             invariants=invariants[np.ix_(fields, fields)] if fits else None,
             tangential=tangential,
-            mesh=replace(rom.mesh, vectors=rows if fits else None, columns=at, translations=None),
+            mesh=replace(
+                rom.mesh, vectors=rows if fits else None, columns=columns_of_rom, translations=None
+            ),
         )
-    return [found[id(rom)] for rom in models]
+    return [roms[id(rom)] for rom in models]
 
 
 def nodal_shapes(model: Model, basis: Basis, most_bytes: int = MOST_SHAPE_BYTES) -> Matrix:
@@ -291,9 +295,9 @@ def _residuals(
     """
     if not rows:
         return {}
-    stacked = np.vstack([sp.csr_array(some).toarray() for some in rows.values()])
+    stacked = np.vstack([sp.csr_array(matrix).toarray() for matrix in rows.values()])
     seen = model.structure.relative_operator @ _beyond(model, basis, stiffness, stacked.T)
-    ends = np.cumsum([some.shape[0] for some in rows.values()])[:-1]
+    ends = np.cumsum([matrix.shape[0] for matrix in rows.values()])[:-1]
     residuals: Matrix = frozen(np.ascontiguousarray(seen.T))
     return dict(zip(rows, np.split(residuals, ends), strict=True))
 
@@ -301,9 +305,9 @@ def _residuals(
 def _beyond(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Matrix:
     """Return displacements (n_dof, n) under forces, boundary held, that a basis lacks."""
     fixed = basis.of_kind(*VANISHING)
-    held = model.structure.solve_held(forces)
+    statics = model.structure.solve_held(forces)
     shares = np.linalg.solve(stiffness, fixed.T @ forces)
-    beyond: Matrix = held - fixed @ shares
+    beyond: Matrix = statics - fixed @ shares
     return beyond
 
 
@@ -355,10 +359,10 @@ def _held_stiffness(model: Model, basis: Basis) -> Matrix:
 
 def _rigid_motions(model: Model, phi: Matrix) -> Matrix:
     """Return R (n_mode, n_motion) in coordinates of a basis that has them."""
-    motions, held = model.rigid_motions, model.structure.supported_stiffness
+    motions, stiffness = model.rigid_motions, model.structure.supported_stiffness
     if not motions.shape[1]:
         return np.zeros((phi.shape[1], 0))
-    return factorize(_projection(held, phi)).solve(phi.T @ (held @ motions))
+    return factorize(_projection(stiffness, phi)).solve(phi.T @ (stiffness @ motions))
 
 
 def _boundaries(model: Model, basis: Basis) -> dict[str, Boundary]:

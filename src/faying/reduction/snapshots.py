@@ -136,11 +136,11 @@ def step_snapshots(
     """
     solver = transient_solver(system, step=step, integrator=integrator)
     together = runs_at_once(system, round(duration / step) + 1)
-    found = [
+    solutions = [
         run.contact_forces
         for first in range(0, len(loads), together)
         for run in solver.solve_cases(
             loads[first : first + together], duration=duration, progress=progress
         )
     ]
-    return np.concatenate(found).T
+    return np.concatenate(solutions).T

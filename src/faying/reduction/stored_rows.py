@@ -19,22 +19,22 @@ def tangential_of(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows,
     group = member(file, "ports")
     if "tangential" not in group:
         return ()
-    found: tuple[TangentialRows, ...] = read_member(
+    rows: tuple[TangentialRows, ...] = read_member(
         member(group, "tangential"), tuple[TangentialRows, ...], TABLES
     )
     n_relative = int(joint.contact.relative_operator.shape[0])
     n_input = len(boundary_dofs(joint.boundaries)) + len(joint.bolts) + len(joint.load_patterns)
-    for one in found:
-        known = one.interface in joint.interfaces and one.bolt in ("", *joint.bolts)
+    for row in rows:
+        refers = row.interface in joint.interfaces and row.bolt in ("", *joint.bolts)
         shapes = ((3, n_input), (3, n_relative))
-        fits = bool(one.unknown) or (one.per_input.shape, one.per_pair.shape) == shapes
-        if not (known and fits) or (one.origin.shape, one.tangents.shape) != ((3,), (2, 3)):
+        fits = bool(row.unknown) or (row.per_input.shape, row.per_pair.shape) == shapes
+        if not (refers and fits) or (row.origin.shape, row.tangents.shape) != ((3,), (2, 3)):
             message = (
-                f"/ports/tangential of interface '{one.interface}', bolt '{one.bolt}' does not fit "
+                f"/ports/tangential of interface '{row.interface}', bolt '{row.bolt}' does not fit "
                 f"{n_input} inputs and {n_relative} pairs"
             )
             raise ValueError(message)
-    return found
+    return rows
 
 
 def moments_of(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | None:
@@ -60,16 +60,16 @@ def weak_supports_of(group: h5py.Group, n: int, n_relative: int) -> dict[str, We
     """Return the weak springs of bodies, where the file has any."""
     if "weak_supports" not in group:
         return {}
-    found: dict[str, WeakSupport] = read_member(
+    supports: dict[str, WeakSupport] = read_member(
         member(group, "weak_supports"), Mapping[str, WeakSupport], TABLES
     )
-    for body, one in found.items():
-        residual, n_row = one.residual_forces, 3 * len(one.nodes)
+    for body, support in supports.items():
+        residual, n_row = support.residual_forces, 3 * len(support.nodes)
         fits = residual is None or residual.shape == (n_row, n_relative)
-        if one.forces.shape != (n_row, n) or one.nodes.shape[1:] != (2,) or not fits:
+        if support.forces.shape != (n_row, n) or support.nodes.shape[1:] != (2,) or not fits:
             message = (
                 f"'{group.name}/weak_supports' of '{body}' do not fit {n} coordinates and "
                 f"{n_relative} pairs"
             )
             raise ValueError(message)
-    return found
+    return supports

@@ -62,11 +62,11 @@ def _gap_products(model: Model, basis: Basis) -> Matrix:
     contact = model.contact
     gaps = contact.interpolation @ (contact.relative_operator @ basis.vectors)
     size = np.sqrt(contact.weights @ gaps**2 / contact.weights.sum())
-    kept = size > 1e-9 * size.max(initial=0.0)
-    if not kept.any():
+    significant = size > 1e-9 * size.max(initial=0.0)
+    if not significant.any():
         message = "no vector of the classic basis opens or closes an interface; add normal modes"
         raise ModelError(message)
-    unit = gaps[:, kept] / size[kept]
+    unit = gaps[:, significant] / size[significant]
     first, second = np.triu_indices(unit.shape[1])
     products: Matrix = unit[:, first] * unit[:, second]
     return products

@@ -97,27 +97,27 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
     return path, second
 
 
-def _fmi2(given: Description) -> dict[str, bytes]:
+def _fmi2(description: Description) -> dict[str, bytes]:
     sources = _sources("fmi2.c")
     # A source distribution must name its functions after the model.
-    prefix = f"#define FMI2_FUNCTION_PREFIX {given.identifier}_\n"
+    prefix = f"#define FMI2_FUNCTION_PREFIX {description.identifier}_\n"
     sources["sources/identifier.h"] = prefix.encode()
     return {
-        "modelDescription.xml": fmi2_description(given),
-        "documentation/index.html": _page(given, 2),
+        "modelDescription.xml": fmi2_description(description),
+        "documentation/index.html": _page(description, 2),
         **sources,
-        **_binary(given, sources, 2),
+        **_binary(description, sources, 2),
     }
 
 
-def _fmi3(given: Description) -> dict[str, bytes]:
+def _fmi3(description: Description) -> dict[str, bytes]:
     sources = _sources("fmi3.c")
     return {
-        "modelDescription.xml": fmi3_description(given),
-        "documentation/index.html": _page(given, 3),
-        "sources/buildDescription.xml": build_description(given),
+        "modelDescription.xml": fmi3_description(description),
+        "documentation/index.html": _page(description, 3),
+        "sources/buildDescription.xml": build_description(description),
         **sources,
-        **_binary(given, sources, 3),
+        **_binary(description, sources, 3),
     }
 
 
@@ -125,9 +125,11 @@ def _sources(main: str) -> dict[str, bytes]:
     return {f"sources/{name}": (SOURCES / name).read_bytes() for name in (*SHARED, main)}
 
 
-def _binary(given: Description, sources: Mapping[str, bytes], version: int) -> dict[str, bytes]:
+def _binary(
+    description: Description, sources: Mapping[str, bytes], version: int
+) -> dict[str, bytes]:
     """Return the shared library, nothing where it could not be compiled."""
-    name = f"{given.identifier}{suffix()}"
+    name = f"{description.identifier}{suffix()}"
     with tempfile.TemporaryDirectory() as folder:
         for source, text in sources.items():
             (Path(folder) / Path(source).name).write_bytes(text)
@@ -162,17 +164,17 @@ def _step_size(rom: ReducedModel, run: Results | None) -> float:
     return float(np.format_float_scientific(1 / (STEPS_PER_PERIOD * lowest), precision=0))
 
 
-def _page(given: Description, version: int) -> bytes:
+def _page(description: Description, version: int) -> bytes:
     """Return the documentation page: variables, and how to compile."""
-    rows = "\n".join(_row(variable, given) for variable in given.variables)
+    rows = "\n".join(_row(variable, description) for variable in description.variables)
     override = " -DFMI2_OVERRIDE_FUNCTION_PREFIX" if version == 2 else ""
     text = f"""<!DOCTYPE html>
-<html lang="en"><meta charset="utf-8"><title>{escape(given.title)}</title>
-<h1>{escape(given.title)}</h1>
-<p>{escape(given.text)}. Inputs are held over a communication step, which is divided into equal
-internal steps no longer than <code>step_size</code>.</p>
+<html lang="en"><meta charset="utf-8"><title>{escape(description.title)}</title>
+<h1>{escape(description.title)}</h1>
+<p>{escape(description.text)}. Inputs are held over a communication step, which is divided into
+equal internal steps no longer than <code>step_size</code>.</p>
 <p>To compile for another system, in the folder <code>sources</code>:</p>
-<pre>cc -std=c99 -O3 -fPIC -shared{override} fmi{version}.c -o {given.identifier}.so -lm</pre>
+<pre>cc -std=c99 -O3 -fPIC -shared{override} fmi{version}.c -o {description.identifier}.so -lm</pre>
 <p>and put the library into <code>binaries/PLATFORM</code>.</p>
 <table border="1">
 <tr><th>variable<th>causality<th>unit<th>start<th>meaning</tr>
@@ -183,8 +185,8 @@ internal steps no longer than <code>step_size</code>.</p>
     return text.encode()
 
 
-def _row(variable: Variable, given: Description) -> str:
-    unit = given.units[variable.quantity].name if variable.quantity else ""
+def _row(variable: Variable, description: Description) -> str:
+    unit = description.units[variable.quantity].name if variable.quantity else ""
     start = "" if variable.start is None else f"{variable.start:g}"
     size = "" if variable.size is None else f" [{variable.size}]"
     cells = (variable.name + size, variable.causality, unit, start, variable.description)

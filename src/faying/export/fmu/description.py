@@ -41,19 +41,19 @@ class Description:
     step_size: float
 
 
-def fmi2_description(given: Description) -> bytes:
+def fmi2_description(description: Description) -> bytes:
     """Return ``modelDescription.xml`` of FMI 2.0."""
     root = ET.Element(
         "fmiModelDescription",
-        _common(given),
+        _common(description),
         fmiVersion="2.0",
-        guid=given.token,
+        guid=description.token,
         numberOfEventIndicators="0",
     )
     kind = ET.SubElement(
         root,
         "CoSimulation",
-        modelIdentifier=given.identifier,
+        modelIdentifier=description.identifier,
         canHandleVariableCommunicationStepSize="true",
         canInterpolateInputs="true",
         canNotUseMemoryManagementFunctions="true",
@@ -61,11 +61,11 @@ def fmi2_description(given: Description) -> bytes:
         canSerializeFMUstate="true",
     )
     ET.SubElement(ET.SubElement(kind, "SourceFiles"), "File", name="fmi2.c")
-    _add_units(root, given)
+    _add_units(root, description)
     _add_log(root)
-    _add_experiment(root, given)
+    _add_experiment(root, description)
     variables = ET.SubElement(root, "ModelVariables")
-    for variable in given.variables:
+    for variable in description.variables:
         entry = ET.SubElement(
             variables,
             "ScalarVariable",
@@ -73,35 +73,35 @@ def fmi2_description(given: Description) -> bytes:
             name=variable.name,
             valueReference=str(variable.reference),
         )
-        ET.SubElement(entry, TYPES_2[variable.type], _value(variable, given))
+        ET.SubElement(entry, TYPES_2[variable.type], _value(variable, description))
     structure = ET.SubElement(root, "ModelStructure")
     for name in ("Outputs", "InitialUnknowns"):
         section = ET.SubElement(structure, name)
-        for number, variable in enumerate(given.variables, start=1):
+        for number, variable in enumerate(description.variables, start=1):
             if variable.causality == "output":
                 ET.SubElement(section, "Unknown", index=str(number))
     return _text(root)
 
 
-def fmi3_description(given: Description) -> bytes:
+def fmi3_description(description: Description) -> bytes:
     """Return ``modelDescription.xml`` of FMI 3.0."""
     root = ET.Element(
         "fmiModelDescription",
-        _common(given),
+        _common(description),
         fmiVersion="3.0",
-        instantiationToken=given.token,
+        instantiationToken=description.token,
     )
     ET.SubElement(
         root,
         "CoSimulation",
-        modelIdentifier=given.identifier,
+        modelIdentifier=description.identifier,
         canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUState="true",
         canSerializeFMUState="true",
     )
-    _add_units(root, given)
+    _add_units(root, description)
     _add_log(root)
-    _add_experiment(root, given)
+    _add_experiment(root, description)
     variables = ET.SubElement(root, "ModelVariables")
     ET.SubElement(
         variables,
@@ -113,11 +113,11 @@ def fmi3_description(given: Description) -> bytes:
         unit="s",
         description="simulation time",
     )
-    for variable in given.variables:
+    for variable in description.variables:
         entry = ET.SubElement(
             variables,
             TYPES_3[variable.type],
-            _meaning(variable) | _value(variable, given),
+            _meaning(variable) | _value(variable, description),
             name=variable.name,
             valueReference=str(variable.reference),
         )
@@ -125,26 +125,26 @@ def fmi3_description(given: Description) -> bytes:
             ET.SubElement(entry, "Dimension", start=str(variable.size))
     structure = ET.SubElement(root, "ModelStructure")
     for name in ("Output", "InitialUnknown"):
-        for variable in given.variables:
+        for variable in description.variables:
             if variable.causality == "output":
                 ET.SubElement(structure, name, valueReference=str(variable.reference))
     return _text(root)
 
 
-def build_description(given: Description) -> bytes:
+def build_description(description: Description) -> bytes:
     """Return ``sources/buildDescription.xml`` of FMI 3.0."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    build = ET.SubElement(root, "BuildConfiguration", modelIdentifier=given.identifier)
+    build = ET.SubElement(root, "BuildConfiguration", modelIdentifier=description.identifier)
     files = ET.SubElement(build, "SourceFileSet", language="C99")
     ET.SubElement(files, "SourceFile", name="fmi3.c")
     ET.SubElement(build, "Library", name="m")
     return _text(root)
 
 
-def _common(given: Description) -> dict[str, str]:
+def _common(description: Description) -> dict[str, str]:
     return {
-        "modelName": given.title,
-        "description": given.text,
+        "modelName": description.title,
+        "description": description.text,
         "generationTool": f"faying {faying.__version__}",
         "variableNamingConvention": "flat",
     }
@@ -162,10 +162,10 @@ def _meaning(variable: Variable) -> dict[str, str]:
     return meaning
 
 
-def _value(variable: Variable, given: Description) -> dict[str, str]:
+def _value(variable: Variable, description: Description) -> dict[str, str]:
     value: dict[str, str] = {}
     if variable.quantity:
-        value["unit"] = given.units[variable.quantity].name
+        value["unit"] = description.units[variable.quantity].name
     for name, limit in zip(("min", "max"), variable.limits, strict=True):
         if limit is not None:
             value[name] = _number(variable, limit)
@@ -180,10 +180,12 @@ def _number(variable: Variable, value: float) -> str:
     return str(int(value)) if variable.type == "integer" else repr(float(value))
 
 
-def _add_units(root: ET.Element, given: Description) -> None:
+def _add_units(root: ET.Element, description: Description) -> None:
     section = ET.SubElement(root, "UnitDefinitions")
-    used = {variable.quantity for variable in given.variables if variable.quantity} | {"time"}
-    named = {given.units[quantity].name: given.units[quantity] for quantity in sorted(used)}
+    used = {variable.quantity for variable in description.variables if variable.quantity} | {"time"}
+    named = {
+        description.units[quantity].name: description.units[quantity] for quantity in sorted(used)
+    }
     for unit in named.values():
         entry = ET.SubElement(section, "Unit", name=unit.name)
         if unit.factor is not None:
@@ -198,13 +200,13 @@ def _add_log(root: ET.Element) -> None:
     ET.SubElement(section, "Category", name=name, description=text)
 
 
-def _add_experiment(root: ET.Element, given: Description) -> None:
+def _add_experiment(root: ET.Element, description: Description) -> None:
     ET.SubElement(
         root,
         "DefaultExperiment",
         startTime="0.0",
-        stopTime=f"{DEFAULT_STEPS * given.step_size:.12g}",
-        stepSize=repr(given.step_size),
+        stopTime=f"{DEFAULT_STEPS * description.step_size:.12g}",
+        stepSize=repr(description.step_size),
     )
 
 

@@ -22,7 +22,7 @@ MACHINES = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64"
 
 def compiler() -> str | None:
     """Return the path of a C compiler; None if there is none."""
-    return next((found for found in map(shutil.which, COMPILERS) if found), None)
+    return next((path for path in map(shutil.which, COMPILERS) if path), None)
 
 
 def suffix() -> str:

@@ -91,7 +91,7 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         np.empty(0) if residual is None else residual,
         pattern_forces(rom.load_patterns, len(rom.K)),
     ]
-    stops = [0, *(one.stop for one in slices)]
+    stops = [0, *(part.stop for part in slices)]
     indices = [boundary, stops, rows.indptr, rows.indices, shear.indptr, shear.indices]
     payload = b"".join(
         [
@@ -145,9 +145,9 @@ def recovery_file(rom: ReducedModel) -> bytes:
         shear_row_starts=shear.indptr,
         friction=[contact.laws[name].friction for name in contact.slices],
         tangential_penalty=[_tangential_penalty(contact.laws[name]) for name in contact.slices],
-        points=np.concatenate([one.points for one in rom.interfaces.values()]),
+        points=np.concatenate([record.points for record in rom.interfaces.values()]),
         interface_names=np.array(list(contact.slices)),
-        interface_stops=np.array([one.stop for one in contact.slices.values()]),
+        interface_stops=np.array([record.stop for record in contact.slices.values()]),
     )
     return file.getvalue()
 

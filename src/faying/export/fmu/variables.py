@@ -38,13 +38,13 @@ def scalars(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
     ModelError
         If two of them have the same name.
     """
-    found = (
+    variables = (
         *_parameters(rom, defaults),
         *_ports(rom),
         *interface_outputs(rom),
         *_motion(rom, arrays=False),
     )
-    return _distinct(found)
+    return _distinct(variables)
 
 
 def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
@@ -55,19 +55,19 @@ def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
     ModelError
         If two of them have the same name.
     """
-    found = (
+    variables = (
         *_parameters(rom, defaults),
         *_ports(rom),
         *interface_outputs(rom),
         *fields(rom),
         *_motion(rom, arrays=True),
     )
-    return _distinct(found)
+    return _distinct(variables)
 
 
-def _distinct(found: Sequence[Variable]) -> tuple[Variable, ...]:
+def _distinct(variables: Sequence[Variable]) -> tuple[Variable, ...]:
     names = set()
-    for variable in found:
+    for variable in variables:
         if variable.name in names:
             message = (
                 f"two variables of the FMU are both called '{variable.name}'; give boundaries, "
@@ -75,7 +75,7 @@ def _distinct(found: Sequence[Variable]) -> tuple[Variable, ...]:
             )
             raise ModelError(message)
         names.add(variable.name)
-    return tuple(found)
+    return tuple(variables)
 
 
 def _parameters(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
@@ -143,16 +143,16 @@ def _ports(rom: ReducedModel) -> Iterator[Variable]:
         ),
     )
     for kind, names, causality, straight, turned, text in families:
-        for index, (place, component) in enumerate(_places(rom.boundaries.values())):
+        for index, (port, component) in enumerate(_places(rom.boundaries.values())):
             unit = turned if turning[component] else straight
             yield Variable(
-                name=f"{place}.{names[component]}",
+                name=f"{port}.{names[component]}",
                 kind=kind,
                 index=index,
                 causality=causality,
                 quantity=unit,
                 start=0.0 if causality == "input" else None,
-                description=f"{'moment on' if unit is quantities.MOMENT else text} {place}",
+                description=f"{'moment on' if unit is quantities.MOMENT else text} {port}",
             )
         if kind == Kind.FORCE:
             yield from _initial_forces(rom)
@@ -197,11 +197,11 @@ def _factors(rom: ReducedModel) -> Iterator[Variable]:
 def _places(boundaries: Iterable[Boundary]) -> Iterator[tuple[str, int]]:
     """Name each boundary degree of freedom; by node where a boundary has several."""
     for boundary in boundaries:
-        several = len(np.unique(boundary.nodes)) > 1
+        many_nodes = len(np.unique(boundary.nodes)) > 1
         for node, component in zip(
             boundary.nodes.tolist(), boundary.components.tolist(), strict=True
         ):
-            yield (f"{boundary.name}.{node}" if several else boundary.name), component
+            yield (f"{boundary.name}.{node}" if many_nodes else boundary.name), component
 
 
 def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:

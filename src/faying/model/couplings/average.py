@@ -112,8 +112,8 @@ def _inverse(gram: Matrix) -> tuple[Matrix, Matrix]:
 def _check(assembly: Assembly, coupling: AverageCoupling) -> None:
     label = f"average coupling {coupling.id}"
     weights: Vector = coupling.weights
-    given = len(coupling.nodes) and weights.shape == coupling.nodes.shape
-    if not given or not np.all(weights != 0) or not weights.sum() > 0:
+    matching = len(coupling.nodes) and weights.shape == coupling.nodes.shape
+    if not matching or not np.all(weights != 0) or not weights.sum() > 0:
         message = (
             f"{label}: needs at least one node and one positive weight for each node; negative "
             "ones stand only beside larger positive ones"

@@ -27,9 +27,9 @@ def equation_rows(assembly: Assembly) -> Rows:
     rows = np.repeat(np.arange(len(equations)), counts)
     dependent = dofs[np.cumsum(counts) - counts]
     first = dofs == dependent[rows]
-    own = np.bincount(rows[first], coefficient[first], minlength=len(equations))
-    if np.any(own == 0):
-        row = int(np.flatnonzero(own == 0)[0])
+    coefficients = np.bincount(rows[first], coefficient[first], minlength=len(equations))
+    if np.any(coefficients == 0):
+        row = int(np.flatnonzero(coefficients == 0)[0])
         message = (
             f"equation {equations[row].id}: the coefficient of its first term, "
             f"{dof_name(assembly, int(dependent[row]))}, is zero; that term is the dependent one, "
@@ -37,7 +37,7 @@ def equation_rows(assembly: Assembly) -> Rows:
         )
         raise ModelError(message)
     others = ~first
-    values = -coefficient[others] / own[rows[others]]
+    values = -coefficient[others] / coefficients[rows[others]]
     shape = (len(equations), 6 * len(assembly.mesh.nodes))
     return Rows(
         dependent=dependent,

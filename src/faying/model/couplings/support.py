@@ -116,12 +116,12 @@ def _directions(support: Support) -> list[tuple[int, Matrix]]:
     """First component (0 or 3) and held directions (n, 3), for translations and for rotations."""
     axes = np.eye(3) if support.axes is None else np.array(support.axes, dtype=float)
     axes[np.abs(axes) <= _ROUNDING] = 0.0
-    found = []
+    directions = []
     for first in (0, 3):
-        held = sorted({c - first for c in support.components if first <= c < first + 3})
+        supported = sorted({c - first for c in support.components if first <= c < first + 3})
         # All three directions span the basic ones.
-        found.append((first, np.eye(3) if len(held) == 3 else axes[held]))
-    return found
+        directions.append((first, np.eye(3) if len(supported) == 3 else axes[supported]))
+    return directions
 
 
 def _is_basic(directions: Matrix) -> Mask:

@@ -64,8 +64,8 @@ def solid_element(kind: str, formulation: str) -> SolidElement:
         If the kind or the formulation is not known.
     """
     if formulation not in HEX8_FORMULATIONS:
-        known = " or ".join(f"'{name}'" for name in HEX8_FORMULATIONS)
-        message = f"the hex8 formulation is '{formulation}'; it must be {known}"
+        choices = " or ".join(f"'{name}'" for name in HEX8_FORMULATIONS)
+        message = f"the hex8 formulation is '{formulation}'; it must be {choices}"
         raise ModelError(message)
     if kind not in SOLIDS:
         message = f"there is no solid element '{kind}'; known kinds are {', '.join(SOLIDS)}"

@@ -158,8 +158,8 @@ def _local_mass(beam: BeamProperties) -> Matrix:
 
 
 def _put(matrices: Matrix, dofs: tuple[int, ...], block: Matrix) -> None:
-    place = np.array(dofs)
-    matrices[:, place[:, None], place] = block
+    square = np.array(dofs)
+    matrices[:, square[:, None], square] = block
 
 
 def bending_planes(
@@ -182,13 +182,13 @@ def _per_area(inertia: Vector, area: Vector, factor: Vector) -> Vector:
 
 def _bending_stiffness(rigidity: Vector, length: Vector, phi: Vector) -> Matrix:
     scale = rigidity / ((1 + phi) * length**3)
-    slope, near, far = 6 * length, (4 + phi) * length**2, (2 - phi) * length**2
+    slope, same_end, other_end = 6 * length, (4 + phi) * length**2, (2 - phi) * length**2
     twelve = np.full_like(length, 12.0)
     rows = [
         [twelve, slope, -twelve, slope],
-        [slope, near, -slope, far],
+        [slope, same_end, -slope, other_end],
         [-twelve, -slope, twelve, -slope],
-        [slope, far, -slope, near],
+        [slope, other_end, -slope, same_end],
     ]
     return np.array(rows).transpose(2, 0, 1) * scale[:, None, None]
 
@@ -206,22 +206,22 @@ def bending_shapes(length: Vector, phi: Vector) -> tuple[Matrix, Matrix]:
 
     Coefficients of 1, ξ, ξ², ξ³; rows: deflection and rotation of the first, then the second end.
     """
-    zero, one = np.zeros_like(phi), np.ones_like(phi)
+    zero, unity = np.zeros_like(phi), np.ones_like(phi)
     half = phi / 2
     deflection = np.array(
         [
-            [one + phi, -phi, -3 * one, 2 * one],
+            [unity + phi, -phi, -3 * unity, 2 * unity],
             [zero, length * (1 + half), -length * (2 + half), length],
-            [zero, phi, 3 * one, -2 * one],
+            [zero, phi, 3 * unity, -2 * unity],
             [zero, -length * half, -length * (1 - half), length],
         ]
     ).transpose(2, 0, 1)
     rotation = np.array(
         [
             [zero, -6 / length, 6 / length],
-            [one + phi, -(4 + phi), 3 * one],
+            [unity + phi, -(4 + phi), 3 * unity],
             [zero, 6 / length, -6 / length],
-            [zero, -(2 - phi), 3 * one],
+            [zero, -(2 - phi), 3 * unity],
         ]
     ).transpose(2, 0, 1)
     scale = 1 / (1 + phi)[:, None, None]

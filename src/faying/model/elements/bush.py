@@ -29,11 +29,11 @@ def bush_matrices(bushes: Sequence[Bush], nodes: Matrix) -> tuple[Matrix, Matrix
     """
     ends = np.array([bush.nodes for bush in bushes], dtype=np.int64)
     axes = np.array([bush.axes for bush in bushes], dtype=float)
-    place = np.array([bush.place for bush in bushes], dtype=float)
+    positions = np.array([bush.place for bush in bushes], dtype=float)
     springs = np.array([bush.stiffness for bush in bushes], dtype=float)
     stretch = np.concatenate(
         [
-            sign * _carried(place - nodes[ends[:, i]], axes)
+            sign * _carried(positions - nodes[ends[:, i]], axes)
             for i, sign in zip(range(ends.shape[1]), (-1.0, 1.0), strict=False)
         ],
         axis=2,

@@ -123,8 +123,8 @@ def _serendipity(points: Matrix) -> tuple[Matrix, Matrix]:
     )
     sides = [np.hstack(part) for part in zip(bottom, right, top, left, strict=True)]
     values, in_x, in_y = (
-        np.hstack([one, other])
-        for one, other in zip((corner, corner_x, corner_y), sides, strict=True)
+        np.hstack([axis, factors])
+        for axis, factors in zip((corner, corner_x, corner_y), sides, strict=True)
     )
     return values, np.stack([in_x, in_y], axis=1)
 
@@ -134,8 +134,10 @@ def _quadratic(points: Matrix) -> tuple[Matrix, Matrix]:
     x, y = points.T
     area = np.stack([1 - x - y, x, y])
     slopes = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
-    values = [one * (2 * one - 1) for one in area]
-    gradients = [np.outer(4 * one - 1, slope) for one, slope in zip(area, slopes, strict=True)]
+    values = [coordinate * (2 * coordinate - 1) for coordinate in area]
+    gradients = [
+        np.outer(4 * coordinate - 1, slope) for coordinate, slope in zip(area, slopes, strict=True)
+    ]
     for i, j in ((0, 1), (1, 2), (2, 0)):
         values.append(4 * area[i] * area[j])
         gradients.append(4 * (np.outer(area[i], slopes[j]) + np.outer(area[j], slopes[i])))
@@ -160,9 +162,9 @@ def _quad8() -> CurvedShell:
     across = [[x, y] for y in (-1, 0, 1) for x in (-g, g)]
     places = np.array([*across, *([y, x] for x, y in across)])
     directions = np.repeat(np.eye(2), 6, axis=0)
-    one = np.zeros((5, 6))
-    one[[0, 1, 2, 2, 3, 4], range(6)] = [1, 1, 0.5, 0.5, 1, 1]
-    samples = (places, directions, np.asarray(np.kron(np.eye(2), one), float))
+    integrand = np.zeros((5, 6))
+    integrand[[0, 1, 2, 2, 3, 4], range(6)] = [1, 1, 0.5, 0.5, 1, 1]
+    samples = (places, directions, np.asarray(np.kron(np.eye(2), integrand), float))
     return CurvedShell(
         rules=rules,
         shares={"reduced": 1 - HELD, "full": HELD},
@@ -212,8 +214,8 @@ def _tri6() -> CurvedShell:
 
 def _triangle_fields(where: Matrix) -> Matrix:
     """Fields (n, 2, 6) with linear components."""
-    one = np.hstack([np.ones((len(where), 1)), where])
-    return np.asarray(np.einsum("nk,ab->nabk", one, np.eye(2)).reshape(len(where), 2, 6))
+    linear = np.hstack([np.ones((len(where), 1)), where])
+    return np.asarray(np.einsum("nk,ab->nabk", linear, np.eye(2)).reshape(len(where), 2, 6))
 
 
 CURVED_SHELLS: Mapping[str, CurvedShell] = {"tri6": _tri6(), "quad8": _quad8()}
@@ -293,14 +295,14 @@ def curved_matrices(
     kind: str,
     coordinates: Matrix,
     director: Matrix,
-    at: Mapping[str, tuple[Points, ElementLaws]],
+    tables: Mapping[str, tuple[Points, ElementLaws]],
 ) -> tuple[Matrix, Matrix]:
     """Return mass and stiffness of curved shells in basic directions.
 
     Parameters
     ----------
     coordinates, director : (n, n_node, 3)
-    at
+    tables
         ``"reduced"`` and ``"full"``: the points of each rule, and laws in their frames
         (n · n_q, ...).
 
@@ -314,7 +316,7 @@ def curved_matrices(
     turning = lever_arms(director.reshape(-1, 3)).reshape(n, n_node, 3, 3)
     stiffness = np.zeros((n, 6 * n_node, 6 * n_node))
     for name, rule in shell.rules.items():
-        points, laws = at[name]
+        points, laws = tables[name]
         strains, drilling = _strains(rule, points, director, turning)
         at_points = points.area.shape
         law = laws.stiffness.reshape(*at_points, 6, 6)
@@ -324,7 +326,7 @@ def curved_matrices(
             stiffness += integrated(shear, laws.shear.reshape(*at_points, 2, 2), points.area)
         if name == "full":
             stiffness += integrated(drilling, DRILLING * law[..., 2:3, 2:3], points.area)
-    points, laws = at["full"]
+    points, laws = tables["full"]
     values = shell.rules["full"].values
     products = np.einsum("eq,qi,qj->eqij", points.area, values, values)
     mass = np.zeros((n, n_node, 6, n_node, 6))

@@ -65,11 +65,11 @@ class FlatShell:
 def _triangle() -> FlatShell:
     # Mid-sides integrate degree two: linear curvatures and shear strains.
     x, y = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]).T
-    zero, one = np.zeros(3), np.ones(3)
+    zero, ones = np.zeros(3), np.ones(3)
     gradients = np.tile([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]], (3, 1, 1))
     side_x = [4 * (1 - 2 * x - y), 4 * y, -4 * y]
     side_y = [-4 * x, 4 * x, 4 * (1 - x - 2 * y)]
-    field_x, field_y = [one - y, -y, -y], [x, x, x - 1]
+    field_x, field_y = [ones - y, -y, -y], [x, x, x - 1]
     return FlatShell(
         sides=((0, 1), (1, 2), (2, 0)),
         weights=np.full(3, 1 / 6),

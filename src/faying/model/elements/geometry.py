@@ -95,31 +95,31 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
     by_node = coordinates.transpose(1, 0, 2)
     extent = (reduce(np.maximum, by_node) - reduce(np.minimum, by_node)).max(axis=1)
     seen: list[Matrix] = []
-    for place, gradients in places.items():
-        if any(np.array_equal(gradients, other) for other in seen):
+    for location, gradients in places.items():
+        if any(np.array_equal(gradients, earlier) for earlier in seen):
             continue
         seen.append(gradients)
         determinant = volume_factors(gradients, coordinates)
-        least = np.maximum(COLLAPSED * np.abs(determinant).max(axis=0), FLAT * extent**3)
-        _check_above(least, determinant.min(axis=0), element, ids, place)
+        threshold = np.maximum(COLLAPSED * np.abs(determinant).max(axis=0), FLAT * extent**3)
+        _check_above(threshold, determinant.min(axis=0), element, ids, location)
 
 
 def _check_above(
-    least: Vector, smallest: Vector, element: SolidElement, ids: Indices, place: str
+    threshold: Vector, smallest: Vector, element: SolidElement, ids: Indices, location: str
 ) -> None:
-    bad = ~(smallest > least)  # also catches coordinates that are not numbers
+    bad = ~(smallest > threshold)  # also catches coordinates that are not numbers
     if not bad.any():
         return
     first = int(np.argmax(bad))
     others = f" (and {bad.sum() - 1} more elements)" if bad.sum() > 1 else ""
-    inverted = smallest[first] < -least[first]
+    inverted = smallest[first] < -threshold[first]
     what, remedy = (
         ("negative", "it is inside out or too distorted: correct the order of its nodes, or remesh")
         if inverted
         else ("no", "it is flat or collapsed: use a wedge or tetrahedron, or merge its nodes away")
     )
     message = (
-        f"element {ids[first]} ({element.kind}){others} has {what} volume at {place} (Jacobian "
+        f"element {ids[first]} ({element.kind}){others} has {what} volume at {location} (Jacobian "
         f"determinant {smallest[first]:.3g}); {remedy}"
     )
     raise ModelError(message)

@@ -69,12 +69,16 @@ def _edges(points: Matrix) -> tuple[Matrix, Matrix]:
     x, y, z = (points[:, k, None] for k in range(3))
     a, b = BASE[:, 0], BASE[:, 1]
     top = below_apex(z)
-    one, other = 1 + a * x / top, 1 + b * y / top
+    along_x, along_y = 1 + a * x / top, 1 + b * y / top
     slopes = np.stack(
-        [z * a * other, z * b * one, top * one * other - z * (1 - a * b * (x / top) * (y / top))],
+        [
+            z * a * along_y,
+            z * b * along_x,
+            top * along_x * along_y - z * (1 - a * b * (x / top) * (y / top)),
+        ],
         axis=1,
     )
-    return z * top * one * other, slopes
+    return z * top * along_x * along_y, slopes
 
 
 PYRAMID13 = SolidElement(

@@ -62,8 +62,8 @@ def flat_frames(coordinates: Matrix, ids: Indices) -> tuple[Matrix, Matrix]:
     frames = np.stack([x, np.cross(z, x), z], axis=1)
     centred = coordinates - coordinates.mean(axis=1, keepdims=True)
     local = np.einsum("eci,eni->enc", frames, centred)
-    before, after = np.roll(local, 1, axis=1) - local, np.roll(local, -1, axis=1) - local
-    corner = after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0]
+    to_previous, to_next = np.roll(local, 1, axis=1) - local, np.roll(local, -1, axis=1) - local
+    corner = to_next[..., 0] * to_previous[..., 1] - to_next[..., 1] * to_previous[..., 0]
     check_area(corner.min(axis=1) > _COLLAPSED * extent**2, ids)
     return frames, local
 
@@ -137,12 +137,12 @@ def laws_in(
             shell = block.ids[part][int(np.argmax(which == position))]
             message = f"property {number} (of shell {shell}) has no section; define it"
             raise ModelError(message)
-    own = [sections[number] for number in numbers.tolist()]
+    used = [sections[number] for number in numbers.tolist()]
     which = np.repeat(which, repeat)
     direction = np.repeat(block.directions[part], repeat, axis=0)
-    given = direction.any(axis=1)
+    directed = direction.any(axis=1)
     along = np.einsum("eci,ei->ec", frames[:, :2], direction)
-    upright = given & ~(
+    upright = directed & ~(
         np.linalg.norm(along, axis=1) > _UPRIGHT * np.linalg.norm(direction, axis=1)
     )
     if upright.any():
@@ -153,18 +153,20 @@ def laws_in(
         )
         raise ModelError(message)
     # Strains in the material's axes, which lead the element's by this angle.
-    angle = np.where(given, np.arctan2(along[:, 1], along[:, 0]), 0.0)
+    angle = np.where(directed, np.arctan2(along[:, 1], along[:, 0]), 0.0)
     T = strain_rotation(angle)
     both = np.zeros((len(angle), 6, 6))
     both[:, :3, :3] = both[:, 3:, 3:] = T
     c, s = np.cos(angle), np.sin(angle)
     plane = np.moveaxis(np.array([[c, s], [-s, c]]), 2, 0)
-    stiffness = np.array([section.stiffness for section in own])[which]
-    shear = np.array([np.zeros((2, 2)) if one.shear is None else one.shear for one in own])[which]
+    stiffness = np.array([section.stiffness for section in used])[which]
+    shear = np.array(
+        [np.zeros((2, 2)) if member.shear is None else member.shear for member in used]
+    )[which]
     return ElementLaws(
         stiffness=both.swapaxes(1, 2) @ stiffness @ both,
         shear=plane.swapaxes(1, 2) @ shear @ plane,
-        rigid=np.array([section.shear is None for section in own])[which],
-        mass=np.array([section.mass for section in own])[which],
-        inertia=np.array([section.inertia for section in own])[which],
+        rigid=np.array([section.shear is None for section in used])[which],
+        mass=np.array([section.mass for section in used])[which],
+        inertia=np.array([section.inertia for section in used])[which],
     )
